@@ -1,0 +1,1 @@
+"""The default plugins of tacos-framework; an ordinary plugin package."""

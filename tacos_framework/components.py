@@ -1,0 +1,76 @@
+"""What a plugin offers: a component, named before it is imported."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from dataclasses import dataclass
+from typing import Any
+
+CONTRACT_VERSION = 1
+"""Grows when a plugin written for the older number would no longer work."""
+
+KINDS = ("scene", "rig", "renderer", "effect", "sensor", "task", "optimizer", "executor")
+"""The kinds of component; `tacos_framework.contracts` has one Protocol for each."""
+
+_NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+_TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True)
+class Component:
+    """A component a plugin offers, described without importing its code.
+
+    Parameters
+    ----------
+    kind
+        One of :data:`KINDS`.
+    name
+        Lower-case words joined by hyphens; recipes write ``kind.name``.
+    target
+        ``"package.module:Class"``, imported on first use.
+    summary
+        One sentence for ``tacos plugins``.
+    requires
+        Import names of optional packages the class needs, each as ``"module"`` or
+        ``"module=package-to-install"``.
+
+    Examples
+    --------
+    >>> Component("sensor", "affine-noise", "my_plugin.noise:AffineNoise", summary="Noise.").use
+    'sensor.affine-noise'
+    """
+
+    kind: str
+    name: str
+    target: str
+    summary: str
+    requires: tuple[str, ...] = ()
+    contract: int = CONTRACT_VERSION
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ValueError(f"component kind {self.kind!r} is not one of {', '.join(KINDS)}")
+        if not _NAME.fullmatch(self.name):
+            raise ValueError(f"component name {self.name!r} is not lower-case words joined by hyphens")
+        if not _TARGET.fullmatch(self.target):
+            raise ValueError(f"component target {self.target!r} is not of the form 'package.module:Class'")
+        if not self.summary:
+            raise ValueError(f"component {self.use} has no summary")
+
+    @property
+    def use(self) -> str:
+        """The name recipes use: ``kind.name``."""
+        return f"{self.kind}.{self.name}"
+
+    def missing_packages(self) -> list[str]:
+        """The packages to install before this component can be loaded; empty when all are there."""
+        from importlib.util import find_spec
+
+        wanted = (requirement.partition("=") for requirement in self.requires)
+        return [package or module for module, _, package in wanted if find_spec(module) is None]
+
+    def load(self) -> type[Any]:
+        """Import and return the class. Errors of the import are the plugin's and pass unchanged."""
+        module, _, name = self.target.partition(":")
+        return getattr(importlib.import_module(module), name)

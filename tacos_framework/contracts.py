@@ -1,0 +1,271 @@
+"""The contract of each kind of component, one Protocol a kind.
+
+Positional parameters are input ports, the return annotation is the output port, and keyword-only parameters
+are what the framework supplies: a component asks for those it needs and leaves out the rest.
+
+=================  ====================================================================================
+keyword            what the framework supplies
+=================  ====================================================================================
+rng                `numpy.random.Generator`, spawned by name from the study's seed
+rig                the `Rig` of the candidate
+exposure           the `Exposure` of the scenario
+illumination_lux   illuminance of the scenario [lux]
+effects            the recipe's effects of the stages pixel and readout, for sensors (`Effects`)
+state              the state of a trainable task
+budget             how much to train (`Budget`)
+=================  ====================================================================================
+
+Every component class has a ``Config`` (`tacos_framework.settings.Settings`) and is built as
+``Class(Class.Config(...))``; optimizers take the design space and a generator beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, Protocol, TypeVar, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.settings import Settings
+from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig, Signal
+
+Scores = Mapping[str, float]
+"""Named numbers of one episode. A score without meaning there (no obstacle on the path) is left out."""
+
+State = Mapping[str, NDArray[Any]]
+"""What a trainable task has learnt: named arrays, so that it can be kept without pickle."""
+
+Stage = Literal["scene", "optics", "exposure", "pixel", "readout", "isp", "codec"]
+"""Where in image formation an effect acts; the noise lies between pixel and readout."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much to train: passes over the batches, and settings of the recipe's ``train:``."""
+
+    epochs: int = 1
+    settings: Mapping[str, Any] | None = None
+
+
+class Scene(Protocol):
+    """Makes worlds and the agent's trips through them."""
+
+    Config: ClassVar[type[Settings]]
+
+    def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
+        """One trip; the same generator state gives the same episode, always.
+
+        Illuminance is the mean on a horizontal plane 1 m above the floor (or ground) [lux].
+        """
+        ...
+
+
+class RigBuilder(Protocol):
+    """Turns design variables into cameras.
+
+    ``Variables`` is a `Settings` class whose fields are what a recipe may design or fix; fields without a
+    default must be given by the recipe, as a design variable or as a fixed value under ``rig:``.
+    """
+
+    Config: ClassVar[type[Settings]]
+    Variables: ClassVar[type[Settings]]
+    derived_quantities: ClassVar[Mapping[str, str]]  # name -> unit, for constraints and reports
+
+    def build(self, variables: Settings) -> Rig:
+        """The rig for values of the variables, an instance of ``Variables``."""
+        ...
+
+    def derived(self, variables: Settings) -> Mapping[str, float]:
+        """The derived quantities of these variables, cheaply: nothing is rendered."""
+        ...
+
+
+class Renderer(Protocol):
+    """Gives the light that reaches each pixel, and the truth behind it.
+
+    ``reads`` names the fields of `Camera` and `Exposure` its output depends on: candidates that agree in
+    them may share a capture.
+    """
+
+    Config: ClassVar[type[Settings]]
+    reads: ClassVar[frozenset[str]]
+
+    def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
+        """One view per camera of the rig for every frame of the batch."""
+        ...
+
+
+Image = TypeVar("Image", Capture, Signal, FrameBatch)
+
+
+class Effect(Protocol[Image]):
+    """One physical effect of a real camera.
+
+    ``neutral`` gives, for each parameter, the value at which the effect is exactly off. Effects of the
+    stages scene, optics and exposure change a `Capture`; pixel and readout a `Signal`; isp and codec a
+    `FrameBatch`.
+    """
+
+    Config: ClassVar[type[Settings]]
+    stage: ClassVar[Stage]
+    neutral: ClassVar[Mapping[str, Any]]
+
+    def apply(self, image: Image, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Image:
+        """The image with the effect."""
+        ...
+
+
+class Effects(Protocol):
+    """The effects of a recipe that act inside the sensor; the sensor calls each stage at its place."""
+
+    def pixel(self, signal: Signal) -> Signal:
+        """Apply the effects on the expected signal, before the noise."""
+        ...
+
+    def readout(self, signal: Signal) -> Signal:
+        """Apply the effects on noisy samples, before rounding."""
+        ...
+
+
+class Sensor(Protocol):
+    """Turns light into digital images, with noise."""
+
+    Config: ClassVar[type[Settings]]
+
+    def expose(
+        self,
+        capture: Capture,
+        *,
+        rig: Rig,
+        exposure: Exposure,
+        rng: np.random.Generator,
+        effects: Effects,
+    ) -> FrameBatch:
+        """The frames of a batch; black and white level are those of the files."""
+        ...
+
+
+class Scorer(Protocol):
+    """Scores one episode, batch by batch. The positional parameters of `update` are the task's ports."""
+
+    def update(self, frames: FrameBatch) -> None:
+        """Take in the next batch; batches come in order and do not overlap."""
+        ...
+
+    def scores(self) -> Scores:
+        """The scores of all that was taken in; at least those named in ``Task.scores`` that have meaning."""
+        ...
+
+
+class Task(Protocol):
+    """A perception task. ``scores`` names what its scorers report, all "higher is better" or documented."""
+
+    Config: ClassVar[type[Settings]]
+    scores: ClassVar[tuple[str, ...]]
+
+    def begin(self, *, state: State | None) -> Scorer:
+        """A scorer for one episode; `state` is None for tasks that do not learn."""
+        ...
+
+
+@runtime_checkable
+class Trainable(Protocol):
+    """A task that learns. State goes in and comes out; the object itself keeps none."""
+
+    scores: ClassVar[tuple[str, ...]]
+
+    def begin(self, *, state: State | None) -> Scorer:
+        """A scorer that uses `state`."""
+        ...
+
+    def initial_state(self, *, rng: np.random.Generator) -> State:
+        """The state before any training of this study."""
+        ...
+
+    def fit(
+        self, batches: Iterable[FrameBatch], *, state: State, budget: Budget, rng: np.random.Generator
+    ) -> State:
+        """A new state, trained on the batches; `state` itself is left as it was."""
+        ...
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """A candidate and its fitness, higher is better; None when it failed or breaks a constraint."""
+
+    candidate: Any  # tacos_framework.design_space.Candidate
+    fitness: float | None
+
+
+class Optimizer(Protocol):
+    """The derivative-free side: ``Class(config, space=space, rng=rng)``, then ask and tell until stop."""
+
+    Config: ClassVar[type[Settings]]
+
+    def ask(self) -> list[Any]:
+        """The next candidates, snapped to the space; never empty before `stop` gives a reason."""
+        ...
+
+    def tell(self, evaluated: Sequence[Evaluated]) -> None:
+        """The results of exactly the candidates last asked, in their order."""
+        ...
+
+    def stop(self) -> str | None:
+        """Why there is nothing more to ask, in a sentence; None to go on."""
+        ...
+
+    def state(self) -> dict[str, Any]:
+        """All that is needed to go on, as JSON values, generator included."""
+        ...
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a `state`; equal to never having stopped."""
+        ...
+
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+
+class Executor(Protocol):
+    """Runs evaluations, here or elsewhere."""
+
+    Config: ClassVar[type[Settings]]
+
+    def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
+        """The results in the order of the jobs, each as soon as it and those before it are there.
+
+        `evaluate` can be pickled and keeps costly things (GL context, worlds) between calls in the process
+        it runs in. An exception it raises comes out of the iterator unchanged.
+        """
+        ...
+
+    def close(self) -> None:
+        """Let go of all workers; safe to call twice."""
+        ...
+
+
+PROTOCOLS: Mapping[str, type[Any]] = {
+    "scene": Scene,
+    "rig": RigBuilder,
+    "renderer": Renderer,
+    "effect": Effect,
+    "sensor": Sensor,
+    "task": Task,
+    "optimizer": Optimizer,
+    "executor": Executor,
+}
+
+VERBS: Mapping[str, tuple[str, ...]] = {
+    "scene": ("episode",),
+    "rig": ("build", "derived"),
+    "renderer": ("capture",),
+    "effect": ("apply",),
+    "sensor": ("expose",),
+    "task": ("begin",),
+    "optimizer": ("ask", "tell", "stop", "state", "restore"),
+    "executor": ("map", "close"),
+}
+"""The methods a component of each kind must have."""

@@ -1,0 +1,38 @@
+"""Every hook a plugin may implement, on one screen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pluggy
+
+from tacos_framework.components import Component
+
+hookspec = pluggy.HookspecMarker("tacos")
+hookimpl = pluggy.HookimplMarker("tacos")
+
+
+@hookspec
+def tacos_components() -> Sequence[Component]:  # type: ignore[empty-body]
+    """Offer components. Called once at discovery: name code by string, import nothing heavy."""
+
+
+@hookspec
+def tacos_study_started(recipe: Any, out: Any) -> None:
+    """A study begins: its `Recipe` and its results folder (`pathlib.Path`)."""
+
+
+@hookspec
+def tacos_generation_finished(generation: int, evaluated: Sequence[Any], best: Any) -> None:
+    """A generation was told: number from 0, its `Evaluation`s, and the best so far (or None)."""
+
+
+@hookspec
+def tacos_candidate_failed(candidate: Any, reason: str) -> None:
+    """A candidate could not be evaluated, and why; the study goes on."""
+
+
+@hookspec
+def tacos_study_finished(result: Mapping[str, Any]) -> None:
+    """A study ended; `result` is what stands in ``result.json``."""

@@ -1,0 +1,26 @@
+"""Frozen values that cross ports, with shapes, dtypes and units. Their arrays are read-only."""
+
+from __future__ import annotations
+
+from tacos_framework.values.camera import Camera, Exposure, Rig
+from tacos_framework.values.episode import Crossing, Episode, Trajectory
+from tacos_framework.values.images import Capture, FrameBatch, Signal, View
+from tacos_framework.values.world import Light, Material, Object, Part, World
+
+__all__ = [
+    "Camera",
+    "Capture",
+    "Crossing",
+    "Episode",
+    "Exposure",
+    "FrameBatch",
+    "Light",
+    "Material",
+    "Object",
+    "Part",
+    "Rig",
+    "Signal",
+    "Trajectory",
+    "View",
+    "World",
+]

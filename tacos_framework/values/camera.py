@@ -1,0 +1,118 @@
+"""Cameras: where they sit, what they see, how long they look."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values.arrays import read_only
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """One pinhole camera on the agent.
+
+    The camera frame is OpenCV's: x right, y down, z forward. Pixel (0, 0) has its centre at (0.0, 0.0),
+    so the image spans -0.5 .. width - 0.5. The agent frame is x forward, y left, z up.
+
+    Parameters
+    ----------
+    name
+        Unique in its rig.
+    width_px, height_px
+        Size of the image that is simulated [px].
+    pixel_um
+        Pitch of the photosites as manufactured [um].
+    focal_length_mm
+        Focal length [mm].
+    agent_from_camera
+        (4, 4) float64 rigid transform [m].
+    binning
+        Linear factor of photosites averaged into one simulated pixel [1]; 1 simulates every photosite.
+        The pitch of a simulated pixel is ``pixel_um * binning``.
+    principal_point_px
+        (x, y) [px]; the image centre when None.
+    """
+
+    name: str
+    width_px: int
+    height_px: int
+    pixel_um: float
+    focal_length_mm: float
+    agent_from_camera: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    binning: float = 1.0
+    principal_point_px: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if self.width_px < 1 or self.height_px < 1:
+            raise ValueError(f"camera {self.name!r} has no pixels: {self.width_px} x {self.height_px}")
+        for name in ("pixel_um", "focal_length_mm", "binning"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0):
+                raise ValueError(f"camera {self.name!r}: {name} must be above 0, not {value}")
+        read_only(self, "agent_from_camera", np.float64, (4, 4))
+
+    @property
+    def focal_length_px(self) -> float:
+        """Focal length in simulated pixels [px]."""
+        return self.focal_length_mm * 1e3 / (self.pixel_um * self.binning)
+
+    @property
+    def centre_px(self) -> tuple[float, float]:
+        """Principal point (x, y) [px]."""
+        return self.principal_point_px or ((self.width_px - 1) / 2, (self.height_px - 1) / 2)
+
+    @property
+    def intrinsics(self) -> NDArray[np.float64]:
+        """(3, 3) matrix K [px], as `cv2.projectPoints` takes it."""
+        cx, cy = self.centre_px
+        f = self.focal_length_px
+        return np.array([[f, 0, cx], [0, f, cy], [0, 0, 1]], dtype=np.float64)
+
+    @property
+    def hfov_deg(self) -> float:
+        """Horizontal field of view from edge to edge [deg]."""
+        return math.degrees(2 * math.atan(self.width_px / (2 * self.focal_length_px)))
+
+    @property
+    def vfov_deg(self) -> float:
+        """Vertical field of view from edge to edge [deg]."""
+        return math.degrees(2 * math.atan(self.height_px / (2 * self.focal_length_px)))
+
+
+@dataclass(frozen=True)
+class Rig:
+    """One or more cameras mounted on the agent, in a fixed order."""
+
+    cameras: tuple[Camera, ...]
+
+    def __post_init__(self) -> None:
+        names = [camera.name for camera in self.cameras]
+        if not names:
+            raise ValueError("a rig needs at least one camera")
+        if len(set(names)) != len(names):
+            raise ValueError(f"cameras of a rig need different names, not {', '.join(names)}")
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """How the scene is exposed: time [s], f-number [1], gain [dB]."""
+
+    time_s: float = 0.030
+    f_number: float = 2.0
+    gain_db: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("time_s", "f_number"):
+            if not (math.isfinite(value := getattr(self, name)) and value > 0):
+                raise ValueError(f"exposure {name} must be above 0, not {value}")
+        if not math.isfinite(self.gain_db):
+            raise ValueError(f"exposure gain_db must be a finite number, not {self.gain_db}")
+
+    @property
+    def gain(self) -> float:
+        """Gain as a factor on the signal [1]: 20 dB is a factor of 10."""
+        return 10 ** (self.gain_db / 20)

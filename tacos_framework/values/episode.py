@@ -1,0 +1,105 @@
+"""One trip of the agent through a world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from tacos_framework.values.arrays import read_only
+from tacos_framework.values.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """The agent's pose over time, interpolated between keys.
+
+    Parameters
+    ----------
+    time_s
+        (K,) float64, rising [s].
+    world_from_agent
+        (K, 4, 4) float64 rigid transforms [m]; agent x forward, y left, z up, origin at the eye.
+    """
+
+    time_s: NDArray[np.float64]
+    world_from_agent: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        read_only(self, "time_s", np.float64, (None,))
+        read_only(self, "world_from_agent", np.float64, (len(self.time_s), 4, 4))
+        if len(self.time_s) < 1 or np.any(np.diff(self.time_s) <= 0):
+            raise ValueError("times of a trajectory must rise from key to key")
+
+    @cached_property
+    def _slerp(self) -> Slerp:
+        return Slerp(self.time_s, Rotation.from_matrix(self.world_from_agent[:, :3, :3]))
+
+    def at(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(N, 4, 4) poses at the (N,) times, held constant beyond the ends [m]."""
+        time_s = np.clip(np.asarray(time_s, dtype=np.float64), self.time_s[0], self.time_s[-1])
+        poses = np.tile(np.eye(4), (len(time_s), 1, 1))
+        if len(self.time_s) == 1:
+            poses[:] = self.world_from_agent[0]
+            return poses
+        poses[:, :3, :3] = self._slerp(time_s).as_matrix()
+        for axis in range(3):
+            poses[:, axis, 3] = np.interp(time_s, self.time_s, self.world_from_agent[:, axis, 3])
+        return poses
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """The agent steps on an object (a threshold) at a time [s]."""
+
+    object_id: int
+    time_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """Frames to take in a world, or a run of consecutive ones: ``episode[8:16]`` is a batch.
+
+    Parameters
+    ----------
+    world
+        The world; shared by all batches.
+    trajectory
+        The agent's path.
+    time_s
+        (N,) middle of each frame's exposure [s].
+    walk
+        (N,) int32: frames with equal numbers belong to one continuous walk; between walks the agent jumps.
+    crossings
+        Every obstacle the agent steps on in the whole episode.
+    first_frame
+        Index of frame 0 of this batch in the whole episode.
+    """
+
+    world: World
+    trajectory: Trajectory
+    time_s: NDArray[np.float64]
+    walk: NDArray[np.int32]
+    crossings: tuple[Crossing, ...] = ()
+    first_frame: int = 0
+
+    def __post_init__(self) -> None:
+        read_only(self, "time_s", np.float64, (None,))
+        read_only(self, "walk", np.int32, (len(self.time_s),))
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def __getitem__(self, frames: slice) -> Episode:
+        start, _, step = frames.indices(len(self))
+        if step != 1:
+            raise ValueError("a batch is a run of consecutive frames: episode[start:stop]")
+        return replace(
+            self,
+            time_s=self.time_s[frames],
+            walk=self.walk[frames],
+            first_frame=self.first_frame + start,
+        )

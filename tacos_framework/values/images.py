@@ -1,0 +1,117 @@
+"""What cameras deliver: linear light, then digital frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values.arrays import read_only
+from tacos_framework.values.camera import Camera
+from tacos_framework.values.episode import Episode
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What one camera faces, frame by frame: light and truth.
+
+    Parameters
+    ----------
+    camera
+        The camera.
+    world_from_camera
+        (N, 4, 4) float64 poses in the middle of the exposure [m].
+    luminance_cd_m2
+        (N, H, W, 3) float32 luminance that reaches each pixel, averaged over the pixel and the exposure,
+        per linear sRGB channel, scaled so that an achromatic surface has equal channels [cd/m2].
+    depth_m
+        (N, H, W) float32 distance along the optical axis at the pixel centre, in the middle of the
+        exposure [m]; infinite where nothing is.
+    object_id
+        (N, H, W) int32 index into `World.objects` at the pixel centre; 0 for the background.
+    """
+
+    camera: Camera
+    world_from_camera: NDArray[np.float64]
+    luminance_cd_m2: NDArray[np.float32]
+    depth_m: NDArray[np.float32]
+    object_id: NDArray[np.int32]
+
+    def __post_init__(self) -> None:
+        count = len(self.world_from_camera)
+        size = (count, self.camera.height_px, self.camera.width_px)
+        read_only(self, "world_from_camera", np.float64, (count, 4, 4))
+        read_only(self, "luminance_cd_m2", np.float32, (*size, 3))
+        read_only(self, "depth_m", np.float32, size)
+        read_only(self, "object_id", np.int32, size)
+
+
+@dataclass(frozen=True, eq=False)
+class Capture:
+    """What a renderer gives for a batch: one view per camera of the rig, in the rig's order."""
+
+    episode: Episode
+    views: tuple[View, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """Samples of one camera on their way through a sensor model, for effects of the stages pixel and readout.
+
+    Parameters
+    ----------
+    view
+        The view that is being exposed.
+    samples_dn
+        (N, H, W, C) float32 signal in the units of the final file, not yet rounded or clipped [DN].
+    black_level_dn, white_level_dn
+        Pedestal and full scale [DN].
+    """
+
+    view: View
+    samples_dn: NDArray[np.float32]
+    black_level_dn: float
+    white_level_dn: float
+
+    def __post_init__(self) -> None:
+        size = self.view.depth_m.shape
+        read_only(self, "samples_dn", np.float32, (*size, None))
+
+
+@dataclass(frozen=True, eq=False)
+class FrameBatch:
+    """Digital images of a batch of consecutive frames, with the capture they were made from.
+
+    Parameters
+    ----------
+    capture
+        Truth: poses, depth, ids.
+    images
+        For each camera (N, H, W, C) uint8 or uint16, linear RGB (C = 3) or mono (C = 1) [DN].
+    black_level_dn, white_level_dn
+        Pedestal and full scale [DN].
+    """
+
+    capture: Capture
+    images: tuple[NDArray[np.uint8] | NDArray[np.uint16], ...]
+    black_level_dn: float = 0.0
+    white_level_dn: float = 255.0
+
+    def __post_init__(self) -> None:
+        if len(self.images) != len(self.capture.views):
+            raise ValueError(f"{len(self.images)} images for {len(self.capture.views)} cameras")
+        frozen = []
+        for image, view in zip(self.images, self.capture.views, strict=True):
+            if image.shape[:3] != view.depth_m.shape or image.dtype not in (np.uint8, np.uint16):
+                raise ValueError(f"images of camera {view.camera.name!r} are {image.dtype} {image.shape}, "
+                                 f"expected uint8 or uint16 {view.depth_m.shape} and channels")
+            image = image.view()
+            image.flags.writeable = False
+            frozen.append(image)
+        object.__setattr__(self, "images", tuple(frozen))
+
+    @property
+    def episode(self) -> Episode:
+        """The batch's frames in the world."""
+        return self.capture.episode

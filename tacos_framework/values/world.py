@@ -1,0 +1,177 @@
+"""A world: surfaces, materials, lights and labels. Metres; right-handed; z is up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values.arrays import read_only
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """How a surface reflects and emits light (metallic-roughness model).
+
+    Parameters
+    ----------
+    name
+        For logs and exports.
+    base_colour
+        (3,) float32 linear sRGB reflectance in 0..1 [1]; multiplies the texture.
+    texture
+        (T, T, 3) uint8 sRGB-encoded base colour that tiles seamlessly, T a power of two; or None.
+    texture_size_m
+        Edge of one tile [m].
+    normal_map
+        (T, T, 3) uint8 tangent-space normals (x along u, y along v; 128 is zero), same T; or None.
+    roughness, metallic
+        0..1 [1].
+    emission_cd_m2
+        (3,) float32 luminance the surface emits itself [cd/m2].
+    """
+
+    name: str
+    base_colour: NDArray[np.float32]
+    texture: NDArray[np.uint8] | None = None
+    texture_size_m: float = 1.0
+    normal_map: NDArray[np.uint8] | None = None
+    roughness: float = 0.8
+    metallic: float = 0.0
+    emission_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+
+    def __post_init__(self) -> None:
+        read_only(self, "base_colour", np.float32, (3,))
+        read_only(self, "emission_cd_m2", np.float32, (3,))
+        for name in ("texture", "normal_map"):
+            if (image := getattr(self, name)) is not None:
+                size = len(image)
+                if size & (size - 1):
+                    raise ValueError(f"{name} of material {self.name!r} is {size} px, not a power of two")
+                read_only(self, name, np.uint8, (size, size, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A triangle mesh in world coordinates, of one material, belonging to one object.
+
+    Parameters
+    ----------
+    vertices_m
+        (V, 3) float32 [m].
+    normals
+        (V, 3) float32, unit length.
+    uv_m
+        (V, 2) float32 texture coordinates in metres along the surface [m].
+    triangles
+        (T, 3) int32 indices of vertices, counter-clockwise seen from outside.
+    material
+        Index into `World.materials`.
+    object_id
+        Id of the object it belongs to: index into `World.objects`.
+    """
+
+    vertices_m: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    uv_m: NDArray[np.float32]
+    triangles: NDArray[np.int32]
+    material: int
+    object_id: int
+
+    def __post_init__(self) -> None:
+        read_only(self, "vertices_m", np.float32, (None, 3))
+        count = len(self.vertices_m)
+        read_only(self, "normals", np.float32, (count, 3))
+        read_only(self, "uv_m", np.float32, (count, 2))
+        read_only(self, "triangles", np.int32, (None, 3))
+
+
+@dataclass(frozen=True)
+class Object:
+    """A labelled thing. ``class_name`` is one of `World.class_names`."""
+
+    name: str
+    class_name: str
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """A diffuse rectangular emitter, or a small sphere where `normal` is None.
+
+    Parameters
+    ----------
+    position_m
+        (3,) centre [m].
+    flux_lm
+        (3,) luminous flux per linear sRGB channel, scaled so that white light has equal channels [lm].
+    normal
+        (3,) unit vector into which it shines (Lambertian), or None: all directions alike.
+    half_u_m, half_v_m
+        (3,) vectors from the centre to the middle of two edges [m]; zero for a sphere.
+    radius_m
+        Radius of a sphere [m].
+    """
+
+    position_m: NDArray[np.float32]
+    flux_lm: NDArray[np.float32]
+    normal: NDArray[np.float32] | None = None
+    half_u_m: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    half_v_m: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    radius_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name in ("position_m", "flux_lm", "half_u_m", "half_v_m"):
+            read_only(self, name, np.float32, (3,))
+        if self.normal is not None:
+            read_only(self, "normal", np.float32, (3,))
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Everything that can be seen and what lights it.
+
+    Object 0 is the background: what belongs to no labelled thing (walls, floor, sky).
+
+    Parameters
+    ----------
+    key
+        Content key: equal keys mean equal worlds; renderers upload and bake once per key.
+    indirect_lux
+        One (V, 3) float32 array per part: light that reaches each vertex after at least one reflection,
+        as irradiance per channel [lux]; None where a renderer should bake it itself.
+    ambient_cd_m2
+        (3,) luminance of whatever lies beyond the geometry [cd/m2].
+    """
+
+    key: str
+    parts: tuple[Part, ...]
+    materials: tuple[Material, ...]
+    objects: tuple[Object, ...]
+    class_names: tuple[str, ...]
+    lights: tuple[Light, ...] = ()
+    indirect_lux: tuple[NDArray[np.float32], ...] | None = None
+    ambient_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+
+    def __post_init__(self) -> None:
+        read_only(self, "ambient_cd_m2", np.float32, (3,))
+        if not self.objects:
+            raise ValueError("a world needs object 0, the background")
+        unknown = {thing.class_name for thing in self.objects} - set(self.class_names)
+        if unknown:
+            raise ValueError(f"objects of unknown class: {', '.join(sorted(unknown))}")
+        for part in self.parts:
+            if not 0 <= part.material < len(self.materials) or not 0 <= part.object_id < len(self.objects):
+                raise ValueError(f"a part names material {part.material} and object {part.object_id}, "
+                                 f"but there are {len(self.materials)} and {len(self.objects)}")
+
+    @property
+    def triangle_count(self) -> int:
+        """Number of triangles in all parts."""
+        return sum(len(part.triangles) for part in self.parts)
+
+    @property
+    def class_of_object(self) -> NDArray[np.int32]:
+        """(objects,) int32: for each object id, the index of its class in `class_names`."""
+        index = {name: i for i, name in enumerate(self.class_names)}
+        return np.array([index[thing.class_name] for thing in self.objects], dtype=np.int32)
