@@ -1,0 +1,228 @@
+"""Pinhole geometry: from the agent's pose to pixels, and to what a rasterizer needs.
+
+Frames: agent x forward, y left, z up; camera x right, y down, z forward (OpenCV). A pose
+``a_from_b`` takes homogeneous points of frame b to frame a. Pixel (0, 0) has its centre at (0.0, 0.0).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tacos_framework.values import Camera
+
+AGENT_FROM_LEVEL_CAMERA: NDArray[np.float64] = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+"""(3, 3) rotation of a camera that looks straight ahead along the agent's x axis."""
+AGENT_FROM_LEVEL_CAMERA.flags.writeable = False
+
+
+def agent_from_camera(
+    position_m: Sequence[float] | NDArray[np.float64], pitch_deg: float, yaw_deg: float = 0.0
+) -> NDArray[np.float64]:
+    """The pose of a camera mounted on the agent.
+
+    Parameters
+    ----------
+    position_m
+        (3,) optical centre in the agent frame: forward, left, up [m].
+    pitch_deg
+        Tilt of the optical axis, positive is up [deg].
+    yaw_deg
+        Turn of the optical axis, positive is left [deg].
+
+    Returns
+    -------
+    NDArray
+        (4, 4) float64 rigid transform [m].
+
+    Examples
+    --------
+    >>> pose = agent_from_camera((0.0, 0.0, 0.1), pitch_deg=30.0)
+    >>> (pose @ [0, 0, 1, 1]).round(3).tolist()  # one metre along the optical axis
+    [0.866, 0.0, 0.6, 1.0]
+    """
+    pitch, yaw = math.radians(pitch_deg), math.radians(yaw_deg)
+    turn_left = np.array(
+        [[math.cos(yaw), -math.sin(yaw), 0.0], [math.sin(yaw), math.cos(yaw), 0.0], [0.0, 0.0, 1.0]]
+    )
+    tilt_up = np.array(
+        [[math.cos(pitch), 0.0, -math.sin(pitch)], [0.0, 1.0, 0.0], [math.sin(pitch), 0.0, math.cos(pitch)]]
+    )
+    pose = np.eye(4)
+    pose[:3, :3] = turn_left @ tilt_up @ AGENT_FROM_LEVEL_CAMERA
+    pose[:3, 3] = position_m
+    return pose
+
+
+def world_from_camera(
+    world_from_agent: NDArray[np.float64], agent_from_camera: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Camera poses in the world.
+
+    Parameters
+    ----------
+    world_from_agent
+        (..., 4, 4) poses of the agent [m].
+    agent_from_camera
+        (4, 4) pose of the camera on the agent [m].
+
+    Returns
+    -------
+    NDArray
+        (..., 4, 4) float64 [m].
+
+    Examples
+    --------
+    >>> walk = np.tile(np.eye(4), (2, 1, 1))
+    >>> walk[1, 0, 3] = 5.0
+    >>> world_from_camera(walk, agent_from_camera((0, 0, 0), 0.0))[:, :3, 3].tolist()
+    [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]
+    """
+    return np.asarray(world_from_agent, dtype=np.float64) @ np.asarray(agent_from_camera, dtype=np.float64)
+
+
+def invert_pose(pose: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The inverse of (..., 4, 4) rigid transforms: ``b_from_a`` of ``a_from_b`` [m].
+
+    Examples
+    --------
+    >>> pose = agent_from_camera((1.0, 2.0, 3.0), pitch_deg=20.0, yaw_deg=40.0)
+    >>> bool(np.allclose(invert_pose(pose) @ pose, np.eye(4)))
+    True
+    """
+    inverse = np.zeros_like(pose, dtype=np.float64)
+    rotation = np.swapaxes(pose[..., :3, :3], -1, -2)
+    inverse[..., :3, :3] = rotation
+    inverse[..., :3, 3] = -np.einsum("...ij,...j->...i", rotation, pose[..., :3, 3])
+    inverse[..., 3, 3] = 1.0
+    return inverse
+
+
+def project(
+    points_m: ArrayLike, camera: Camera, world_from_camera: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Where points of the world fall in the image of a pinhole camera.
+
+    Parameters
+    ----------
+    points_m
+        (..., 3) points in the world [m].
+    camera
+        The camera.
+    world_from_camera
+        (4, 4) its pose [m].
+
+    Returns
+    -------
+    pixels_px
+        (..., 2) float64 pixel coordinates (x, y), not clipped to the image; NaN for points that are not
+        in front of the camera [px].
+    depth_m
+        (...) float64 distance along the optical axis, negative behind the camera [m].
+
+    Examples
+    --------
+    >>> camera = Camera("c", width_px=5, height_px=5, pixel_um=10, focal_length_mm=1)
+    >>> pose = agent_from_camera((0, 0, 0), pitch_deg=0)
+    >>> pixels, depth = project([[2.0, 0.0, 0.0], [2.0, 0.02, 0.02]], camera, pose)
+    >>> pixels.round(6).tolist(), depth.tolist()
+    ([[2.0, 2.0], [1.0, 1.0]], [2.0, 2.0])
+    """
+    points = np.asarray(points_m, dtype=np.float64)
+    camera_from_world = invert_pose(world_from_camera)
+    seen = points @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]
+    depth = seen[..., 2]
+    in_front = np.where(depth > 0, depth, np.nan)
+    pixels = seen[..., :2] / in_front[..., None] * camera.focal_length_px + camera.centre_px
+    return pixels, depth
+
+
+def pixel_rays(camera: Camera) -> NDArray[np.float64]:
+    """The directions that pixel centres look into, in the camera frame, scaled to z = 1.
+
+    A point at depth Z along the ray of a pixel is ``Z * ray`` [m].
+
+    Returns
+    -------
+    NDArray
+        (H, W, 3) float64 [1].
+
+    Examples
+    --------
+    >>> camera = Camera("c", width_px=3, height_px=1, pixel_um=10, focal_length_mm=0.01)
+    >>> pixel_rays(camera).tolist()
+    [[[-1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]]
+    """
+    cx, cy = camera.centre_px
+    rays = np.ones((camera.height_px, camera.width_px, 3))
+    rays[..., 0] = (np.arange(camera.width_px) - cx) / camera.focal_length_px
+    rays[..., 1] = ((np.arange(camera.height_px) - cy) / camera.focal_length_px)[:, None]
+    return rays
+
+
+def projection_matrix(camera: Camera, near_m: float, far_m: float) -> NDArray[np.float64]:
+    """OpenGL's projection matrix of a pinhole camera with any principal point.
+
+    It takes points of the OpenCV camera frame to clip space such that the image's first row is the
+    framebuffer's first row: what is read back needs no flip. Windings appear mirrored for that reason.
+
+    Parameters
+    ----------
+    camera
+        The camera.
+    near_m, far_m
+        Nearest and farthest depth kept, ``0 < near < far`` [m].
+
+    Returns
+    -------
+    NDArray
+        (4, 4) float64, to be multiplied from the left to column vectors.
+
+    Examples
+    --------
+    >>> camera = Camera("c", width_px=4, height_px=2, pixel_um=10, focal_length_mm=0.02)
+    >>> clip = projection_matrix(camera, 0.1, 10.0) @ [-2.0, -1.0, 2.0, 1.0]  # the image's first corner
+    >>> (clip / clip[3])[:2].tolist()
+    [-1.0, -1.0]
+    """
+    if not 0 < near_m < far_m:
+        raise ValueError(f"depth range must rise from above 0, not {near_m} .. {far_m} m")
+    cx, cy = camera.centre_px
+    width, height, f = camera.width_px, camera.height_px, camera.focal_length_px
+    # The image spans -0.5 .. size - 0.5, so ndc = 2 (pixel + 0.5) / size - 1.
+    return np.array(
+        [
+            [2 * f / width, 0.0, (2 * cx + 1) / width - 1, 0.0],
+            [0.0, 2 * f / height, (2 * cy + 1) / height - 1, 0.0],
+            [0.0, 0.0, (far_m + near_m) / (far_m - near_m), -2 * far_m * near_m / (far_m - near_m)],
+            [0.0, 0.0, 1.0, 0.0],
+        ]
+    )
+
+
+def frustum_planes(clip_from_world: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The six planes that bound what a projection keeps.
+
+    A point p is inside where ``planes[:, :3] @ p + planes[:, 3] >= 0`` for all of them.
+
+    Parameters
+    ----------
+    clip_from_world
+        (4, 4) projection times view [1].
+
+    Returns
+    -------
+    NDArray
+        (6, 4) float64 with normals of unit length: left, right, first row, last row, near, far [1, m].
+
+    References
+    ----------
+    Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the
+    world-view-projection matrix".
+    """
+    x, y, z, w = clip_from_world
+    planes = np.stack([w + x, w - x, w + y, w - y, w + z, w - z])
+    return planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
