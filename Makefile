@@ -1,0 +1,42 @@
+# Every target sets up what it needs first; see scripts/set_up.sh.
+
+bin := .venv/bin
+# The tests run in two processes; more threads in each would only wait for one another.
+one_thread := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
+packages := tacos_framework plugins/tacos_plugins
+
+.DEFAULT_GOAL := help
+.PHONY: help setup setup-demo demo test lint format docs slow clean
+
+help: ## Say what can be made
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /make \1\t/' | expand -t 14
+
+setup: ## Set up the virtual environment with all that tests and checks need
+	@scripts/set_up.sh dev
+
+demo: ## Design a headset's camera in a few minutes; writes runs/demo/report.html
+	@scripts/set_up.sh
+	@scripts/demo.sh
+
+test: lint ## Run all checks and tests, but for the slow ones
+	$(one_thread) $(bin)/pytest -n 2 --dist loadfile --doctest-modules tests $(packages)
+
+lint: setup ## Check style, formatting, types and layers
+	$(bin)/ruff check .
+	$(bin)/ruff format --check .
+	$(bin)/mypy
+	$(bin)/lint-imports
+
+format: setup ## Put the code into its format
+	$(bin)/ruff check --fix .
+	$(bin)/ruff format .
+
+docs: setup ## Write the generated pages of docs/reference anew
+	$(bin)/python -m tacos_framework.reference docs/reference
+
+slow: setup ## Run the slow tests (minutes each)
+	$(bin)/pytest -m slow tests
+
+clean: ## Remove the virtual environment and all that tools left behind, but no runs
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache dist
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
