@@ -1,0 +1,304 @@
+"""YAML that people write, read strictly, with a position for everything in it.
+
+The dialect is the one most people believe YAML to be: scalars of the YAML 1.2 core schema (``1e-3`` is a
+number, ``no`` and ``on`` are words, ``010`` is ten), plain mappings with distinct text keys, lists, one
+document. What can surprise or harm is refused: aliases and anchors (which also blow up in size), tags, merge
+keys, NaN and infinities, files over 1 MB, nesting over 50 levels.
+
+References
+----------
+YAML 1.2.2 core schema: https://yaml.org/spec/1.2.2/#103-core-schema
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+
+from tacos_framework.errors import Fault, UserError
+
+MAX_BYTES = 1_000_000
+"""Size of the largest file that is read [bytes]."""
+
+MAX_DEPTH = 50
+"""Deepest nesting of mappings and lists that is read."""
+
+_NULL = frozenset({"", "~", "null", "Null", "NULL"})
+_BOOLEAN = {word: word.lower() == "true" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
+_DECIMAL = re.compile(r"[-+]?[0-9]+")
+_PREFIXED = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
+_NOT_STORABLE = re.compile("[\x00\ud800-\udfff]")
+_LONGEST_NUMBER = 40
+_NOWHERE = -1
+"""A step of a path that no entry has: for keys while they are read, and for what stands below bad ones."""
+
+_REMEDIES = {
+    r"'\t'": "Indent with spaces, not with tabs.",
+    "mapping values are not allowed": "Quote text that holds a colon, and check the indentation.",
+    "could not find expected ':'": "Write 'key: value', with a space after the colon.",
+    "that cannot start any token": "Quote text that starts with a special character.",
+}
+
+
+class Position(NamedTuple):
+    """Where something stands in a text; line and column count from 1."""
+
+    line: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Document:
+    """What a YAML text holds, and where.
+
+    Parameters
+    ----------
+    data
+        Nested `dict` (text keys), `list`, `str`, `int`, `float`, `bool` and None.
+    positions
+        For the path of each entry its position: of the key in a mapping, of the item in a list. A path is
+        the keys and list indices on the way from the root, which is ``()``.
+    name
+        What to call the text in messages, usually its file.
+
+    Examples
+    --------
+    >>> document = read_yaml("rig:\\n  pitch_deg: 1e1\\n", name="recipe.yaml")
+    >>> document.data
+    {'rig': {'pitch_deg': 10.0}}
+    >>> document.where(("rig", "pitch_deg"))
+    'recipe.yaml:2:3'
+    """
+
+    data: Any
+    positions: Mapping[tuple[str | int, ...], Position]
+    name: str
+
+    def where(self, path: Sequence[str | int] = ()) -> str:
+        """``name:line:column`` of the entry, or of its nearest ancestor that exists."""
+        known = tuple(path)
+        while known and known not in self.positions:
+            known = known[:-1]
+        return _where(self.name, self.positions.get(known, Position(1, 1)))
+
+
+def read_yaml(source: Path | str, name: str | None = None) -> Document:
+    """Read a YAML file (`pathlib.Path`) or text (`str`).
+
+    Parameters
+    ----------
+    source
+        The file or the text itself.
+    name
+        What to call it in messages; the path, or ``"text"``, when left out.
+
+    Raises
+    ------
+    UserError
+        With every fault that can be found in one pass.
+    """
+    if isinstance(source, Path):
+        name = str(source) if name is None else name
+        text = _text_of(source, name)
+    else:
+        name = "text" if name is None else name
+        text = source
+    if len(text) > MAX_BYTES:
+        raise UserError(_too_large(name))
+    return _Reader(text, name).document()
+
+
+def _text_of(path: Path, name: str) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise UserError(Fault(name, "there is no such file", remedy="Check the path.")) from None
+    except OSError as error:
+        raise UserError(Fault(name, f"the file cannot be read: {error.strerror}")) from error
+    except ValueError as error:  # a NUL in the path
+        raise UserError(Fault(repr(name), f"this is not a path: {error}")) from error
+    if len(content) > MAX_BYTES:
+        raise UserError(_too_large(name))
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise UserError(
+            Fault(f"{name}:{line}", f"byte {content[error.start]:#04x} is not UTF-8", "text in UTF-8")
+        ) from error
+
+
+def _too_large(name: str) -> Fault:
+    return Fault(name, f"the text is larger than {MAX_BYTES} bytes", f"at most {MAX_BYTES} bytes")
+
+
+def _where(name: str, position: Position) -> str:
+    return f"{name}:{position.line}:{position.column}"
+
+
+def _position(mark: Any) -> Position:
+    return Position(mark.line + 1, mark.column + 1) if mark else Position(1, 1)
+
+
+class _Reader:
+    """Builds the document from parser events, which come without recursion or construction of objects."""
+
+    def __init__(self, text: str, name: str):
+        self.text = text
+        self.name = name
+        self.faults: list[Fault] = []
+        self.positions: dict[tuple[str | int, ...], Position] = {}
+
+    def document(self) -> Document:
+        """The whole text, or all that is wrong with it."""
+        try:
+            self.loader = yaml.SafeLoader(self.text)
+            data = self._stream()
+        except yaml.reader.ReaderError as error:
+            before = self.text[: error.position]
+            position = Position(before.count("\n") + 1, error.position - before.rfind("\n"))
+            self._fault(position, f"character {chr(error.character)!r} is not allowed in YAML")
+        except yaml.MarkedYAMLError as error:
+            context = f" {error.context}" if error.context else ""
+            what = f"this is not valid YAML: {error.problem}{context}"
+            remedy = next((text for sign, text in _REMEDIES.items() if sign in what), "")
+            self._fault(_position(error.problem_mark or error.context_mark), what, remedy=remedy)
+        except (ValueError, OverflowError) as error:  # PyYAML lets chr() and int() of absurd escapes pass
+            self._fault(_position(self.loader.get_mark()), f"this is not valid YAML: {error}")
+        if self.faults:
+            raise UserError(self.faults)
+        return Document(data, self.positions, self.name)
+
+    def _fault(self, position: Position, what: str, expected: str = "", remedy: str = "") -> None:
+        self.faults.append(Fault(_where(self.name, position), what, expected, remedy))
+
+    def _stream(self) -> Any:
+        self.loader.get_event()  # stream start
+        if self.loader.check_event(yaml.StreamEndEvent):
+            return None
+        self.loader.get_event()  # document start
+        data = self._value((), depth=0)
+        self.loader.get_event()  # document end
+        if not self.loader.check_event(yaml.StreamEndEvent):
+            second = _position(self.loader.get_event().start_mark)
+            self._fault(
+                second, "a second document starts here", "one document in a file", "Remove the '---'."
+            )
+        return data
+
+    def _value(self, path: tuple[str | int, ...], depth: int) -> Any:
+        event = self.loader.get_event()
+        position = _position(event.start_mark)
+        self.positions.setdefault(path, position)
+        if depth > MAX_DEPTH:
+            self._fault(position, f"nesting is deeper than {MAX_DEPTH} levels", f"at most {MAX_DEPTH} levels")
+            raise UserError(self.faults)
+        if isinstance(event, yaml.AliasEvent):
+            self._fault(position, f"alias *{event.anchor} is not supported", remedy="Write the value out.")
+            return None
+        if event.anchor is not None:
+            self._fault(position, f"anchor &{event.anchor} is not supported", remedy="Remove it.")
+        if event.tag is not None:
+            self._fault(position, f"tag {event.tag} is not supported", remedy="Remove it.")
+        if isinstance(event, yaml.MappingStartEvent):
+            return self._mapping(path, depth)
+        if isinstance(event, yaml.SequenceStartEvent):
+            return self._list(path, depth)
+        return self._scalar(event, position)
+
+    def _list(self, path: tuple[str | int, ...], depth: int) -> list[Any]:
+        items: list[Any] = []
+        while not self.loader.check_event(yaml.SequenceEndEvent):
+            items.append(self._value((*path, len(items)), depth + 1))
+        self.loader.get_event()
+        return items
+
+    def _mapping(self, path: tuple[str | int, ...], depth: int) -> dict[str, Any]:
+        mapping: dict[str, Any] = {}
+        while not self.loader.check_event(yaml.MappingEndEvent):
+            position = _position(self.loader.peek_event().start_mark)
+            key = self._key(path, depth)
+            if isinstance(key, str) and key not in mapping:
+                self.positions[(*path, key)] = position
+                mapping[key] = self._value((*path, key), depth + 1)
+                continue
+            if isinstance(key, str):
+                first = self.positions[(*path, key)]
+                self._fault(
+                    position,
+                    f"key {key!r} stands here again, first in line {first.line}",
+                    remedy="Remove one.",
+                )
+            self._value((*path, _NOWHERE), depth + 1)  # read on, for the faults that may be there
+        self.loader.get_event()
+        return mapping
+
+    def _key(self, path: tuple[str | int, ...], depth: int) -> str | None:
+        """The next key, which must be text; None after reporting any other."""
+        event = self.loader.peek_event()
+        position = _position(event.start_mark)
+        plain = event.value if isinstance(event, yaml.ScalarEvent) and event.implicit[0] else ""
+        if plain == "<<":
+            self._fault(position, "merge keys '<<' are not supported", remedy="Write the entries out.")
+            self.loader.get_event()
+            return None
+        before = len(self.faults)
+        key = self._value((*path, _NOWHERE), depth + 1)
+        del self.positions[(*path, _NOWHERE)]
+        if isinstance(key, str):
+            return key
+        if len(self.faults) == before:
+            self._fault(
+                position, f"a key is {_kind(key)}", "text", f'Write "{plain}" in quotes.' if plain else ""
+            )
+        return None
+
+    def _scalar(self, event: yaml.ScalarEvent, position: Position) -> Any:
+        text = event.value
+        if found := _NOT_STORABLE.search(text):
+            self._fault(position, f"text holds the character {found[0]!r}, which no file can")
+        if not event.implicit[0]:  # quoted or block text
+            return text
+        try:
+            return _plain_scalar(text)
+        except ValueError as error:
+            self._fault(position, str(error), "a finite number" if len(text) < _LONGEST_NUMBER else "")
+            return None
+
+
+def _plain_scalar(text: str) -> Any:
+    """The value of unquoted text by the YAML 1.2 core schema; ValueError for what is no usable number."""
+    if text in _NULL:
+        return None
+    if text in _BOOLEAN:
+        return _BOOLEAN[text]
+    if _NOT_FINITE.fullmatch(text):
+        raise ValueError(f"{text} is not a number that can be used")
+    if not _FLOAT.fullmatch(text) and not _PREFIXED.fullmatch(text):
+        return text
+    if len(text) > _LONGEST_NUMBER:
+        raise ValueError(f"a number of {len(text)} characters is too long")
+    if _DECIMAL.fullmatch(text):
+        return int(text)
+    if _PREFIXED.fullmatch(text):
+        return int(text, 0)
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(f"{text} is too large for a number")
+    return number
+
+
+def _kind(value: Any) -> str:
+    if value is None:
+        return "empty"
+    names = {dict: "a mapping", list: "a list", bool: f"the boolean {value}"}
+    return names.get(type(value), f"the number {value}")
