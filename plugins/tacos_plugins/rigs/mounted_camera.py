@@ -1,0 +1,139 @@
+"""What the rigs share: an image sensor off the shelf, and a camera built from it and a focal length."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from pydantic import ConfigDict
+
+from tacos_framework.camera.geometry import agent_from_camera
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Camera
+
+
+class SensorPart(Settings):
+    """The columns of a sensor catalog a rig needs; a row's other columns are ignored."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    name: str = setting("custom", help="Name of the part, for reports.")
+    width_px: int = setting(help="Photosites along the long side.", unit="px", ge=1)
+    height_px: int = setting(help="Photosites along the short side.", unit="px", ge=1)
+    pixel_um: float = setting(help="Pitch of the photosites.", unit="um", gt=0)
+
+    @property
+    def width_mm(self) -> float:
+        """Width of the active area [mm]."""
+        return self.width_px * self.pixel_um * 1e-3
+
+    @property
+    def height_mm(self) -> float:
+        """Height of the active area [mm]."""
+        return self.height_px * self.pixel_um * 1e-3
+
+
+DERIVED_UNITS = {
+    "hfov_deg": "deg",
+    "vfov_deg": "deg",
+    "dfov_deg": "deg",
+    "megapixels": "Mpx",
+    "sensor_width_mm": "mm",
+    "sensor_height_mm": "mm",
+    "pixels_per_deg": "px/deg",
+}
+"""Names and units of what :func:`derived_optics` gives."""
+
+
+def field_of_view_deg(size_mm: float, focal_length_mm: float) -> float:
+    """The angle a pinhole camera sees across a length of its sensor.
+
+    Parameters
+    ----------
+    size_mm
+        Width, height or diagonal of the sensor [mm].
+    focal_length_mm
+        Focal length [mm].
+
+    Returns
+    -------
+    float
+        Field of view from edge to edge [deg].
+
+    Examples
+    --------
+    >>> round(field_of_view_deg(6.2, 3.6), 2)  # FLIR Flea3
+    81.46
+    """
+    return math.degrees(2 * math.atan(size_mm / (2 * focal_length_mm)))
+
+
+def focal_length_for_mm(size_mm: float, field_deg: float) -> float:
+    """The focal length at which a length of the sensor sees an angle; undoes :func:`field_of_view_deg`.
+
+    Parameters
+    ----------
+    size_mm
+        Width, height or diagonal of the sensor [mm].
+    field_deg
+        Field of view from edge to edge, above 0 and below 180 [deg].
+
+    Returns
+    -------
+    float
+        Focal length [mm].
+
+    Examples
+    --------
+    >>> round(focal_length_for_mm(2.0, 90.0), 12)
+    1.0
+    """
+    return size_mm / (2 * math.tan(math.radians(field_deg) / 2))
+
+
+def derived_optics(sensor: SensorPart, focal_length_mm: float) -> dict[str, float]:
+    """The quantities of :data:`DERIVED_UNITS` of one camera, for the sensor as manufactured.
+
+    Pixels per degree hold at the image centre; a pinhole image has more of them towards its edges.
+    """
+    diagonal_mm = math.hypot(sensor.width_mm, sensor.height_mm)
+    return {
+        "hfov_deg": field_of_view_deg(sensor.width_mm, focal_length_mm),
+        "vfov_deg": field_of_view_deg(sensor.height_mm, focal_length_mm),
+        "dfov_deg": field_of_view_deg(diagonal_mm, focal_length_mm),
+        "megapixels": sensor.width_px * sensor.height_px * 1e-6,
+        "sensor_width_mm": sensor.width_mm,
+        "sensor_height_mm": sensor.height_mm,
+        "pixels_per_deg": math.radians(focal_length_mm * 1e3 / sensor.pixel_um),
+    }
+
+
+def mounted_camera(
+    name: str,
+    sensor: SensorPart,
+    focal_length_mm: float,
+    *,
+    position_m: Sequence[float],
+    pitch_deg: float,
+    binning: float,
+) -> Camera:
+    """A camera on the agent that simulates blocks of ``binning`` x ``binning`` photosites as one pixel.
+
+    Parameters
+    ----------
+    position_m
+        Optical centre in the agent frame: forward, left, up [m].
+    pitch_deg
+        Tilt of the optical axis, positive is up [deg].
+    binning
+        Linear factor; the image size is rounded to whole pixels, at least one [1].
+    """
+    return Camera(
+        name=name,
+        width_px=max(1, round(sensor.width_px / binning)),
+        height_px=max(1, round(sensor.height_px / binning)),
+        pixel_um=sensor.pixel_um,
+        focal_length_mm=focal_length_mm,
+        agent_from_camera=agent_from_camera(position_m, pitch_deg),
+        binning=binning,
+    )

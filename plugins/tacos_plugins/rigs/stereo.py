@@ -1,0 +1,103 @@
+"""Two parallel cameras a baseline apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from pydantic import model_validator
+
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Rig
+from tacos_plugins.rigs.mounted_camera import (
+    DERIVED_UNITS,
+    SensorPart,
+    derived_optics,
+    focal_length_for_mm,
+    mounted_camera,
+)
+
+
+class StereoRig:
+    """Two equal, parallel cameras, ``left`` and ``right``, symmetric about the agent's eye.
+
+    Rows of the two images correspond without rectification: a point at depth Z lies ``f B / Z`` pixels
+    further left in the right image, f being the focal length in pixels and B the baseline.
+
+    Examples
+    --------
+    >>> builder = StereoRig(StereoRig.Config())
+    >>> sensor = {"width_px": 991, "height_px": 495, "pixel_um": 1.55}  # the paper's stereo camera
+    >>> rig = builder.build(StereoRig.Variables(baseline_m=0.12, hfov_deg=72, sensor=sensor))
+    >>> [(camera.name, camera.agent_from_camera[1, 3].item()) for camera in rig.cameras]
+    [('left', 0.06), ('right', -0.06)]
+    """
+
+    class Config(Settings):
+        """Settings of the rig."""
+
+        binning: float = setting(
+            1.0,
+            help="Simulate blocks of binning x binning photosites as one pixel, to run on a small machine.",
+            ge=1,
+        )
+        height_above_eye_m: float = setting(
+            0.0, help="Height of the optical centres above the agent's eye.", unit="m"
+        )
+
+    class Variables(Settings):
+        """What a recipe may design or fix; of field of view and focal length exactly one."""
+
+        baseline_m: float = setting(help="Distance between the two optical centres.", unit="m", gt=0)
+        hfov_deg: float | None = setting(
+            None, help="Horizontal field of view, instead of a focal length.", unit="deg", gt=0, lt=180
+        )
+        focal_length_mm: float | None = setting(
+            None, help="Focal length of both lenses, instead of a field of view.", unit="mm", gt=0
+        )
+        pitch_deg: float = setting(
+            0.0, help="Tilt of both cameras, positive is up.", unit="deg", ge=-90, le=90
+        )
+        sensor: SensorPart = setting(help="Image sensor of both cameras.")
+
+        @model_validator(mode="after")
+        def _one_of_field_and_focal_length(self) -> StereoRig.Variables:
+            given = {"hfov_deg": self.hfov_deg, "focal_length_mm": self.focal_length_mm}
+            if sum(value is not None for value in given.values()) != 1:
+                found = ", ".join(f"{name}={value}" for name, value in given.items())
+                raise ValueError(f"give exactly one of hfov_deg and focal_length_mm, not {found}")
+            return self
+
+    derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, "baseline_m": "m"}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def build(self, variables: Variables) -> Rig:
+        """The rig of these variables, left camera first."""
+        half_m = variables.baseline_m / 2
+        return Rig(
+            tuple(
+                mounted_camera(
+                    name,
+                    variables.sensor,
+                    _focal_length_mm(variables),
+                    position_m=(0.0, left_m, self.config.height_above_eye_m),
+                    pitch_deg=variables.pitch_deg,
+                    binning=self.config.binning,
+                )
+                for name, left_m in (("left", half_m), ("right", -half_m))
+            )
+        )
+
+    def derived(self, variables: Variables) -> Mapping[str, float]:
+        """Fields of view and sizes of one sensor as manufactured, and the baseline."""
+        optics = derived_optics(variables.sensor, _focal_length_mm(variables))
+        return {**optics, "baseline_m": variables.baseline_m}
+
+
+def _focal_length_mm(variables: StereoRig.Variables) -> float:
+    if variables.focal_length_mm is not None:
+        return variables.focal_length_mm
+    assert variables.hfov_deg is not None, "Variables holds exactly one of the two"
+    return focal_length_for_mm(variables.sensor.width_mm, variables.hfov_deg)
