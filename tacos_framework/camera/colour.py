@@ -1,0 +1,94 @@
+"""Linear sRGB: luminance, and the way to a display."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+LUMINANCE_WEIGHTS = (0.2126, 0.7152, 0.0722)
+"""Shares of linear sRGB's red, green and blue in luminance (IEC 61966-2-1, Rec. 709)."""
+
+
+def luminance(rgb: ArrayLike) -> NDArray[np.float64]:
+    """Luminance of linear sRGB.
+
+    Parameters
+    ----------
+    rgb
+        (..., 3) linear light, white has equal channels [any].
+
+    Returns
+    -------
+    NDArray
+        (...), in the unit of the channels.
+
+    Examples
+    --------
+    >>> luminance([1.0, 1.0, 1.0]).round(12).item()
+    1.0
+    """
+    return np.asarray(rgb, dtype=np.float64) @ np.array(LUMINANCE_WEIGHTS)
+
+
+def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
+    """Encode linear light for a display.
+
+    Parameters
+    ----------
+    linear
+        Light, 1 is white; clipped to 0..1 [1].
+
+    Returns
+    -------
+    NDArray
+        sRGB code values, 0..1; same shape [1].
+
+    References
+    ----------
+    IEC 61966-2-1:1999.
+
+    Examples
+    --------
+    >>> srgb_from_linear([0.0, 0.18, 1.0]).round(4).tolist()
+    [0.0, 0.4614, 1.0]
+    """
+    light = np.clip(np.asarray(linear, dtype=np.float64), 0.0, 1.0)
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+
+
+def linear_from_srgb(code: ArrayLike) -> NDArray[np.float64]:
+    """Undo :func:`srgb_from_linear`.
+
+    Examples
+    --------
+    >>> linear_from_srgb([0.0, 0.5, 1.0]).round(4).tolist()
+    [0.0, 0.214, 1.0]
+    """
+    encoded = np.clip(np.asarray(code, dtype=np.float64), 0.0, 1.0)
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def display_image(
+    image_dn: NDArray[np.generic], black_level_dn: float, white_level_dn: float
+) -> NDArray[np.uint8]:
+    """A linear frame as people expect to see it.
+
+    Parameters
+    ----------
+    image_dn
+        (..., C) linear file values, pedestal included [DN].
+    black_level_dn, white_level_dn
+        The values shown as black and as white [DN].
+
+    Returns
+    -------
+    NDArray
+        Same shape, uint8 sRGB code values, 0..255.
+
+    Examples
+    --------
+    >>> display_image(np.uint8([16, 55, 255]), 16, 255).tolist()
+    [0, 112, 255]
+    """
+    linear = (np.asarray(image_dn, dtype=np.float64) - black_level_dn) / (white_level_dn - black_level_dn)
+    return np.rint(255 * srgb_from_linear(linear)).astype(np.uint8)

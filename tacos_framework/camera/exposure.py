@@ -1,0 +1,102 @@
+"""From the luminance of a scene to the light on a sensor, and from analog samples to file values."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def gain_factor(gain_db: float) -> float:
+    """Gain as a factor on the signal; 20 dB is a factor of 10 [1].
+
+    Examples
+    --------
+    >>> gain_factor(20.0)
+    10.0
+    """
+    return 10 ** (gain_db / 20)
+
+
+def lambertian_luminance(illuminance_lux: ArrayLike, reflectance: ArrayLike) -> NDArray[np.float64]:
+    """Luminance of a matte surface, the same from every side.
+
+    Parameters
+    ----------
+    illuminance_lux
+        Light that falls on the surface [lux].
+    reflectance
+        Share of it that the surface returns, 0..1 [1].
+
+    Returns
+    -------
+    NDArray
+        Luminance [cd/m2].
+
+    Examples
+    --------
+    >>> lambertian_luminance(20.0, 0.8).round(3).item()  # a white wall in a dim room
+    5.093
+    """
+    return np.asarray(illuminance_lux, dtype=np.float64) * reflectance / math.pi
+
+
+def exposure_per_luminance(time_s: float, f_number: float) -> float:
+    """The focal-plane exposure that one cd/m2 makes.
+
+    On the optical axis of a lens without losses, focused far away, a luminance L lights the sensor with
+    E = pi L / (4 N^2) [lux], and for a time t the exposure is H = E t. Fall-off towards the corners and
+    losses in the glass are effects, not part of this.
+
+    Parameters
+    ----------
+    time_s
+        Exposure time [s].
+    f_number
+        Focal length over aperture diameter [1].
+
+    Returns
+    -------
+    float
+        H / L [lux s / (cd/m2)].
+
+    References
+    ----------
+    ISO 12232, Annex A, with transmittance and vignetting of 1.
+
+    Examples
+    --------
+    >>> luminance = lambertian_luminance(20.0, 0.8).item()
+    >>> round(luminance * exposure_per_luminance(time_s=0.030, f_number=2.0), 6)
+    0.03
+    """
+    return math.pi * time_s / (4 * f_number**2)
+
+
+def digitise(samples_dn: NDArray[np.float32], white_level_dn: int) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Round to the nearest digital number and clip to 0 .. white level.
+
+    Halves go to the even neighbour, so that rounding has no bias; cutting the fraction off instead would
+    darken every image by half a digital number.
+
+    Parameters
+    ----------
+    samples_dn
+        Analog samples, pedestal included, of any shape [DN].
+    white_level_dn
+        Full scale of the file, at most 65535 [DN].
+
+    Returns
+    -------
+    NDArray
+        uint8 where 255 holds the white level, else uint16; same shape [DN].
+
+    Examples
+    --------
+    >>> digitise(np.float32([-3.0, 0.5, 1.5, 1.4, 254.6, 300.0]), 255).tolist()
+    [0, 0, 2, 1, 255, 255]
+    """
+    rounded = np.rint(samples_dn)
+    np.clip(rounded, 0, white_level_dn, out=rounded)
+    return rounded.astype(np.uint8 if white_level_dn <= 255 else np.uint16)
