@@ -1,0 +1,216 @@
+"""Writes the reference pages that follow from the code: ``python -m tacos_framework.reference FOLDER``.
+
+The settings of a component are declared once, in its ``Config``; this page of the documentation, the checks
+of a recipe and its error messages all read them from there.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from tacos_framework import hookspecs
+from tacos_framework.components import Component
+from tacos_framework.graph import signature_of
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe
+
+Schema = Mapping[str, Any]
+
+_NOTICE = "<!-- Written by `make docs` from the code; changes here are lost. -->"
+_LONGEST_DEFAULT = 60  # characters; the defaults of a longer mapping stand in a table of its own
+_BOUNDS = {
+    "exclusiveMinimum": "> {}",
+    "minimum": "≥ {}",
+    "exclusiveMaximum": "< {}",
+    "maximum": "≤ {}",
+}
+
+
+def type_of(schema: Schema) -> str:
+    """What a setting takes, in words, from its JSON Schema.
+
+    Examples
+    --------
+    >>> type_of({"type": "array", "prefixItems": [{"type": "number"}, {"type": "number"}]})
+    '[number, number]'
+    >>> type_of({"anyOf": [{"enum": ["day", "night"], "type": "string"}, {"type": "null"}]})
+    '`day` or `night` or nothing'
+    """
+    if "$ref" in schema:
+        return f"*{schema['$ref'].rpartition('/')[2]}*"
+    if "const" in schema:
+        return f"`{schema['const']}`"
+    if "enum" in schema:
+        return " or ".join(f"`{value}`" for value in schema["enum"])
+    for key in ("anyOf", "oneOf"):
+        if key in schema:
+            return " or ".join(type_of(member) for member in schema[key])
+    kind = schema.get("type")
+    if kind == "array" and "prefixItems" in schema:
+        return f"[{', '.join(map(type_of, schema['prefixItems']))}]"
+    if kind == "array":
+        return f"list of {type_of(schema.get('items', {}))}"
+    if kind == "object":
+        named = schema.get("patternProperties", {}).values()
+        values = next(iter(named), schema.get("additionalProperties"))
+        return f"mapping of names to {type_of(values)}" if isinstance(values, dict) else "mapping"
+    words = {"number": "number", "integer": "whole number", "string": "text", "null": "nothing"}
+    return words.get(str(kind), "`true` or `false`" if kind == "boolean" else "anything")
+
+
+def bounds_of(schema: Schema) -> str:
+    """The bounds of a setting, ``"≥ 0, < 1"``; empty where there are none."""
+    members = [schema, *schema.get("anyOf", ())]
+    found = [text.format(member[key]) for member in members for key, text in _BOUNDS.items() if key in member]
+    if (schema.get("minItems") or schema.get("minLength")) and "prefixItems" not in schema:
+        found.append("not empty")
+    return ", ".join(found)
+
+
+def settings_table(model: type[BaseModel]) -> str:
+    """The settings of a model and of the models inside it, as Markdown tables."""
+    schema = model.model_json_schema(by_alias=True)
+    models = schema.get("$defs", {})
+    tables = [_table(schema, models)]
+    for name, nested in models.items():
+        if nested.get("properties"):
+            tables.append(f"*{name}*: {_sentence(nested)}\n\n{_table(nested, models)}")
+    return "\n\n".join(tables)
+
+
+def _sentence(schema: Schema) -> str:
+    return " ".join(str(schema.get("description", "")).partition("\n\n")[0].replace("``", "`").split())
+
+
+def _table(schema: Schema, models: Mapping[str, Schema]) -> str:
+    properties = schema.get("properties", {})
+    if not properties:
+        return "No settings."
+    required = schema.get("required", ())
+    lines = ["| name | takes | default | unit | meaning |", "| --- | --- | --- | --- | --- |"]
+    for name, field in properties.items():
+        takes = ", ".join(filter(None, (type_of(field), bounds_of(field))))
+        default = "must be given" if name in required else _default(field)
+        unit = "" if field.get("unit", "1") == "1" else field["unit"]
+        model = models.get(field.get("$ref", "").rpartition("/")[2], {})
+        cells = (f"`{name}`", takes, default, unit, _sentence(field) or _sentence(model))
+        lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
+    return "\n".join(lines)
+
+
+def _default(field: Schema) -> str:
+    value = field.get("default")
+    if value in (None, {}, [], ()):
+        return ""
+    text = json.dumps(value, ensure_ascii=False)
+    return f"`{text}`" if len(text) <= _LONGEST_DEFAULT else "see below"
+
+
+def settings_page(components: Iterable[Component]) -> str:
+    """The ports, scores and settings of components."""
+    sections = [
+        "# Settings of the components",
+        _NOTICE,
+        "Every component that ships with tacos-framework: its ports, what it reports, and its settings. "
+        "`tacos plugins` lists those that are installed, others' included.",
+    ]
+    for component in components:
+        sections += _component(component)
+    return "\n\n".join(sections) + "\n"
+
+
+def _component(component: Component) -> Iterator[str]:
+    cls = component.load()
+    yield f"## {component.use}"
+    yield component.summary
+    facts = list(_facts(component.kind, cls))
+    if component.requires:
+        facts.append(f"needs: {', '.join(component.requires)}")
+    if facts:
+        yield "\n".join(f"- {fact}" for fact in facts)
+    yield settings_table(cls.Config)
+    if component.kind == "rig":
+        yield f"Variables, to be designed or fixed:\n\n{settings_table(cls.Variables)}"
+
+
+def _facts(kind: str, cls: type[Any]) -> Iterator[str]:
+    if kind in ("scene", "renderer", "sensor", "task"):
+        signature = signature_of(cls, kind)
+        for port, taken in signature.inputs.items():
+            yield f"input port `{port}`: {taken.__name__}"
+        if signature.output is not None:
+            yield f"gives: {signature.output.__name__}"
+    if kind == "task":
+        yield f"scores: {_listed(cls.scores)}"
+    if kind == "renderer":
+        yield f"reads: {_listed(sorted(cls.reads))}"
+    if kind == "effect":
+        yield f"stage: {cls.stage}"
+    if kind == "rig":
+        quantities = (f"`{name}` [{unit}]" for name, unit in cls.derived_quantities.items())
+        yield f"derived quantities: {', '.join(quantities)}"
+
+
+def _listed(names: Any) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def recipe_page() -> str:
+    """Every key of a recipe."""
+    sections = [
+        "# Keys of a recipe",
+        _NOTICE,
+        "The keys at the top of a recipe, then those inside them. "
+        "[recipe.md](recipe.md) says how they work together.",
+        settings_table(Recipe),
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+def hooks_page() -> str:
+    """Every hook of `tacos_framework.hookspecs`."""
+    sections = [
+        "# Hooks",
+        _NOTICE,
+        "What a plugin module may implement, each marked with `tacos_framework.hookspecs.hookimpl`. "
+        "A hook may leave out parameters it does not need.",
+    ]
+    for name, hook in vars(hookspecs).items():
+        if name.startswith("tacos_") and inspect.isfunction(hook):
+            parameters = ", ".join(inspect.signature(hook).parameters)
+            sections += [f"## `{name}({parameters})`", inspect.cleandoc(hook.__doc__ or "")]
+    return "\n\n".join(sections).replace("``", "`") + "\n"
+
+
+def default_components() -> list[Component]:
+    """The components of this distribution alone: the pages do not depend on what else is installed."""
+    return [
+        registered.component
+        for registered in Plugins.discover()
+        if registered.distribution == "tacos-framework"
+    ]
+
+
+PAGES: Mapping[str, Callable[[], str]] = {
+    "settings.md": lambda: settings_page(default_components()),
+    "recipe_keys.md": recipe_page,
+    "hooks.md": hooks_page,
+}
+"""Each generated page and what writes it."""
+
+
+def main(folder: Path) -> None:
+    """Write all pages into a folder."""
+    for name, write in PAGES.items():
+        (folder / name).write_text(write(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
