@@ -39,7 +39,8 @@ def lambertian_luminance(illuminance_lux: ArrayLike, reflectance: ArrayLike) -> 
     >>> lambertian_luminance(20.0, 0.8).round(3).item()  # a white wall in a dim room
     5.093
     """
-    return np.asarray(illuminance_lux, dtype=np.float64) * reflectance / math.pi
+    light = np.asarray(illuminance_lux, dtype=np.float64) * np.asarray(reflectance, dtype=np.float64)
+    return np.asarray(light / math.pi)
 
 
 def exposure_per_luminance(time_s: float, f_number: float) -> float:
@@ -99,4 +100,4 @@ def digitise(samples_dn: NDArray[np.float32], white_level_dn: int) -> NDArray[np
     """
     rounded = np.rint(samples_dn)
     np.clip(rounded, 0, white_level_dn, out=rounded)
-    return rounded.astype(np.uint8 if white_level_dn <= 255 else np.uint16)
+    return rounded.astype(np.uint8) if white_level_dn <= 255 else rounded.astype(np.uint16)

@@ -2,14 +2,14 @@
 
 A calibrated camera has, at gain G0 and with photosites of pitch p0, the variance
 
-    var(I) = s_p I + s_t                                             (supplement, eq. 1)
+    var(I) = s_p I + s_t                      (supplement, Sec. Noise Model Calibration)
 
 for a mean signal I above black: photon (shot) noise grows with the signal, thermal noise does not. Another
 gain G multiplies both signal and noise, and a photosite of another area acts as a gain in inverse proportion
 to that area, since equal intensities take less gain where more photons are caught:
 
     r      = (p0^2 / p^2) (G / G0)
-    var(I) = r s_p I + r^2 s_t                                       (eq. 1)
+    var(I) = r s_p I + r^2 s_t                (eq. 1)
 
 In this model a larger photosite is always better: it knows no full well, no quantum efficiency, no dark
 current, and larger optics cost nothing.

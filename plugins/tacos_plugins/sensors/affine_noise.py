@@ -1,0 +1,153 @@
+"""Digital images with photon and thermal noise (paper eq. 1)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.exposure import digitise, exposure_per_luminance, gain_factor
+from tacos_framework.camera.noise import add_noise, gain_ratio
+from tacos_framework.catalog import Calibration, load_calibration
+from tacos_framework.contracts import Effects
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Signal, View
+
+
+class NoiseLevels(NamedTuple):
+    """Variance of one simulated pixel, per channel, in the units of the file."""
+
+    photon_dn: NDArray[np.float32]
+    thermal_dn2: NDArray[np.float32]
+
+
+class AffineNoise:
+    """The paper's sensor: a linear response with Gaussian noise of affine variance, per channel.
+
+    The scenario's gain is that of the *calibrated* photosite. A camera with larger photosites is run at a
+    gain lower in proportion to their area, as in the paper, so that one scene gives equal intensities on
+    every sensor and cameras differ in noise alone. The expected signal therefore does not depend on the
+    pitch:
+
+        I = R (G / G0) H,    H = pi L t / (4 N^2)
+
+    with R the responsivity at the calibrated gain G0 and H the focal-plane exposure. Averaging b x b
+    photosites into one simulated pixel (`Camera.binning`) divides the variance by b^2.
+
+    Effects of the stage pixel act on the expected signal, those of the stage readout on noisy samples;
+    rounding to whole digital numbers (which adds 1/12 DN^2, as in a real converter) and clipping come last.
+
+    Examples
+    --------
+    >>> sensor = AffineNoise(AffineNoise.Config(calibration="flea3_imx172"))
+    >>> frames = sensor.expose(capture, exposure=exposure, rng=rng, effects=effects)  # doctest: +SKIP
+    """
+
+    class Config(Settings):
+        """Settings of the sensor."""
+
+        calibration: str | Calibration = setting(
+            "flea3_imx172", help="Noise calibration: a name in the catalogs, a file, or its numbers."
+        )
+        responsivity_dn_per_lux_s: float | None = setting(
+            None,
+            help=(
+                "Signal per focal-plane exposure at the calibrated gain and bit depth; by default the "
+                "calibration's. It sets the brightness of the images and is chosen, not measured, as the "
+                "paper tunes its ISO by hand: a white wall at 20 lux, f/2, 30 ms and 5 dB gives about 200 of "
+                "255."
+            ),
+            unit="DN/(lux s)",
+            gt=0,
+        )
+        bit_depth: int | None = setting(
+            None, help="Bits per sample of the images; by default the calibration's.", unit="bit", ge=1, le=16
+        )
+        black_level_dn: float = setting(
+            0.0, help="Pedestal in the images, which keeps noise around black from clipping.", unit="DN", ge=0
+        )
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        given = config.calibration
+        self.calibration = load_calibration(given) if isinstance(given, str) else given
+        self.bit_depth = config.bit_depth or self.calibration.bit_depth
+        self.white_level_dn = 2**self.bit_depth - 1
+        if config.black_level_dn >= self.white_level_dn:
+            raise UserError(
+                Fault(
+                    "sensor.affine-noise",
+                    f"black_level_dn is {config.black_level_dn}",
+                    f"below the white level, {self.white_level_dn} DN at {self.bit_depth} bit",
+                    "Lower black_level_dn or raise bit_depth.",
+                )
+            )
+
+    def expose(
+        self, capture: Capture, *, exposure: Exposure, rng: np.random.Generator, effects: Effects
+    ) -> FrameBatch:
+        """Linear RGB frames of every camera: uint8 up to 8 bits, else uint16 [DN].
+
+        Noise is drawn frame by frame, camera by camera, so that the way an episode is cut into batches does
+        not change it.
+        """
+        expected = [effects.pixel(self._expected(view, exposure)) for view in capture.views]
+        levels = [self.noise_levels(view.camera, exposure.gain_db) for view in capture.views]
+        noisy = [np.empty_like(signal.samples_dn) for signal in expected]
+        for frame in range(len(capture.episode)):
+            for signal, level, out in zip(expected, levels, noisy, strict=True):
+                add_noise(
+                    signal.samples_dn[frame],
+                    out[frame],
+                    black_level_dn=signal.black_level_dn,
+                    photon_dn=level.photon_dn,
+                    thermal_dn2=level.thermal_dn2,
+                    rng=rng,
+                )
+        return FrameBatch(
+            capture=capture,
+            images=tuple(
+                self._read_out(view, samples, effects)
+                for view, samples in zip(capture.views, noisy, strict=True)
+            ),
+            black_level_dn=self.config.black_level_dn,
+            white_level_dn=self.white_level_dn,
+        )
+
+    def dn_per_luminance(self, exposure: Exposure) -> float:
+        """Signal above black that one cd/m2 makes [DN / (cd/m2)]."""
+        responsivity = self.config.responsivity_dn_per_lux_s or self.calibration.responsivity_dn_per_lux_s
+        gain = gain_factor(exposure.gain_db - self.calibration.gain_db)
+        lux_s = exposure_per_luminance(exposure.time_s, exposure.f_number)
+        return responsivity * self._file_scale * gain * lux_s
+
+    def noise_levels(self, camera: Camera, gain_db: float) -> NoiseLevels:
+        """What the calibration becomes for a camera's photosites, its binning, and the scenario's gain."""
+        ratio = gain_ratio(
+            gain_db,
+            camera.pixel_um,
+            calibrated_gain_db=self.calibration.gain_db,
+            calibrated_pixel_um=self.calibration.pixel_um,
+        )
+        photosites = camera.binning**2
+        photon = np.array(self.calibration.photon_dn) * ratio * self._file_scale / photosites
+        thermal = np.array(self.calibration.thermal_dn2) * ratio**2 * self._file_scale**2 / photosites
+        return NoiseLevels(photon.astype(np.float32), thermal.astype(np.float32))
+
+    @property
+    def _file_scale(self) -> float:
+        """Digital numbers of the images per digital number of the calibration [1]."""
+        return 2.0 ** (self.bit_depth - self.calibration.bit_depth)
+
+    def _expected(self, view: View, exposure: Exposure) -> Signal:
+        samples = view.luminance_cd_m2 * np.float32(self.dn_per_luminance(exposure))
+        samples += np.float32(self.config.black_level_dn)
+        return Signal(view, samples, self.config.black_level_dn, self.white_level_dn)
+
+    def _read_out(
+        self, view: View, samples_dn: NDArray[np.float32], effects: Effects
+    ) -> NDArray[np.uint8] | NDArray[np.uint16]:
+        signal = effects.readout(Signal(view, samples_dn, self.config.black_level_dn, self.white_level_dn))
+        return digitise(signal.samples_dn, self.white_level_dn)
