@@ -1,0 +1,83 @@
+"""Links lead somewhere, code blocks can be read, names exist."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tacos_framework.components import KINDS
+from tacos_framework.plan import make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import parse_recipe
+from tacos_framework.yaml_reader import read_yaml
+from tests.docs.pages import PAGES, ROOT, Block, anchors, blocks, links
+
+LANGUAGES = {"python", "yaml", "toml", "json", "sh", "text", "csv"}
+COMPONENT = re.compile(rf"`((?:{'|'.join(KINDS)})\.[a-z][a-z0-9-]*)`")
+OFFERED = re.compile(r'Component\(\s*"([a-z]+)",\s*"([a-z0-9-]+)"')
+
+
+def page_name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_name)
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in links(page):
+        path, _, anchor = target.partition("#")
+        other = (page.parent / path).resolve() if path else page
+        assert other.exists(), f"{page_name(page)} links to {target}, which is not there"
+        if anchor:
+            assert anchor in anchors(other), f"{page_name(page)} links to {target}: no such heading"
+
+
+def test_every_page_can_be_reached_from_the_index() -> None:
+    start = ROOT / "docs" / "index.md"
+    reached, to_read = {start}, [start]
+    while to_read:
+        page = to_read.pop()
+        targets = {(page.parent / link.partition("#")[0]).resolve() for link in links(page)}
+        new = {path for path in targets if path.suffix == ".md" and path not in reached}
+        reached |= new
+        to_read += new
+    assert {page_name(page) for page in set(PAGES) - reached if page.is_relative_to(start.parent)} == set()
+
+
+@pytest.mark.parametrize("block", blocks(), ids=str)
+def test_code_block_can_be_read(block: Block) -> None:
+    assert block.language in LANGUAGES, f"{block}: name the language, one of {', '.join(sorted(LANGUAGES))}"
+    match block.language:
+        case "python":
+            ast.parse(block.text, filename=str(block))
+        case "yaml":
+            read_yaml(block.text, name=str(block))
+        case "toml":
+            tomllib.loads(block.text)
+        case "json":
+            json.loads(block.text)
+        case "sh":
+            for line in block.text.splitlines():
+                shlex.split(line, comments=True)
+
+
+RECIPES = [block for block in blocks(language="yaml") if block.text.startswith("tacos:") and not block.title]
+
+
+@pytest.mark.parametrize("block", RECIPES, ids=str)
+def test_whole_recipe_passes_the_check(block: Block) -> None:
+    recipe, faults = parse_recipe(block.text, name=str(block))
+    assert make_plan(recipe, Plugins.discover(), faults).graph.nodes
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_name)
+def test_components_named_exist(page: Path) -> None:
+    text = page.read_text("utf-8")
+    own = {f"{kind}.{name}" for kind, name in OFFERED.findall(text)}
+    installed = {registered.component.use for registered in Plugins.discover()}
+    assert set(COMPONENT.findall(text)) <= installed | own
