@@ -1,0 +1,298 @@
+"""The design space: whatever an optimizer proposes becomes something that can be built, and back."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import subprocess
+import sys
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tacos_framework.catalog import Part
+from tacos_framework.design_space import (
+    Candidate,
+    CatalogChoice,
+    Categorical,
+    Continuous,
+    DesignSpace,
+    Gene,
+    Integer,
+)
+
+COLUMNS = ("width_mm", "height_mm", "pixel_um")
+
+
+def sensor(name: str, width_mm: float, height_mm: float, pixel_um: float) -> Part:
+    return Part(name, {"width_mm": width_mm, "height_mm": height_mm, "pixel_um": pixel_um, "maker": None})
+
+
+SENSORS = (
+    sensor("huge", 16.1, 12.0, 7.0),
+    sensor("fine", 6.0, 4.5, 1.5),
+    sensor("coarse", 6.2, 4.6, 9.0),
+    sensor("tiny", 3.0, 2.3, 4.8),
+)
+
+
+def sensor_choice(**options: Any) -> CatalogChoice:
+    return CatalogChoice("sensor", SENSORS, COLUMNS, **options)
+
+
+def full_space(**options: Any) -> DesignSpace:
+    return DesignSpace(
+        [
+            Continuous("pitch_deg", -30, 30, "deg"),
+            sensor_choice(**options),
+            Integer("cameras", 1, 4),
+            Categorical("lens", ("wide", "tele", 1, True, None)),
+        ]
+    )
+
+
+def test_genes_name_their_variable_column_and_bounds() -> None:
+    assert full_space().genes == (
+        Gene("pitch_deg", "pitch_deg", "continuous", -30.0, 30.0),
+        Gene("sensor.width_mm", "sensor", "continuous", 3.0, 16.1),
+        Gene("sensor.height_mm", "sensor", "continuous", 2.3, 12.0),
+        Gene("sensor.pixel_um", "sensor", "continuous", 1.5, 9.0),
+        Gene("cameras", "cameras", "integer", 1.0, 4.0),
+        Gene("lens", "lens", "choice", 0.0, 4.0),
+    )
+    assert full_space(scheme="discrete").genes[1] == Gene("sensor", "sensor", "choice", 0.0, 3.0)
+
+
+def test_decode_clips_rounds_and_snaps() -> None:
+    candidate = full_space().decode([-99, 6.1, 4.6, 2.0, 2.6, 1e9])
+    assert candidate.values == {
+        "pitch_deg": -30.0,
+        "sensor": SENSORS[1],
+        "cameras": 3,
+        "lens": None,
+    }
+    assert candidate.genes == (-30.0, 6.0, 4.5, 1.5, 3.0, 4.0)
+    assert type(candidate.values["cameras"]) is int
+
+
+def test_normalised_and_plain_distance_choose_different_parts() -> None:
+    rows = (sensor("4 mm wider", 14, 4, 2), sensor("3 um coarser", 10, 4, 5), sensor("far", 100, 4, 9))
+    wanted = [10.0, 4.0, 2.0]  # plain: 16 against 9; normalised: (4/90)^2 against (3/7)^2
+    chosen = {
+        distance: CatalogChoice("sensor", rows, COLUMNS, distance=distance).decode(wanted)[0].name
+        for distance in ("normalised", "plain")
+    }
+    assert chosen == {"normalised": "4 mm wider", "plain": "3 um coarser"}
+
+
+def test_a_column_in_which_all_parts_agree_tells_nothing() -> None:
+    rows = (sensor("a", 1, 4, 2), sensor("b", 2, 4, 2))
+    assert CatalogChoice("sensor", rows, COLUMNS).decode([1.6, 400.0, 2.0])[0].name == "b"
+
+
+@settings(max_examples=60)
+@given(st.lists(st.tuples(*[st.integers(1, 40)] * 3), min_size=1, max_size=12, unique=True), st.data())
+def test_quantized_decoding_gives_the_nearest_row(sizes: list[tuple[int, ...]], data: st.DataObject) -> None:
+    rows = tuple(sensor(f"s{i}", *size) for i, size in enumerate(sizes))
+    choice = CatalogChoice("sensor", rows, COLUMNS, distance="plain")
+    wanted = data.draw(st.tuples(*[st.floats(gene.lower, gene.upper) for gene in choice.genes]))
+    part, genes = choice.decode(wanted)
+    distances = {row.name: math.dist(wanted, [row.number(column) for column in COLUMNS]) for row in rows}
+    assert distances[part.name] == pytest.approx(min(distances.values()))
+    assert genes == tuple(part.number(column) for column in COLUMNS)
+
+
+def test_discrete_rows_are_ordered_by_area() -> None:
+    choice = sensor_choice(scheme="discrete")
+    assert [choice.decode([index])[0].name for index in range(4)] == ["tiny", "fine", "coarse", "huge"]
+
+
+@pytest.mark.parametrize("scheme", ["quantized", "discrete"])
+@pytest.mark.parametrize("distance", ["normalised", "plain"])
+def test_every_part_is_reached_from_its_own_genes(scheme: str, distance: str) -> None:
+    space = DesignSpace([sensor_choice(scheme=scheme, distance=distance)])
+    for part in SENSORS:
+        for value in (part, part.name, part.as_dict()):
+            assert space.decode(space.encode({"sensor": value})).values == {"sensor": part}
+
+
+@pytest.mark.parametrize(
+    "variable",
+    [sensor_choice(scheme="discrete"), Integer("sensor", 1, 4), Categorical("sensor", ("a", "b", "c", "d"))],
+    ids=["catalog", "integer", "categorical"],
+)
+def test_every_value_is_drawn_about_as_often_the_last_one_too(variable: Any) -> None:
+    space, rng = DesignSpace([variable]), np.random.default_rng(1)
+    counts = Counter(space.sample(rng).genes for _ in range(800))
+    assert len(counts) == 4
+    assert min(counts.values()) > 150
+
+
+def test_quantized_drawing_is_even_in_the_box_of_the_columns() -> None:
+    space, rng = DesignSpace([sensor_choice()]), np.random.default_rng(1)
+    drawn = np.array([sensor_choice().draw(rng) for _ in range(2000)])
+    lower, upper = (np.array([getattr(gene, end) for gene in space.genes]) for end in ("lower", "upper"))
+    assert (drawn >= lower).all()
+    assert (drawn <= upper).all()
+    np.testing.assert_allclose(drawn.mean(axis=0), (lower + upper) / 2, rtol=0.05)
+    assert {space.sample(rng).values["sensor"].name for _ in range(200)} == {row.name for row in SENSORS}
+
+
+def test_sampling_is_repeatable() -> None:
+    draws = [full_space().sample(np.random.default_rng(3)).key for _ in range(2)]
+    assert draws[0] == draws[1]
+
+
+VALUES = st.fixed_dictionaries(
+    {
+        "pitch_deg": st.floats(-30, 30),
+        "sensor": st.sampled_from(SENSORS),
+        "cameras": st.integers(1, 4),
+        "lens": st.sampled_from(["wide", "tele", 1, True, None]),
+    }
+)
+
+
+@given(VALUES, st.sampled_from(["quantized", "discrete"]))
+def test_values_survive_encoding(values: dict[str, Any], scheme: str) -> None:
+    space = full_space(scheme=scheme)
+    candidate = space.decode(space.encode(values))
+    assert candidate.values == values
+    assert {name: type(value) for name, value in candidate.values.items()} == {
+        name: type(value) for name, value in values.items()
+    }
+
+
+@given(st.lists(st.floats(allow_nan=False), min_size=6, max_size=6))
+def test_any_genes_give_a_candidate_that_decodes_to_itself(genes: list[float]) -> None:
+    space = full_space()
+    candidate = space.decode(genes)
+    assert all(
+        gene.lower <= value <= gene.upper for gene, value in zip(space.genes, candidate.genes, strict=True)
+    )
+    assert space.decode(candidate.genes) == candidate
+    assert space.decode(space.encode(candidate.as_dict())) == candidate
+
+
+def test_equal_values_are_equal_candidates() -> None:
+    space = full_space()
+    one = space.decode([0.0, 6.0, 4.5, 1.5, 2, 0])
+    other = space.decode([-0.0, 6.01, 4.49, 1.5, 2.4, 0.1])
+    assert one == other
+    assert len({one, other}) == 1
+    assert one != space.decode([0.1, 6.0, 4.5, 1.5, 2, 0])
+    assert space.decode([0, 6, 4.5, 1.5, 1, 2]) != space.decode([0, 6, 4.5, 1.5, 1, 3])  # 1 is not True
+
+
+def test_a_candidate_can_be_sent_to_another_process() -> None:
+    candidate = full_space().decode([0.0, 6.0, 4.5, 1.5, 2, 0])
+    copy = pickle.loads(pickle.dumps(candidate))  # noqa: S301
+    assert copy == candidate
+    assert copy.values == candidate.values
+    assert copy.genes == candidate.genes
+
+
+def test_keys_do_not_depend_on_the_process() -> None:
+    program = (
+        "from tacos_framework.design_space import Candidate; print(Candidate({'b': 1, 'a': 'x'}, ()).key)"
+    )
+    printed = subprocess.run(
+        [sys.executable, "-c", program],
+        env={"PYTHONHASHSEED": "5"},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert printed.strip() == Candidate({"a": "x", "b": 1}, (1.0,)).key
+
+
+def test_candidates_are_reported_with_the_columns_of_their_parts() -> None:
+    assert full_space().decode([0.0, 6.0, 4.5, 1.5, 2, 0]).as_dict() == {
+        "pitch_deg": 0.0,
+        "sensor": {"name": "fine", "width_mm": 6.0, "height_mm": 4.5, "pixel_um": 1.5, "maker": None},
+        "cameras": 2,
+        "lens": "wide",
+    }
+
+
+def test_fixing_leaves_the_other_variables() -> None:
+    space = full_space().fix({"sensor": "a product's own", "pitch_deg": 99})
+    assert space.names == ("cameras", "lens")
+    assert space.sample(np.random.default_rng(0)).values.keys() == {"cameras", "lens"}
+    nothing_left = space.fix(space.names)
+    assert nothing_left.decode([]).values == {}
+    assert nothing_left.sample(np.random.default_rng(0)).genes == ()
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: Continuous("f", 20, 1), "f is between 20 and 1: the lower bound must come first"),
+        (lambda: Continuous("f", 1, 1), "the lower bound must come first"),
+        (lambda: Continuous("f", 1, math.inf), "bounds of f must be finite numbers, not 1 and inf"),
+        (lambda: Continuous("f", math.nan, 1), "bounds of f must be finite numbers"),
+        (lambda: Integer("n", 1, 2.5), "n is a whole number, so its bounds are, not 2.5"),  # type: ignore[arg-type]
+        (lambda: Integer("n", 0, 2**60), "n is a whole number"),
+        (lambda: Categorical("c", ()), "c needs at least one value to choose from"),
+        (lambda: Categorical("c", ("a", "b", "a")), "c names 'a' more than once"),
+        (lambda: CatalogChoice("s", (), COLUMNS), "s has no parts to choose from"),
+        (lambda: CatalogChoice("s", SENSORS, ()), "s needs at least one column"),
+        (lambda: CatalogChoice("s", SENSORS, ("maker",)), "maker of huge is unknown, and a number is needed"),
+        (lambda: CatalogChoice("s", SENSORS, ("depth",)), "depth of huge is unknown"),
+        (lambda: CatalogChoice("s", SENSORS[:1] * 2, COLUMNS), "s has two parts called huge"),
+        (lambda: sensor_choice(scheme="quantised"), "the scheme of sensor is quantized or discrete, not"),
+        (lambda: sensor_choice(distance="far"), "the distance of sensor is normalised or plain, not 'far'"),
+        (lambda: DesignSpace([Continuous("f", 1, 2)] * 2), "design variables need different names, not f, f"),
+        (lambda: full_space().fix(["sensr"]), "'sensr' is no design variable. Did you mean 'sensor'?"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_a_sentence(build: Any, message: str) -> None:
+    with pytest.raises(ValueError) as caught:  # noqa: PT011
+        build()
+    assert message in str(caught.value)
+
+
+def test_parts_that_coincide_have_no_nearest() -> None:
+    twins = (*SENSORS, sensor("twin", 6.0, 4.5, 1.5))
+    with pytest.raises(
+        ValueError, match="fine and twin are equal in width_mm, height_mm, pixel_um, so neither"
+    ):
+        CatalogChoice("sensor", twins, COLUMNS)
+    space = DesignSpace([CatalogChoice("sensor", twins, COLUMNS, scheme="discrete")])
+    for part in twins:
+        assert space.decode(space.encode({"sensor": part})).values["sensor"] is part
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"pitch_deg": 31}, "pitch_deg is 31 deg, outside of -30 to 30 deg"),
+        ({"pitch_deg": math.nan}, "pitch_deg is nan deg, outside"),
+        ({"pitch_deg": "3"}, "pitch_deg is a number, not '3'"),
+        ({"pitch_deg": True}, "pitch_deg is a number, not True"),
+        ({"cameras": 2.5}, "cameras is a whole number, not 2.5"),
+        ({"cameras": 9}, "cameras is 9, outside of 1 to 4"),
+        ({"lens": "macro"}, "lens is one of 'wide', 'tele', 1, True, None, not 'macro'"),
+        ({"sensor": "fin"}, "sensor has no part 'fin'. Did you mean 'fine'?"),
+        ({"sensor": {"width_mm": 6.0}}, "sensor has no part None"),
+        ({"sensr": 1}, "'sensr' is no design variable"),
+    ],
+)
+def test_values_outside_the_space_are_refused(changes: dict[str, Any], message: str) -> None:
+    values = {"pitch_deg": 0.0, "sensor": "fine", "cameras": 2, "lens": "wide", **changes}
+    with pytest.raises(ValueError) as caught:  # noqa: PT011
+        full_space().encode(values)
+    assert message in str(caught.value)
+
+
+def test_genes_and_values_must_be_complete() -> None:
+    with pytest.raises(ValueError, match="no value for sensor, lens"):
+        full_space().encode({"pitch_deg": 0.0, "cameras": 2})
+    with pytest.raises(ValueError, match=r"this design space has 6 genes, not \(2,\)"):
+        full_space().decode([1.0, 2.0])
+    with pytest.raises(ValueError, match=r"not a number: sensor.pixel_um, lens"):
+        full_space().decode([0, 6, 4, math.nan, 2, math.nan])
