@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, model_validator
 
 from tacos_framework.camera.geometry import agent_from_camera
+from tacos_framework.catalog.parts import Part
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera
 
@@ -21,6 +23,11 @@ class SensorPart(Settings):
     width_px: int = setting(help="Photosites along the long side.", unit="px", ge=1)
     height_px: int = setting(help="Photosites along the short side.", unit="px", ge=1)
     pixel_um: float = setting(help="Pitch of the photosites.", unit="um", gt=0)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_catalog(cls, given: Any) -> Any:
+        return given.as_dict() if isinstance(given, Part) else given
 
     @property
     def width_mm(self) -> float:

@@ -1,0 +1,75 @@
+"""Independent uniform draws."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from tacos_framework.contracts import Evaluated
+from tacos_framework.design_space import Candidate, DesignSpace
+from tacos_framework.settings import Settings, setting
+
+
+class RandomSearch:
+    """Draws every candidate afresh from the whole design space: the baseline any search must beat.
+
+    Examples
+    --------
+    >>> from tacos_framework.design_space import Continuous
+    >>> space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg")])
+    >>> config = RandomSearch.Config(evaluations=5, batch=2)
+    >>> search = RandomSearch(config, space=space, rng=np.random.default_rng(1))
+    >>> while not (reason := search.stop()):
+    ...     candidates = search.ask()
+    ...     search.tell([Evaluated(candidate, -candidate.genes[0] ** 2) for candidate in candidates])
+    >>> reason
+    'all 5 candidates were evaluated'
+    """
+
+    class Config(Settings):
+        """Settings of the optimizer."""
+
+        evaluations: int = setting(200, help="Candidates drawn in all.", ge=1)
+        batch: int = setting(10, help="Candidates asked at a time; the last batch may be smaller.", ge=1)
+
+    def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:
+        self.config = config
+        self._space = space
+        self._rng = rng
+        self._evaluated = 0
+        self._asked = self._draw()
+
+    def ask(self) -> list[Candidate]:
+        """The next batch; the same one until it is told."""
+        return list(self._asked)
+
+    def tell(self, evaluated: Sequence[Evaluated]) -> None:
+        """Count the batch; what it scored changes nothing."""
+        self._evaluated += len(evaluated)
+        self._asked = self._draw()
+
+    def stop(self) -> str | None:
+        """A reason once all evaluations are told."""
+        if self._evaluated < self.config.evaluations:
+            return None
+        return f"all {self.config.evaluations} candidates were evaluated"
+
+    def state(self) -> dict[str, Any]:
+        """Progress, the batch in flight and the generator, as JSON values."""
+        return {
+            "evaluated": self._evaluated,
+            "asked": [list(candidate.genes) for candidate in self._asked],
+            "rng": self._rng.bit_generator.state,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a `state`."""
+        self._evaluated = state["evaluated"]
+        self._asked = [self._space.decode(genes) for genes in state["asked"]]
+        self._rng.bit_generator.state = state["rng"]
+
+    def _draw(self) -> list[Candidate]:
+        count = min(self.config.batch, self.config.evaluations - self._evaluated)
+        return [self._space.sample(self._rng) for _ in range(count)]
