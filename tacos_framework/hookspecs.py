@@ -8,6 +8,7 @@ from typing import Any
 import pluggy
 
 from tacos_framework.components import Component
+from tacos_framework.environment import Finding
 
 hookspec = pluggy.HookspecMarker("tacos")
 hookimpl = pluggy.HookimplMarker("tacos")
@@ -16,6 +17,11 @@ hookimpl = pluggy.HookimplMarker("tacos")
 @hookspec
 def tacos_components() -> Sequence[Component]:  # type: ignore[empty-body]
     """Offer components. Called once at discovery: name code by string, import nothing heavy."""
+
+
+@hookspec
+def tacos_doctor() -> Sequence[Finding]:  # type: ignore[empty-body]
+    """Look at what the plugin's components need on this machine; for ``tacos doctor`` and for results."""
 
 
 @hookspec

@@ -1,0 +1,79 @@
+"""Content keys, and a small store of what is costly to make again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+Made = TypeVar("Made")
+
+
+def content_key(*parts: Any) -> str:
+    """A key that is equal for equal content: 32 hexadecimal digits, the same in every process.
+
+    Takes JSON values, tuples, numpy arrays and numbers, and mappings of them, nested.
+
+    Raises
+    ------
+    TypeError
+        For anything whose content is not plain data, rather than keying it by identity.
+    """
+    digest = hashlib.blake2b(digest_size=16)
+    _feed(digest, parts)
+    return digest.hexdigest()
+
+
+def _feed(digest: hashlib.blake2b, value: Any) -> None:
+    if isinstance(value, np.ndarray):
+        digest.update(f"a{value.dtype.str}{value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).tobytes())
+    elif isinstance(value, np.generic):
+        _feed(digest, value.item())
+    elif isinstance(value, Mapping):
+        digest.update(f"m{len(value)}".encode())
+        for key in sorted(value, key=str):
+            _feed(digest, str(key))
+            _feed(digest, value[key])
+    elif isinstance(value, list | tuple):
+        digest.update(f"l{len(value)}".encode())
+        for item in value:
+            _feed(digest, item)
+    elif value is None or isinstance(value, str | bool | int | float):
+        text = json.dumps(value)
+        digest.update(f"v{len(text)}:{text}".encode())
+    else:
+        raise TypeError(f"cannot make a content key of a {type(value).__name__}")
+
+
+class Recent(Generic[Made]):
+    """The `size` most recently used things, made when first asked for.
+
+    Examples
+    --------
+    >>> squares = Recent(size=2)
+    >>> squares.get(3, lambda: 9)
+    9
+    >>> squares.get(3, lambda: 0)
+    9
+    """
+
+    def __init__(self, size: int):
+        if size < 1:
+            raise ValueError(f"a store of the most recent {size} things holds nothing")
+        self._size = size
+        self._held: OrderedDict[Hashable, Made] = OrderedDict()
+
+    def get(self, key: Hashable, make: Callable[[], Made]) -> Made:
+        """What is held under `key`, or else what `make` gives, then held."""
+        if key in self._held:
+            self._held.move_to_end(key)
+        else:
+            while len(self._held) >= self._size:  # let go first: two worlds at once may not fit
+                self._held.popitem(last=False)
+            self._held[key] = make()
+        return self._held[key]

@@ -1,0 +1,11 @@
+"""The two commands: ``tacos-run RECIPE``, and ``tacos`` for everything around it.
+
+Modules here import heavy packages only where they use them, so that help and lists come at once.
+"""
+
+from __future__ import annotations
+
+from tacos_framework.cli.run import main as run_main
+from tacos_framework.cli.tacos import main as tacos_main
+
+__all__ = ["run_main", "tacos_main"]

@@ -1,0 +1,89 @@
+"""The progress bar of ``tacos-run``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress as Bars
+
+from tacos_framework.progress import Progress, Silent
+from tacos_framework.simulation import Evaluation
+
+
+@contextmanager
+def progress_for(*, quiet: bool) -> Iterator[Progress]:
+    """A live bar on a terminal, a line per generation elsewhere, nothing when quiet."""
+    console = Console(stderr=True)
+    if quiet:
+        yield Silent()
+    elif console.is_terminal:
+        with Bars(
+            TextColumn("{task.description:<28}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("best {task.fields[best]}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=console,
+        ) as bars:
+            yield _Live(bars)
+    else:
+        yield _Lines(console)
+
+
+class _Live:
+    """One bar per phase."""
+
+    def __init__(self, bars: Bars):
+        self._bars = bars
+        self._task = None
+        self._best: float | None = None
+
+    def phase(self, title: str, evaluations: int | None) -> None:
+        self._finish()
+        self._best = None
+        self._task = self._bars.add_task(title, total=evaluations, best="-")
+
+    def _finish(self) -> None:
+        """Elites that are taken from the cache leave a bar short of its estimate."""
+        if self._task is not None:
+            self._bars.update(self._task, total=self._bars.tasks[self._task].completed)
+
+    def evaluated(self, evaluation: Evaluation) -> None:
+        if self._task is not None:
+            if evaluation.fitness is not None:
+                self._best = max(evaluation.fitness, self._best or evaluation.fitness)
+            self._bars.update(self._task, advance=1, best=_number(self._best))
+
+    def best(self, best: Evaluation | None) -> None:
+        if self._task is not None:
+            self._bars.update(self._task, best=_number(best.fitness if best else None))
+
+
+class _Lines:
+    """A line per generation, for logs."""
+
+    def __init__(self, console: Console):
+        self._console = console
+        self._title, self._done = "", 0
+
+    def phase(self, title: str, evaluations: int | None) -> None:
+        self._title, self._done = title, 0
+        self._console.print(
+            title if evaluations is None else f"{title}: {evaluations} evaluations", highlight=False
+        )
+
+    def evaluated(self, evaluation: Evaluation) -> None:
+        self._done += 1
+
+    def best(self, best: Evaluation | None) -> None:
+        fitness = _number(best.fitness if best else None)
+        self._console.print(f"{self._title}: {self._done} evaluated, best {fitness}", highlight=False)
+
+
+def _number(fitness: float | None) -> str:
+    return "-" if fitness is None else f"{fitness:.3f}"

@@ -1,0 +1,30 @@
+"""Exit statuses, and the one place where a user's mistake becomes one."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from tacos_framework.errors import UserError
+
+DONE = 0
+WRONG_INPUT = 2
+INTERRUPTED = 130
+"""128 + SIGINT, as shells expect of a command ended by Ctrl-C."""
+
+
+def exit_status(command: Callable[[], int]) -> int:
+    """Run a command; print the faults of a `UserError` to stderr instead of a traceback."""
+    try:
+        return command()
+    except UserError as error:
+        count = len(error.faults)
+        print(f"{'1 fault' if count == 1 else f'{count} faults'}:\n", file=sys.stderr)
+        print("\n\n".join(map(str, error.faults)), file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        print("Interrupted.", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output went away, e.g. `tacos catalog NAME | head`
+        sys.stderr.close()
+        return DONE

@@ -1,0 +1,165 @@
+"""``tacos-run RECIPE``: run a recipe."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tacos_framework.cli.exits import DONE, INTERRUPTED, exit_status
+from tacos_framework.errors import Fault, UserError
+
+if TYPE_CHECKING:
+    from tacos_framework.recipe import Recipe
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line of ``tacos-run``."""
+    parser = argparse.ArgumentParser(
+        prog="tacos-run",
+        description="Run a recipe: design a camera in simulation and set it beside others.",
+        epilog="Exit status: 0 done, 2 wrong input, 130 interrupted, 1 anything else.",
+    )
+    parser.add_argument("recipe", metavar="RECIPE", help="path of a YAML file, or name of a shipped recipe")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        dest="sets",
+        help="set a key of the recipe, dotted; repeatable",
+    )
+    parser.add_argument(
+        "--with",
+        metavar="FILE",
+        dest="effects",
+        action="append",
+        default=[],
+        help="add the effects listed in a YAML file; repeatable",
+    )
+    parser.add_argument("--out", metavar="DIR", type=Path, help="results folder [runs/RECIPE-TIME]")
+    parser.add_argument("--seed", metavar="N", type=int, help="seed, instead of the recipe's")
+    parser.add_argument("--resume", action="store_true", help="go on with the run in --out")
+    parser.add_argument("--workers", metavar="N", type=int, help="evaluate in N processes")
+    parser.add_argument("--executor", metavar="NAME", help="executor component, e.g. executor.process")
+    parser.add_argument("--check", action="store_true", help="report all faults of the recipe, then stop")
+    parser.add_argument(
+        "--explain", action="store_true", help="show the resolved graph and settings, then stop"
+    )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Entry point of ``tacos-run``."""
+    arguments = parser().parse_args(argv)
+    command = shlex.join(["tacos-run", *(sys.argv[1:] if argv is None else argv)])
+    return exit_status(lambda: _run(arguments, command))
+
+
+def _run(arguments: argparse.Namespace, command: str) -> int:
+    from tacos_framework.plan import make_plan
+    from tacos_framework.plugins import Plugins
+
+    plugins = Plugins.discover()
+    recipe, faults = _read(arguments)
+    if arguments.resume and arguments.out is None:
+        faults.append(Fault("--resume", "which run is not said", "", "Name its folder with --out."))
+    plan = make_plan(recipe, plugins, faults)
+    if arguments.explain:
+        from tacos_framework.cli.explain import explain
+
+        print(explain(plan))
+    if arguments.check:
+        print(f"{arguments.recipe}: no faults.")
+    if arguments.check or arguments.explain:
+        return DONE
+
+    from tacos_framework.cli.bar import progress_for
+    from tacos_framework.study import run
+
+    out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
+    with progress_for(quiet=arguments.quiet) as progress:
+        result = run(
+            recipe, out=out, plugins=plugins, resume=arguments.resume, progress=progress, command=command
+        )
+    print(summary(result, out))
+    return INTERRUPTED if result["stopped"] == "interrupted by the user" else DONE
+
+
+def _read(arguments: argparse.Namespace) -> tuple[Recipe, list[Fault]]:
+    from tacos_framework.loading import find_recipe
+    from tacos_framework.recipe import read_recipe
+
+    faults: list[Fault] = []
+    sets = _sets(arguments, faults)
+    effects = [effect for file in arguments.effects for effect in _effects(Path(file))]
+    recipe, found = read_recipe(find_recipe(arguments.recipe), sets=sets, effects=effects)
+    return recipe, [*faults, *found]
+
+
+def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
+    from tacos_framework.yaml_reader import read_yaml
+
+    sets: dict[str, Any] = {}
+    for given in arguments.sets:
+        key, equals, value = given.partition("=")
+        if not equals or not key:
+            faults.append(Fault(f"--set {given}", "there is no '='", "--set key=value"))
+            continue
+        try:
+            sets[key] = read_yaml(value, name=f"--set {key}").data
+        except UserError as error:
+            faults.extend(error.faults)
+    if arguments.seed is not None:
+        sets["seed"] = arguments.seed
+    if arguments.executor is not None:
+        sets["executor"] = {"use": arguments.executor}
+    if arguments.workers is not None:
+        executor = arguments.executor or "executor.process"
+        sets["executor"] = {"use": executor, "workers": arguments.workers}
+    return sets
+
+
+def _effects(file: Path) -> list[Mapping[str, Any]]:
+    from tacos_framework.yaml_reader import read_yaml
+
+    document = read_yaml(file)
+    effects = document.data.get("effects") if isinstance(document.data, dict) else document.data
+    if not isinstance(effects, list) or not all(isinstance(effect, dict) for effect in effects):
+        raise UserError(
+            Fault(
+                document.where(()),
+                "no list of effects",
+                "a list such as [{use: effect.vignetting, k1: -0.4}]",
+            )
+        )
+    return effects
+
+
+def summary(result: Mapping[str, Any], out: Path) -> str:
+    """What a run found, in a few lines."""
+    lines = []
+    if best := result["best"]:
+        lines.append("Designed: " + ", ".join(f"{k} {_short(v)}" for k, v in best["camera"].items()))
+    tested = result["test"]
+    for name in sorted(tested, key=lambda name: -(tested[name]["fitness"] or float("-inf"))):
+        fitness = tested[name]["fitness"]
+        lines.append(
+            f"  {name:<20} fitness on unseen scenes {'failed' if fitness is None else f'{fitness:.3f}'}"
+        )
+    if not best:
+        lines.append("No candidate could be evaluated; log.txt says why.")
+    lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
+    lines.append(f"Report: {out / 'report.html'}")
+    return "\n".join(lines)
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return str(value.get("name", value))
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,108 @@
+"""``tacos``: what is installed, what is wrong, what there is to choose from."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tacos_framework.cli.exits import DONE, exit_status
+
+if TYPE_CHECKING:
+    from tacos_framework.environment import Finding
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line of ``tacos``."""
+    parser = argparse.ArgumentParser(prog="tacos", description="Look around tacos-framework.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
+    commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
+    catalog = commands.add_parser("catalog", help="catalogs of parts and cameras")
+    catalog.add_argument("name", nargs="?", help="a catalog to show; all of them are listed without")
+    report = commands.add_parser("report", help="write report.html of a results folder anew")
+    report.add_argument("folder", type=Path, help="results folder of a run")
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Entry point of ``tacos``."""
+    arguments = parser().parse_args(argv)
+    commands = {"plugins": _plugins, "doctor": _doctor, "catalog": _catalog, "report": _report}
+    return exit_status(lambda: commands[arguments.command](arguments))
+
+
+def _plugins(arguments: argparse.Namespace) -> int:
+    from tacos_framework.plugins import Plugins
+
+    plugins = Plugins.discover()
+    for registered in plugins:
+        component = registered.component
+        missing = component.missing_packages()
+        note = f" (needs: pip install {' '.join(missing)})" if missing else ""
+        print(
+            f"{component.use:<30} {component.summary}{note}  [{registered.distribution or registered.plugin}]"
+        )
+    for failure in plugins.failures:
+        print(f"broken: plugin {failure.plugin}: {failure.reason}", file=sys.stderr)
+    return DONE
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
+    import itertools
+    import platform
+
+    from tacos_framework import __version__
+    from tacos_framework.environment import Finding, usable_cores
+    from tacos_framework.plugins import Plugins
+
+    plugins = Plugins.discover()
+    findings = [
+        Finding("tacos-framework", __version__),
+        Finding("Python", platform.python_version()),
+        Finding("cores", str(usable_cores())),
+        _torch(),
+        *itertools.chain(*plugins.hook.tacos_doctor()),
+        *(
+            Finding(f"plugin {f.plugin}", f.reason, ok=False, remedy="Update or uninstall it.")
+            for f in plugins.failures
+        ),
+    ]
+    for finding in findings:
+        print(f"{'ok  ' if finding.ok else 'BAD '} {finding.name}: {finding.value}")
+        if finding.remedy and not finding.ok:
+            print(f"     to do: {finding.remedy}")
+    return DONE if all(finding.ok for finding in findings) else 1
+
+
+def _torch() -> Finding:
+    from importlib.util import find_spec
+
+    from tacos_framework.environment import Finding
+
+    if find_spec("torch") is None:
+        return Finding("torch", "not installed; only tasks that learn need it")
+    import torch
+
+    return Finding("torch", f"{torch.__version__}, {'cuda' if torch.cuda.is_available() else 'cpu'}")
+
+
+def _catalog(arguments: argparse.Namespace) -> int:
+    from tacos_framework.cli.catalogs import list_catalogs, show_catalog
+
+    print(show_catalog(arguments.name) if arguments.name else list_catalogs())
+    return DONE
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from tacos_framework.errors import Fault, UserError
+    from tacos_framework.report import write_report
+
+    if not (arguments.folder / "result.json").is_file():
+        raise UserError(
+            Fault(str(arguments.folder), "there is no result.json", "the results folder of a run")
+        )
+    print(write_report(arguments.folder))
+    return DONE

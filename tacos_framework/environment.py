@@ -1,0 +1,66 @@
+"""What machine and what software a study ran on."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, requires, version
+from re import match
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing ``tacos doctor`` reports.
+
+    Parameters
+    ----------
+    name
+        What was looked at, e.g. ``OpenGL``.
+    value
+        What was found.
+    ok
+        Whether it is as it should be.
+    remedy
+        What to do if it is not.
+    """
+
+    name: str
+    value: str
+    ok: bool = True
+    remedy: str = ""
+
+
+def usable_cores() -> int:
+    """Processor cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def package_versions() -> dict[str, str]:
+    """Versions of tacos-framework and of the packages it needs."""
+    names = ["tacos-framework"]
+    for requirement in requires("tacos-framework") or []:
+        name = match(r"[A-Za-z0-9._-]+", requirement)
+        if name and "extra ==" not in requirement:
+            names.append(name.group())
+    versions = {}
+    for name in names:
+        try:
+            versions[name] = version(name)
+        except PackageNotFoundError:
+            versions[name] = "not installed"
+    return versions
+
+
+def describe_environment(workers: int, findings: Iterable[Finding]) -> dict[str, Any]:
+    """What to know to repeat a run: Python, platform, cores, packages, and what plugins found."""
+    return {
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "cores": usable_cores(),
+        "workers": workers,
+        "packages": package_versions(),
+        "findings": {finding.name: finding.value for finding in findings},
+    }

@@ -1,0 +1,58 @@
+"""Finding and reading recipes, for the command line and for library use alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.recipe import Recipe, read_recipe
+from tacos_framework.shipped import shipped_folder
+
+
+def find_recipe(name: str | Path) -> Path:
+    """The file of a recipe: a path, or the name of one that is shipped.
+
+    Raises
+    ------
+    UserError
+        When there is neither.
+    """
+    path = Path(name)
+    if path.suffix in (".yaml", ".yml") or path.is_file():
+        return path
+    shipped = {file.stem: file for file in shipped_folder("recipes").glob("*.yaml")}
+    if str(name) in shipped:
+        return shipped[str(name)]
+    remedy = did_you_mean(str(name), shipped)
+    raise UserError(
+        Fault(str(name), "there is no such recipe", "a YAML file, or the name of a shipped recipe", remedy)
+    )
+
+
+def load_recipe(
+    name: str | Path,
+    sets: Mapping[str, Any] | None = None,
+    effects: Sequence[Mapping[str, Any]] = (),
+) -> Recipe:
+    """Read a recipe by path or by the name of a shipped one.
+
+    Parameters
+    ----------
+    name
+        Path, or name such as ``"headset_quick"``.
+    sets
+        Dotted keys and the values to put there, e.g. ``{"optimizer.generations": 2}``.
+    effects
+        Effects to add.
+
+    Raises
+    ------
+    UserError
+        With every fault of its form. Components and wiring are checked by `tacos_framework.run`.
+    """
+    recipe, faults = read_recipe(find_recipe(name), sets=sets, effects=effects)
+    if faults:
+        raise UserError(faults)
+    return recipe

@@ -1,0 +1,36 @@
+"""What a study tells while it runs."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from tacos_framework.simulation import Evaluation
+
+
+class Progress(Protocol):
+    """Listens to a study. The command line draws a bar; library users may pass their own."""
+
+    def phase(self, title: str, evaluations: int | None) -> None:
+        """A part of the study begins: a search, or the test; with how many evaluations it will take."""
+        ...
+
+    def evaluated(self, evaluation: Evaluation) -> None:
+        """One candidate was evaluated."""
+        ...
+
+    def best(self, best: Evaluation | None) -> None:
+        """A generation ended; the best of this phase so far."""
+        ...
+
+
+class Silent:
+    """Tells nothing."""
+
+    def phase(self, title: str, evaluations: int | None) -> None:
+        """Ignore it."""
+
+    def evaluated(self, evaluation: Evaluation) -> None:
+        """Ignore it."""
+
+    def best(self, best: Evaluation | None) -> None:
+        """Ignore it."""

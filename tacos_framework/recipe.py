@@ -1,0 +1,334 @@
+"""Recipes: one YAML file, or the same thing built in Python.
+
+Reading checks the form of a recipe and keeps the line and column of every key. Whether its components exist
+and fit together is the business of `tacos_framework.plan`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.settings import Settings, check, setting
+from tacos_framework.yaml_reader import Document, read_yaml
+
+FORMAT = 1
+"""The recipe format this version reads (``tacos: 1``)."""
+
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+
+
+class Use(BaseModel):
+    """A component and its settings: ``{use: kind.name, setting: value, ...}``."""
+
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+    use: str = Field(description="The component, kind.name.", pattern=r"^[a-z]+\.[a-z0-9-]+$")
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The settings given, without ``use`` and wiring."""
+        return dict(self.model_extra or {})
+
+
+class Train(BaseModel):
+    """How a trainable task learns during the study; further keys go to the task as its budget's settings."""
+
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+    weights: Literal["shared", "branched", "frozen"] = "shared"
+    epochs: int = Field(1, ge=1, description="Passes over the training frames for each candidate.")
+    frames: int | None = Field(
+        None, ge=1, description="Frames to train on; as many as the scene gives if absent."
+    )
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The keys only the task knows."""
+        return dict(self.model_extra or {})
+
+
+class NodeUse(Use):
+    """A node of the graph: a component, wired by ``in: {port: node}``."""
+
+    inputs: dict[str, str] = Field(
+        default_factory=dict, alias="in", description="Which node feeds each port."
+    )
+    train: Train | None = Field(None, description="Training during the study, for trainable tasks.")
+
+
+class Between(Settings):
+    """A number to design: ``{between: [lower, upper]}``."""
+
+    between: tuple[float, float] = setting(help="Lower and upper bound.")
+    integer: bool = setting(False, help="Whole numbers only.")
+
+
+class Choose(Settings):
+    """One of some values: ``{choose: [a, b]}``."""
+
+    choose: tuple[str | float, ...] = setting(help="The values to choose from.", min_length=1)
+
+
+class FromCatalog(Settings):
+    """A part from a catalog: ``{from: image_sensors}``."""
+
+    model_config = ConfigDict(populate_by_name=True)
+
+    catalog: str = setting(help="Name of a shipped catalog, or a path beside the recipe.", alias="from")
+    scheme: Literal["quantized", "discrete"] = setting(
+        "quantized", help="How the optimizer sees the rows (paper, Sec. 3.3)."
+    )
+    columns: tuple[str, ...] | None = setting(
+        None, help="Columns that span the quantized space; those of the catalog's own choice if absent."
+    )
+    distance: Literal["normalised", "plain"] = setting(
+        "normalised",
+        help="Distance to the nearest row: each column over its range, or the paper's plain one.",
+    )
+
+
+def _kind_of_variable(raw: Any) -> str:
+    keys = raw if isinstance(raw, dict) else raw.model_dump(by_alias=True)
+    return next((f"<{key}>" for key in ("from", "choose") if key in keys), "<between>")
+
+
+Variable = Annotated[
+    Annotated[Between, Tag("<between>")]
+    | Annotated[FromCatalog, Tag("<from>")]
+    | Annotated[Choose, Tag("<choose>")],
+    Discriminator(_kind_of_variable),
+]
+"""One entry of ``design:``, told apart by its first word."""
+
+
+class Bounds(Settings):
+    """Bounds on a derived quantity."""
+
+    min: float | None = setting(None, help="Smallest allowed value.")
+    max: float | None = setting(None, help="Largest allowed value.")
+
+
+class Scenario(Settings):
+    """Light and exposure, the same for every candidate."""
+
+    illumination_lux: float = setting(20.0, help="Mean illuminance 1 m above the floor.", unit="lux", gt=0)
+    gain_db: float = setting(5.0, help="Gain of the calibrated pixel; larger pixels need less.", unit="dB")
+    exposure_ms: float = setting(30.0, help="Exposure time.", unit="ms", gt=0)
+    f_number: float = setting(2.0, help="Focal length over aperture.", gt=0)
+
+
+class Weighted(Settings):
+    """One term of the fitness."""
+
+    score: str = setting(help="node.score, e.g. features.inliers.")
+    weight: float = setting(help="Its weight in the sum; negative for scores to keep small.")
+
+
+class StudySettings(Settings):
+    """How candidates are compared."""
+
+    episodes: int = setting(1, help="Episodes each candidate is scored on.", ge=1)
+    renew_episodes: Literal["never", "each_generation"] = setting(
+        "each_generation", help="Whether each generation sees new worlds."
+    )
+    common_random_numbers: bool = setting(
+        True, help="Candidates of a generation see the same episodes and noise."
+    )
+
+
+class Compare(Settings):
+    """Off-the-shelf cameras to set beside the design."""
+
+    cameras: tuple[str, ...] = setting(help="Names in the catalog of cameras.", min_length=1)
+    catalog: str = setting("cameras", help="Name of a shipped catalog of cameras, or a path.")
+    evaluations: int = setting(30, help="Evaluations spent on what each product leaves free.", ge=1)
+
+
+class Test(Settings):
+    """The scenes the design is judged on: other scenes than it was designed on."""
+
+    __test__ = False  # not a pytest class
+
+    seed: int = setting(help="Seed of the test scenes.", ge=0)
+    frames: int | None = setting(None, help="Frames per episode; as in the design if absent.", ge=1)
+    episodes: int = setting(1, help="Episodes.", ge=1)
+
+
+class Recipe(Settings):
+    """What to design, how to simulate it, and what to judge it by.
+
+    Built from YAML by `read_recipe` or in Python with keyword arguments; both are equal in power.
+    """
+
+    model_config = ConfigDict(populate_by_name=True)
+
+    tacos: Literal[1] = setting(FORMAT, help="Format of the recipe.")
+    name: str = setting(help="What the study is called.", min_length=1, max_length=200)
+    seed: int = setting(0, help="Everything random follows from it.", ge=0)
+    rig: Use = setting(help="The component that builds cameras; variables given here are fixed.")
+    design: dict[str, Variable] = setting(help="Variables of the rig, or node.setting.", min_length=1)
+    constraints: dict[str, Bounds] = setting({}, help="Bounds on quantities the rig derives.")
+    scenario: Scenario = setting(Scenario(), help="Light and exposure.")
+    effects: tuple[Use, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
+    nodes: dict[Name, NodeUse] = setting(help="The graph: scene, renderer, sensor and tasks.", min_length=1)
+    fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
+    optimizer: Use = setting(help="The derivative-free optimizer.")
+    executor: Use = setting(Use(use="executor.local"), help="Where candidates are evaluated.")
+    study: StudySettings = setting(StudySettings(), help="How candidates are compared.")
+    compare: Compare | None = setting(None, help="Off-the-shelf cameras to set beside the design.")
+    test: Test | None = setting(None, help="Scenes the design is judged on.")
+    notes: tuple[str, ...] = setting((), help="What a reader of the results should know.")
+
+    _document: Document | None = PrivateAttr(None)
+
+    @model_validator(mode="after")
+    def _seeds_differ(self) -> Recipe:
+        if self.test is not None and self.test.seed == self.seed:
+            raise ValueError(f"test.seed and seed are both {self.seed}: the test scenes would not be unseen")
+        return self
+
+    def where(self, path: Sequence[str | int]) -> str:
+        """File, line and column of a key; its dotted name for a recipe built in Python."""
+        if self._document is not None:
+            return self._document.where(tuple(path))
+        return ".".join(map(str, ("recipe", *path)))
+
+    @property
+    def folder(self) -> Path | None:
+        """The folder that relative paths in the recipe start from."""
+        name = self._document.name if self._document else None
+        return Path(name).parent if name and Path(name).is_file() else None
+
+    def as_data(self) -> dict[str, Any]:
+        """The recipe as plain data, every default filled in; `read_recipe` of it gives an equal recipe."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def read_recipe(
+    source: str | Path,
+    *,
+    sets: Mapping[str, Any] | None = None,
+    effects: Sequence[Mapping[str, Any]] = (),
+) -> tuple[Recipe, list[Fault]]:
+    """Read a recipe from a file.
+
+    Parameters
+    ----------
+    source
+        Path of the file.
+    sets
+        Dotted keys and the values to put there (``--set``).
+    effects
+        Effects to add (``--with``).
+
+    Returns
+    -------
+    The recipe, and the faults of its form. Where there are faults the recipe holds what could be
+    understood, so that further checks can find further faults; it must not be run.
+
+    Raises
+    ------
+    UserError
+        When the file cannot be read as YAML at all.
+    """
+    return _from_document(read_yaml(Path(source)), sets or {}, effects)
+
+
+def parse_recipe(text: str, *, name: str = "recipe") -> tuple[Recipe, list[Fault]]:
+    """As `read_recipe`, from text."""
+    return _from_document(read_yaml(text, name=name), {}, ())
+
+
+def _from_document(
+    document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
+) -> tuple[Recipe, list[Fault]]:
+    data = document.data
+    if not isinstance(data, dict):
+        raise UserError(
+            Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
+        )
+    faults: list[Fault] = []
+    for dotted, value in sets.items():
+        faults += _set(data, dotted, value)
+    if effects:
+        data["effects"] = [*(data.get("effects") or []), *effects]
+    sections: dict[str, Any] = {}
+    if "tacos" not in data:
+        faults.append(
+            Fault(document.where(()), "'tacos' is missing", f"tacos: {FORMAT}", "Add it as the first line.")
+        )
+    for key in data:
+        if key not in Recipe.model_fields:
+            remedy = did_you_mean(str(key), Recipe.model_fields)
+            faults.append(Fault(document.where((key,)), f"unknown key {key!r}", "", remedy))
+    for key, field in Recipe.model_fields.items():
+        if key not in data:
+            if field.is_required():
+                faults.append(
+                    Fault(document.where(()), f"{key!r} is missing", "", f"Add it: {field.description}")
+                )
+            continue
+        value, found = _section(document, key, field.annotation, data[key])
+        faults += found
+        if value is not None:
+            sections[key] = value
+    recipe = _draft(sections)
+    if not faults:
+        _, found, _ = check(Recipe, data, lambda path: document.where(path))
+        faults += found
+    recipe._document = document
+    return recipe, faults
+
+
+def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[Any, list[Fault]]:
+    """Check one section; where items of it are wrong, keep the others so that they are checked further."""
+
+    def where(path: Sequence[str | int]) -> str:
+        return document.where((key, *path))
+
+    value, faults, paths = check(annotation, raw, where)
+    if faults and isinstance(raw, dict) and key in ("nodes", "design", "constraints"):
+        bad = {path[0] for path in paths if path}
+        value, _, _ = check(annotation, {name: item for name, item in raw.items() if name not in bad}, where)
+    return value, faults
+
+
+def _draft(sections: dict[str, Any]) -> Recipe:
+    """A recipe of the sections that were understood; the required ones that were not are empty."""
+    empty: dict[str, Any] = {
+        "name": "",
+        "rig": None,
+        "design": {},
+        "nodes": {},
+        "fitness": (),
+        "optimizer": None,
+    }
+    return Recipe.model_construct(**{**empty, **sections})
+
+
+def _set(data: dict[str, Any], dotted: str, value: Any) -> list[Fault]:
+    """Put `value` at a dotted key such as ``nodes.world.frames`` or ``fitness.0.weight``."""
+    where = f"--set {dotted}"
+    *parents, last = dotted.split(".")
+    if not all((*parents, last)):
+        return [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
+    target: Any = data
+    for step in parents:
+        if isinstance(target, list) and step.isdecimal() and int(step) < len(target):
+            target = target[int(step)]
+        elif isinstance(target, dict):
+            target = target.setdefault(step, {})
+        else:
+            return [Fault(where, f"there is nothing below {step!r}", "a mapping")]
+    if isinstance(target, list) and last.isdecimal() and int(last) < len(target):
+        target[int(last)] = value
+    elif isinstance(target, dict):
+        target[last] = value
+    else:
+        return [Fault(where, f"cannot be set: {'.'.join(parents)!r} is not a mapping", "a mapping")]
+    return []

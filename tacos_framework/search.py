@@ -1,0 +1,267 @@
+"""One run of an optimizer over a design space: ask, simulate, train, score, tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from tacos_framework.cache import content_key
+from tacos_framework.contracts import Evaluated, Executor, State
+from tacos_framework.design_space import Candidate, DesignSpace
+from tacos_framework.plan import Plan
+from tacos_framework.randomness import generator
+from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
+
+FINALISTS = 3
+"""Candidates scored once more on common episodes where the search's own scores do not compare."""
+
+
+@dataclass(frozen=True)
+class Contender:
+    """What is remembered of a candidate over all generations it took part in."""
+
+    values: Mapping[str, Any]
+    fitness_sum: float
+    times: int
+
+    @property
+    def mean_fitness(self) -> float:
+        """Mean fitness over the generations it was scored in."""
+        return self.fitness_sum / self.times
+
+
+@dataclass
+class Search:
+    """The state of one search; `step` takes it one generation further.
+
+    Parameters
+    ----------
+    name
+        ``"designed"``, or the camera whose free variables are searched.
+    plan
+        The checked recipe.
+    space
+        The variables to search; None when nothing is free, and the fixed values are evaluated as they are.
+    fixed
+        Values of the other variables, plain.
+    budget
+        Evaluations after which it stops even if the optimizer would go on; None leaves it to the optimizer.
+    states
+        States of trainable tasks.
+    """
+
+    name: str
+    plan: Plan
+    space: DesignSpace | None
+    fixed: Mapping[str, Any]
+    budget: int | None
+    states: dict[str, State] = field(default_factory=dict)
+    generation: int = 0
+    evaluations: int = 0
+    images: int = 0
+    stopped: str | None = None
+    decided: bool = False
+    best: Evaluation | None = None
+    contenders: dict[str, Contender] = field(default_factory=dict)
+    cache: dict[str, Evaluation] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.optimizer: Any = None
+        if self.space is not None:
+            rng = generator(self.plan.recipe.seed, "optimizer", self.name)
+            self.optimizer = self.plan.optimizer.make(space=self.space, rng=rng)
+
+    # what is simulated ------------------------------------------------------------------------------------
+
+    @property
+    def _training(self) -> bool:
+        trains = (self.plan.recipe.nodes[name].train for name in self.plan.trainable)
+        return any(train is not None and train.weights != "frozen" for train in trains)
+
+    @property
+    def _weights(self) -> str:
+        """How weights pass from candidate to candidate: shared, branched or frozen."""
+        modes = {t.weights for n in self.plan.trainable if (t := self.plan.recipe.nodes[n].train) is not None}
+        return next((mode for mode in ("shared", "branched") if mode in modes), "frozen")
+
+    def _episodes(self, purpose: str) -> tuple[EpisodeSpec, ...]:
+        recipe = self.plan.recipe
+        era = self.generation if recipe.study.renew_episodes == "each_generation" else 0
+        return tuple(EpisodeSpec(recipe.seed, (purpose, era, i)) for i in range(recipe.study.episodes))
+
+    @property
+    def comparable(self) -> bool:
+        """Whether fitness compares across generations: same episodes, same weights."""
+        return self.plan.recipe.study.renew_episodes == "never" and not self._training
+
+    def expected_evaluations(self) -> int | None:
+        """How many evaluations the whole search will take, if that can be told."""
+        if self.optimizer is None:
+            return 1
+        planned = getattr(self.optimizer, "expected_evaluations", None)
+        known = [n for n in (planned, self.budget) if n is not None]
+        return min(known) if known else None
+
+    # one generation ---------------------------------------------------------------------------------------
+
+    def step(
+        self,
+        executor: Executor,
+        evaluate: Evaluator,
+        on_evaluated: Callable[[Evaluation], None],
+    ) -> list[Evaluation]:
+        """Ask for candidates, evaluate them, tell; returns the evaluations, in the order asked.
+
+        The search is changed only once all are there, so that a break in the middle loses this generation
+        and nothing else.
+        """
+        asked: list[Candidate] = self.optimizer.ask() if self.optimizer else []
+        wanted = [{**self.fixed, **candidate.as_dict()} for candidate in asked] or [dict(self.fixed)]
+        evaluations, states = self._evaluate(wanted, executor, evaluate, on_evaluated)
+        if self.optimizer:
+            self.optimizer.tell([Evaluated(c, e.fitness) for c, e in zip(asked, evaluations, strict=True)])
+        self._remember(evaluations)
+        self.states = states
+        self.generation += 1
+        self.stopped = self._stop()
+        return evaluations
+
+    def _stop(self) -> str | None:
+        if self.optimizer is None:
+            return "nothing is left free to search"
+        if self.budget is not None and self.evaluations >= self.budget:
+            return f"{self.evaluations} evaluations, the budget of {self.budget}, are spent"
+        return self.optimizer.stop()
+
+    def _evaluate(
+        self,
+        wanted: Sequence[dict[str, Any]],
+        executor: Executor,
+        evaluate: Evaluator,
+        on_evaluated: Callable[[Evaluation], None],
+    ) -> tuple[list[Evaluation], dict[str, State]]:
+        training = self._episodes("train")[0] if self._training else None
+        episodes = self._episodes("design")
+        if training is not None and self._weights == "shared":
+            evaluations, states = [], dict(self.states)
+            for values in wanted:  # each candidate goes on from the weights the one before left
+                (evaluation,) = executor.map(evaluate, [ScoreJob(values, episodes, states, training)])
+                states.update(evaluation.states)
+                evaluations.append(evaluation)
+                on_evaluated(evaluation)
+            return evaluations, states
+        evaluations = self._cached_map(wanted, episodes, training, executor, evaluate, on_evaluated)
+        states = dict(self.states)
+        if training is not None and (scored := [e for e in evaluations if e.fitness is not None]):
+            states.update(max(scored, key=_fitness).states)
+        return evaluations, states
+
+    def _cached_map(
+        self,
+        wanted: Sequence[dict[str, Any]],
+        episodes: tuple[EpisodeSpec, ...],
+        training: EpisodeSpec | None,
+        executor: Executor,
+        evaluate: Evaluator,
+        on_evaluated: Callable[[Evaluation], None],
+    ) -> list[Evaluation]:
+        """Evaluate what has not been evaluated before in exactly this way, each thing once."""
+        weights = state_key(self.states)
+        specs = [asdict(spec) for spec in episodes]
+        keys = [content_key(v, specs, weights, training and asdict(training)) for v in wanted]
+        new = {key: values for key, values in zip(keys, wanted, strict=True) if key not in self.cache}
+        jobs = [ScoreJob(values, episodes, self.states, training) for values in new.values()]
+        fresh: dict[str, Evaluation] = {}
+        for key, evaluation in zip(new, executor.map(evaluate, jobs), strict=True):
+            fresh[key] = evaluation
+            on_evaluated(evaluation)
+        if self.comparable:  # otherwise no later generation can ask the same again
+            self.cache.update({key: replace(e, states={}) for key, e in fresh.items()})
+        evaluations, given = [], set()
+        for key in keys:
+            if key in fresh and key not in given:
+                evaluations.append(fresh[key])
+            else:
+                evaluations.append(
+                    replace(fresh.get(key) or self.cache[key], cached=True, images=0, seconds={})
+                )
+            given.add(key)
+        return evaluations
+
+    def _remember(self, evaluations: Sequence[Evaluation]) -> None:
+        for evaluation in evaluations:
+            self.evaluations += not evaluation.cached
+            self.images += evaluation.images
+            if evaluation.fitness is None:
+                continue
+            key = content_key(evaluation.values)
+            old = self.contenders.get(key, Contender(evaluation.values, 0.0, 0))
+            self.contenders[key] = Contender(old.values, old.fitness_sum + evaluation.fitness, old.times + 1)
+            if self.best is None or evaluation.fitness > _fitness(self.best):
+                self.best = replace(evaluation, states={}, cached=False)
+
+    def decide(
+        self, executor: Executor, evaluate: Evaluator, on_evaluated: Callable[[Evaluation], None]
+    ) -> list[Evaluation]:
+        """Where scores of different generations do not compare, score the best few on common episodes.
+
+        Returns the evaluations; `best` is the winner.
+        """
+        self.decided = True
+        if self.comparable or len(self.contenders) < 2:
+            return []
+        ranked = sorted(self.contenders.values(), key=lambda contender: -contender.mean_fitness)[:FINALISTS]
+        episodes = tuple(replace(spec, name=("final", *spec.name[1:])) for spec in self._episodes("final"))
+        jobs = [ScoreJob(contender.values, episodes, self.states) for contender in ranked]
+        evaluations = []
+        for evaluation in executor.map(evaluate, jobs):
+            evaluations.append(evaluation)
+            on_evaluated(evaluation)
+        self.evaluations += len(evaluations)
+        self.images += sum(evaluation.images for evaluation in evaluations)
+        if scored := [e for e in evaluations if e.fitness is not None]:
+            self.best = max(scored, key=_fitness)
+        return evaluations
+
+    # checkpoint -------------------------------------------------------------------------------------------
+
+    def state(self) -> dict[str, Any]:
+        """All that is needed to go on, as JSON values; states of tasks are kept apart."""
+        return {
+            "generation": self.generation,
+            "evaluations": self.evaluations,
+            "images": self.images,
+            "stopped": self.stopped,
+            "decided": self.decided,
+            "best": self.best and as_data(self.best),
+            "contenders": {key: asdict(contender) for key, contender in self.contenders.items()},
+            "cache": {key: as_data(evaluation) for key, evaluation in self.cache.items()},
+            "optimizer": self.optimizer and self.optimizer.state(),
+        }
+
+    def restore(self, state: Mapping[str, Any], states: dict[str, State]) -> None:
+        """Go on from a `state`."""
+        self.generation = state["generation"]
+        self.evaluations = state["evaluations"]
+        self.images = state["images"]
+        self.stopped = state["stopped"]
+        self.decided = state["decided"]
+        self.best = Evaluation(**state["best"]) if state["best"] else None
+        self.contenders = {key: Contender(**contender) for key, contender in state["contenders"].items()}
+        self.cache = {key: Evaluation(**evaluation) for key, evaluation in state["cache"].items()}
+        self.states = states
+        if self.optimizer:
+            self.optimizer.restore(state["optimizer"])
+
+
+def as_data(evaluation: Evaluation) -> dict[str, Any]:
+    """An evaluation as plain data, without the states of tasks."""
+    data = asdict(replace(evaluation, states={}))
+    del data["states"]
+    return data
+
+
+def _fitness(evaluation: Evaluation) -> float:
+    assert evaluation.fitness is not None
+    return evaluation.fitness

@@ -1,0 +1,352 @@
+"""The study: design a camera, search what off-the-shelf cameras leave free, judge all on unseen scenes."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework import __version__
+from tacos_framework.cache import content_key
+from tacos_framework.camera.colour import display_image
+from tacos_framework.contracts import Executor, State
+from tacos_framework.environment import describe_environment
+from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.progress import Progress, Silent
+from tacos_framework.recipe import Recipe
+from tacos_framework.results import Results
+from tacos_framework.search import Search, as_data
+from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
+from tacos_framework.values import FrameBatch
+
+log = logging.getLogger(__name__)
+
+DESIGNED = "designed"
+"""Name of the designed camera in results."""
+
+SAMPLES_AT = (0.15, 0.5, 0.85)
+"""Where along the test episode sample frames are taken [share of the episode]."""
+
+
+def run(
+    recipe: Recipe,
+    *,
+    out: str | Path,
+    plugins: Plugins | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+    command: str = "",
+    report: bool = True,
+) -> dict[str, Any]:
+    """Run a study and leave its results in a folder.
+
+    Parameters
+    ----------
+    recipe
+        What to do, from `read_recipe` or built in Python.
+    out
+        The results folder: new or empty, or with `resume` that of a run to go on with.
+    plugins
+        The plugins to use; those installed if None.
+    resume
+        Go on with the run in `out`. The result equals that of an unbroken run.
+    progress
+        Told what happens.
+    command
+        How the run was started, for the report.
+    report
+        Also write ``report.html``.
+
+    Returns
+    -------
+    What stands in ``result.json``.
+
+    Raises
+    ------
+    UserError
+        When the recipe, the plugins or the folder do not allow it; nothing has been computed then.
+    """
+    plugins = plugins or Plugins.discover()
+    plan = make_plan(recipe, plugins)
+    data = recipe.as_data()
+    results, checkpoint = (
+        Results.resume(Path(out), data) if resume else (Results.create(Path(out), data), None)
+    )
+    executor = plan.executor.make()
+    study = Study(plan, plugins, results, executor, progress or Silent(), command)
+    with study.logging():
+        try:
+            study.restore(checkpoint)
+            study.run()
+        except KeyboardInterrupt:
+            study.interrupted = True
+            log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
+        finally:
+            executor.close()
+        result = study.finish()
+        if report:
+            from tacos_framework.report import write_report
+
+            write_report(results.folder)
+    return result
+
+
+class Study:
+    """One run of a recipe; see `run`."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        plugins: Plugins,
+        results: Results,
+        executor: Executor,
+        progress: Progress,
+        command: str = "",
+    ):
+        self.plan = plan
+        self.results = results
+        self.interrupted = False
+        self._hook = plugins.hook
+        self._executor = executor
+        self._progress = progress
+        self._command = command
+        self._evaluate = Evaluator(plan.recipe, plugins)
+        self._seconds_before = 0.0
+        self._started = time.monotonic()
+        self._seconds_by_node: dict[str, float] = {}
+        self._test: dict[str, Evaluation] = {}
+        self._samples: dict[str, list[str]] = {}
+        self.searches = list(self._make_searches())
+
+    def _make_searches(self) -> Iterator[Search]:
+        states = self._evaluate.simulation.initial_states() if self.plan.trainable else {}
+        yield Search(DESIGNED, self.plan, self.plan.space, {}, None, dict(states))
+        budget = self.plan.recipe.compare.evaluations if self.plan.recipe.compare else None
+        for camera in self.plan.cameras:
+            free = self.plan.space.fix([name for name in camera.fixes if name in self.plan.space.names])
+            space = free if free.variables else None
+            yield Search(camera.name, self.plan, space, dict(camera.fixes), budget, dict(states))
+
+    # running ----------------------------------------------------------------------------------------------
+
+    @contextmanager
+    def logging(self) -> Iterator[None]:
+        """Write the log of the framework and of plugins to ``log.txt``."""
+        handler = logging.FileHandler(self.results.folder / "log.txt", encoding="utf-8")
+        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+        root = logging.getLogger("tacos_framework")
+        root.addHandler(handler)
+        root.setLevel(logging.INFO)
+        try:
+            yield
+        finally:
+            root.removeHandler(handler)
+            handler.close()
+
+    def run(self) -> None:
+        """Search, then judge; each step checkpointed."""
+        self._hook.tacos_study_started(recipe=self.plan.recipe, out=self.results.folder)
+        for search in self.searches:
+            self._search(search)
+        self._judge()
+
+    def _search(self, search: Search) -> None:
+        if search.decided:
+            return
+        title = "Designing" if search.name == DESIGNED else f"Fitting {search.name}"
+        self._progress.phase(title, search.expected_evaluations())
+        while not search.stopped:
+            began = time.monotonic()
+            evaluations = search.step(self._executor, self._evaluate, self._count)
+            if search.name == DESIGNED:
+                self._record_generation(search, evaluations, time.monotonic() - began)
+            self._progress.best(search.best)
+            self._checkpoint()
+        search.decide(self._executor, self._evaluate, self._count)
+        self._progress.best(search.best)
+        self._checkpoint()
+        log.info("%s: %s; best fitness %s", search.name, search.stopped, search.best and search.best.fitness)
+
+    def _count(self, evaluation: Evaluation) -> None:
+        for node, seconds in evaluation.seconds.items():
+            self._seconds_by_node[node] = self._seconds_by_node.get(node, 0.0) + seconds
+        if evaluation.failed:
+            log.info("failed: %s: %s", dict(evaluation.values), evaluation.failed)
+            self._hook.tacos_candidate_failed(candidate=evaluation.values, reason=evaluation.failed)
+        self._progress.evaluated(evaluation)
+
+    def _record_generation(self, search: Search, evaluations: list[Evaluation], seconds: float) -> None:
+        number = search.generation - 1
+        best = search.best
+        line = {
+            "generation": number,
+            "seconds": round(seconds, 3),
+            "frames": sum(evaluation.images for evaluation in evaluations),
+            "candidates": [_line(evaluation) for evaluation in evaluations],
+            "best": best and {"camera": best.values, "fitness": best.fitness, "scores": best.scores},
+        }
+        self.results.append_line("generations.jsonl", line)
+        self._hook.tacos_generation_finished(generation=number, evaluated=evaluations, best=best)
+        log.info("generation %d: best %s, %.1f s", number, best and best.fitness, seconds)
+
+    def _judge(self) -> None:
+        """Score every camera on the test scenes, and take sample frames there."""
+        cameras = {search.name: search for search in self.searches if search.best is not None}
+        test = self.plan.recipe.test
+        if test is None or not cameras:
+            return
+        missing = {name: search for name, search in cameras.items() if name not in self._test}
+        self._progress.phase("Testing on unseen scenes", len(missing))
+        episodes = tuple(EpisodeSpec(test.seed, ("test", i), test.frames) for i in range(test.episodes))
+        jobs = [ScoreJob(s.best.values, episodes, s.states) for s in missing.values() if s.best is not None]
+        for name, evaluation in zip(missing, self._executor.map(self._evaluate, jobs), strict=True):
+            self._count(evaluation)
+            self._test[name] = evaluation
+        if not self.plan.graph.of_kind("sensor"):
+            return
+        shots = [
+            SampleJob(s.best.values, episodes[0], SAMPLES_AT) for s in cameras.values() if s.best is not None
+        ]
+        for name, batches in zip(cameras, self._executor.map(self._evaluate, shots), strict=True):
+            self._samples[name] = [
+                self.results.write_sample(f"{name}_{i}", _picture(batch)) for i, batch in enumerate(batches)
+            ]
+
+    # checkpoint and result --------------------------------------------------------------------------------
+
+    @property
+    def seconds(self) -> float:
+        """Wall time of the study, earlier parts of a resumed run included [s]."""
+        return self._seconds_before + time.monotonic() - self._started
+
+    def _checkpoint(self) -> None:
+        weights: dict[str, str] = {}
+        for search in self.searches:
+            for task, state in search.states.items():
+                name = f"{search.name}.{task}.{search.generation}"
+                weights[f"{search.name}.{task}"] = name
+                if not (self.results.folder / "weights" / f"{name}.safetensors").exists():
+                    self.results.write_state(name, state)
+        self.results.write_checkpoint(
+            {
+                "searches": {search.name: search.state() for search in self.searches},
+                "seconds": self.seconds,
+                "seconds_by_node": self._seconds_by_node,
+                "weights": weights,
+            }
+        )
+        self.results.keep_weights(weights.values())
+
+    def restore(self, checkpoint: Mapping[str, Any] | None) -> None:
+        """Go on from a checkpoint; from the start when there is none."""
+        if checkpoint is None:
+            self.results.write_lines("generations.jsonl", [])
+            return
+        self._seconds_before = checkpoint["seconds"]
+        self._seconds_by_node = dict(checkpoint["seconds_by_node"])
+        for search in self.searches:
+            states: dict[str, State] = {
+                task: self.results.read_state(checkpoint["weights"][f"{search.name}.{task}"])
+                for task in search.states
+            }
+            search.restore(checkpoint["searches"][search.name], states)
+        done = self.searches[0].generation
+        self.results.write_lines("generations.jsonl", self.results.read_lines("generations.jsonl")[:done])
+
+    def finish(self) -> dict[str, Any]:
+        """Write ``result.json``; returns what stands in it."""
+        designed = self.searches[0]
+        stopped = "interrupted by the user" if self.interrupted else designed.stopped
+        result = {
+            "tacos": __version__,
+            "name": self.plan.recipe.name,
+            "seed": self.plan.recipe.seed,
+            "stopped": stopped,
+            "evaluations": sum(search.evaluations for search in self.searches) + len(self._test),
+            "frames_rendered": sum(search.images for search in self.searches)
+            + sum(evaluation.images for evaluation in self._test.values()),
+            "seconds": round(self.seconds, 3),
+            "best": designed.best and _best(designed.best),
+            "test": {
+                name: {**evaluation.scores, "fitness": evaluation.fitness}
+                for name, evaluation in self._test.items()
+            },
+            "cameras": {s.name: self._camera(s) for s in self.searches if s.best is not None},
+            "derived_units": dict(self.plan.rig.cls.derived_quantities),
+            "design_space": self.plan.space.as_data(),
+            "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
+            "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
+            "environment": describe_environment(
+                getattr(self._executor, "workers", 1), itertools.chain(*self._hook.tacos_doctor())
+            ),
+            "notes": [*self.plan.recipe.notes, *self._automatic_notes()],
+            "samples": self._samples,
+            "command": self._command,
+        }
+        self.results.write_json("result.json", result)
+        self._hook.tacos_study_finished(result=result)
+        return result
+
+    def _camera(self, search: Search) -> dict[str, Any]:
+        assert search.best is not None
+        titles = {camera.name: camera.title for camera in self.plan.cameras}
+        test = self._test.get(search.name)
+        return {
+            "title": titles.get(search.name, "Designed"),
+            "camera": search.best.values,
+            "derived": search.best.derived,
+            "terms": test.terms if test else {},
+            "spread": test.spread if test else {},
+            "evaluations": search.evaluations,
+            "free": list(search.space.names) if search.space else [],
+        }
+
+    def _automatic_notes(self) -> Iterator[str]:
+        binning = getattr(self.plan.rig.config, "binning", 1)
+        if binning != 1:
+            yield (
+                f"Pixel counts are scaled down: each simulated pixel averages {binning:g} x {binning:g} "
+                f"photosites, and its noise is that of the average. Resolutions compare with one another, "
+                f"but scores are not those of the full pixel counts."
+            )
+        failed = [search.name for search in self.searches if search.best is None and search.generation]
+        for name in failed:
+            yield f"No candidate of {name!r} could be evaluated; see generations.jsonl and log.txt for why."
+
+
+def _best(evaluation: Evaluation) -> dict[str, Any]:
+    data = as_data(evaluation)
+    return {
+        "camera": data["values"],
+        "derived": data["derived"],
+        "fitness": data["fitness"],
+        "scores": data["scores"],
+        "terms": data["terms"],
+    }
+
+
+def _line(evaluation: Evaluation) -> dict[str, Any]:
+    """A candidate's part of a line of ``generations.jsonl``."""
+    return {
+        "key": content_key(evaluation.values),
+        "camera": evaluation.values,
+        "derived": evaluation.derived,
+        "fitness": evaluation.fitness,
+        "scores": evaluation.scores,
+        "terms": evaluation.terms,
+        "failed": evaluation.failed,
+        "cached": evaluation.cached,
+    }
+
+
+def _picture(batch: FrameBatch) -> NDArray[np.uint8]:
+    """The first camera's first frame, (H, W, 3), encoded for a display."""
+    return display_image(batch.images[0][0], batch.black_level_dn, batch.white_level_dn)
