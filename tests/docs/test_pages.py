@@ -6,6 +6,8 @@ import ast
 import json
 import re
 import shlex
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -81,3 +83,27 @@ def test_components_named_exist(page: Path) -> None:
     own = {f"{kind}.{name}" for kind, name in OFFERED.findall(text)}
     installed = {registered.component.use for registered in Plugins.discover()}
     assert set(COMPONENT.findall(text)) <= installed | own
+
+
+def pages_with_code() -> list[Path]:
+    """Pages whose Python runs from top to bottom; the tutorials' is tested by following them."""
+    pages = {block.page for block in blocks(language="python") if block.title is None}
+    return sorted(page for page in pages if page.parent.name in ("how-to", "explanation"))
+
+
+@pytest.mark.parametrize("page", pages_with_code(), ids=page_name)
+def test_python_runs_and_prints_what_the_page_says(page: Path, tmp_path: Path) -> None:
+    script, printed = [], []
+    previous = None
+    for block in blocks(page):
+        if block.language == "python":
+            script.append(block.text)
+        elif block.language == "text" and previous is not None and previous.language == "python":
+            printed.append(block.text)
+        previous = block
+    done = subprocess.run(
+        [sys.executable, "-c", "\n".join(script)], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    for text in printed:
+        assert text in done.stdout
