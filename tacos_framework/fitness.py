@@ -1,0 +1,135 @@
+"""From the scores of tasks to one number per candidate, and the constraints a candidate must keep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from tacos_framework.contracts import Scores
+from tacos_framework.errors import CandidateFailed
+
+
+@dataclass(frozen=True)
+class Term:
+    """One term of the fitness.
+
+    Parameters
+    ----------
+    score
+        ``node.score``, as in ``features.inliers``.
+    weight
+        Its weight; negative for a score to keep small.
+    """
+
+    score: str
+    weight: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.weight):
+            raise ValueError(f"the weight of {self.score} must be a finite number, not {self.weight}")
+
+
+@dataclass(frozen=True)
+class Fitness:
+    """Weighted sum of scores, maximised (paper, Sec. 4.3, "Fitness Function").
+
+    Parameters
+    ----------
+    terms_of
+        The terms, each of another score.
+
+    Examples
+    --------
+    >>> fitness = Fitness((Term("features.inliers", 0.0025), Term("obstacle.seen_ratio", 1.0)))
+    >>> fitness.value({"features.inliers": 200.0, "obstacle.seen_ratio": 0.75})
+    1.25
+    """
+
+    terms_of: tuple[Term, ...]
+
+    def __post_init__(self) -> None:
+        names = [term.score for term in self.terms_of]
+        if not names:
+            raise ValueError("a fitness needs at least one term")
+        if repeated := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"the fitness names {', '.join(repeated)} more than once")
+
+    def value(self, scores: Scores) -> float:
+        """The fitness of these scores.
+
+        Raises
+        ------
+        CandidateFailed
+            When a score is missing.
+        ValueError
+            When a score is not a finite number.
+        """
+        return math.fsum(self.terms(scores).values())
+
+    def terms(self, scores: Scores) -> dict[str, float]:
+        """What each score adds to the fitness; raises as :meth:`value` does."""
+        missing = [term.score for term in self.terms_of if term.score not in scores]
+        if missing:
+            raise CandidateFailed(
+                f"no episode gave a value for {', '.join(missing)}, which the fitness needs; "
+                f"scores that were reported: {', '.join(sorted(scores)) or 'none'}"
+            )
+        return {term.score: term.weight * _finite(term.score, scores[term.score]) for term in self.terms_of}
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """Bounds on a quantity the rig derives from the variables; either may be None.
+
+    Parameters
+    ----------
+    quantity
+        Its name, which ends in its unit: ``hfov_deg``.
+    min, max
+        Smallest and largest allowed value.
+    """
+
+    quantity: str
+    min: float | None = None
+    max: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.min is None and self.max is None:
+            raise ValueError(f"the constraint on {self.quantity} has no bound")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise ValueError(f"the constraint on {self.quantity} has min {self.min:g} above max {self.max:g}")
+
+    def broken(self, derived: Mapping[str, float]) -> list[str]:
+        """One sentence for each bound that is broken; NaN breaks every bound."""
+        value = derived[self.quantity]
+        found = f"{self.quantity} is {value:.6g}"
+        sentences = []
+        if self.min is not None and not value >= self.min:
+            sentences.append(f"{found}, below the smallest allowed value {self.min:.6g}")
+        if self.max is not None and not value <= self.max:
+            sentences.append(f"{found}, above the largest allowed value {self.max:.6g}")
+        return sentences
+
+
+def mean_scores(episodes: Iterable[Scores]) -> dict[str, float]:
+    """For each score its mean over the episodes that report it.
+
+    An episode leaves a score out where it has no meaning (no obstacle on the path); it does not count then.
+
+    Raises
+    ------
+    ValueError
+        When a score is not a finite number: tasks leave out what they cannot tell.
+    """
+    columns: dict[str, list[float]] = {}
+    for scores in episodes:
+        for name, value in scores.items():
+            columns.setdefault(name, []).append(_finite(name, value))
+    return {name: math.fsum(values) / len(values) for name, values in columns.items()}
+
+
+def _finite(name: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueError(f"score {name} is {value}; a task leaves a score out where it has none")
+    return float(value)

@@ -1,0 +1,117 @@
+"""Fitness: the paper's weighted sum, constraints in sentences, and means over the episodes that count."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tacos_framework.errors import CandidateFailed
+from tacos_framework.fitness import Constraint, Fitness, Term, mean_scores
+
+PAPER = Fitness(
+    (
+        Term("features.inliers", 0.0025),
+        Term("features.inlier_ratio", 0.5),
+        Term("detect.ap50", 1.0),
+        Term("obstacle.seen_ratio", 1.0),
+    )
+)
+QUANTIZED_DAY = {
+    "features.inliers": 230.0,
+    "features.inlier_ratio": 0.13,
+    "detect.ap50": 0.46,
+    "obstacle.seen_ratio": 1.0,
+}
+
+
+def test_the_paper_s_sum_for_a_row_of_its_table() -> None:
+    assert PAPER.value(QUANTIZED_DAY) == pytest.approx(0.575 + 0.065 + 0.46 + 1.0)
+    assert PAPER.terms(QUANTIZED_DAY) == pytest.approx(
+        {
+            "features.inliers": 0.575,
+            "features.inlier_ratio": 0.065,
+            "detect.ap50": 0.46,
+            "obstacle.seen_ratio": 1.0,
+        }
+    )
+
+
+@given(st.lists(st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)), min_size=1, max_size=6))
+def test_the_value_is_the_sum_of_its_terms(pairs: list[tuple[float, float]]) -> None:
+    fitness = Fitness(tuple(Term(f"t.s{i}", weight) for i, (weight, _) in enumerate(pairs)))
+    scores = {f"t.s{i}": score for i, (_, score) in enumerate(pairs)}
+    assert fitness.value(scores) == math.fsum(fitness.terms(scores).values())
+    assert fitness.value(scores) == pytest.approx(sum(w * s for w, s in pairs), abs=1e-3)
+
+
+def test_scores_the_fitness_does_not_name_are_left_alone() -> None:
+    assert Fitness((Term("a.b", 2.0),)).value({"a.b": 3.0, "a.other": math.nan}) == 6.0
+
+
+def test_a_missing_score_fails_the_candidate_and_is_named() -> None:
+    scores = {name: value for name, value in QUANTIZED_DAY.items() if not name.startswith("obstacle")}
+    with pytest.raises(
+        CandidateFailed, match=r"value for obstacle.seen_ratio, .* reported: detect.ap50, feat"
+    ):
+        PAPER.value(scores)
+    with pytest.raises(CandidateFailed, match="reported: none"):
+        PAPER.terms({})
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_scores_that_are_no_numbers_are_a_defect_of_the_task(value: float) -> None:
+    with pytest.raises(ValueError, match=f"score detect.ap50 is {value}"):
+        PAPER.value({**QUANTIZED_DAY, "detect.ap50": value})
+    with pytest.raises(ValueError, match=f"score a.b is {value}"):
+        mean_scores([{"a.b": 1.0}, {"a.b": value}])
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: Term("a.b", math.nan), "the weight of a.b must be a finite number, not nan"),
+        (lambda: Fitness(()), "a fitness needs at least one term"),
+        (lambda: Fitness((Term("a.b", 1), Term("a.b", 2))), "the fitness names a.b more than once"),
+        (lambda: Constraint("hfov_deg"), "the constraint on hfov_deg has no bound"),
+        (lambda: Constraint("hfov_deg", 9, 1), "the constraint on hfov_deg has min 9 above max 1"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(build: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        build()
+
+
+@pytest.mark.parametrize(
+    ("value", "sentences"),
+    [
+        (100.0, []),
+        (140.0, []),
+        (40.0, []),
+        (140.5, ["hfov_deg is 140.5, above the largest allowed value 140"]),
+        (12.0, ["hfov_deg is 12, below the smallest allowed value 40"]),
+    ],
+)
+def test_a_broken_constraint_says_so_with_numbers(value: float, sentences: list[str]) -> None:
+    assert Constraint("hfov_deg", min=40, max=140).broken({"hfov_deg": value}) == sentences
+
+
+def test_a_quantity_that_is_no_number_keeps_no_bound() -> None:
+    assert len(Constraint("hfov_deg", min=40, max=140).broken({"hfov_deg": math.nan})) == 2
+    assert Constraint("hfov_deg", max=140).broken({"hfov_deg": -math.inf}) == []
+
+
+def test_means_are_over_the_episodes_that_report_a_score() -> None:
+    episodes = [{"a.x": 1.0, "b.y": 5.0}, {"a.x": 3.0}, {"a.x": 5.0, "b.y": 7.0}]
+    assert mean_scores(episodes) == {"a.x": 3.0, "b.y": 6.0}
+    assert mean_scores([{}, {}]) == {}
+    assert mean_scores(iter([])) == {}
+
+
+@given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=20), st.randoms())
+def test_the_mean_does_not_depend_on_the_order_of_episodes(values: list[float], random: Any) -> None:
+    shuffled = random.sample(values, len(values))
+    assert mean_scores({"s": v} for v in values) == mean_scores({"s": v} for v in shuffled)
