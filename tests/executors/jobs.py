@@ -1,0 +1,65 @@
+"""Functions that worker processes import; they cannot live in a test module."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tacos_framework.errors import Fault, UserError
+
+
+def square(x: int) -> int:
+    return x * x
+
+
+def slow_square(x: int) -> int:
+    time.sleep(0.05 * (3 - x % 4))
+    return x * x
+
+
+def fail_at_two(x: int) -> int:
+    if x == 2:
+        error = UserError(Fault("job 2", "is two"))
+        error.add_note("while testing")
+        raise error
+    return x
+
+
+def die(_: int) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def threads(_: int) -> tuple[str | None, str | None, int]:
+    import cv2
+
+    return os.environ.get("OMP_NUM_THREADS"), os.environ.get("LP_NUM_THREADS"), cv2.getNumThreads()
+
+
+@dataclass
+class Counting:
+    """Leaves a file whenever it is unpickled, and keeps a count between calls."""
+
+    folder: Path
+    calls: int = field(default=0)
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        (self.folder / f"{os.getpid()}-{time.monotonic_ns()}").touch()
+
+    def __call__(self, _: int) -> int:
+        self.calls += 1
+        return self.calls
+
+
+@dataclass(frozen=True)
+class Hang:
+    """Notes its process id in a folder, then sleeps for a minute."""
+
+    folder: Path
+
+    def __call__(self, _: int) -> None:
+        (self.folder / str(os.getpid())).touch()
+        time.sleep(60)

@@ -1,0 +1,166 @@
+"""Executors: order, equality, errors, and workers that never outlive their use."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+
+import pytest
+
+from tacos_framework.errors import UserError
+from tacos_plugins.executors.local import LocalExecutor
+from tacos_plugins.executors.process import ProcessExecutor
+from tests.executors import jobs
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def two_workers() -> Iterator[ProcessExecutor]:
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=2))
+    yield executor
+    executor.close()
+
+
+def wait_until(condition, what: str, seconds: float = 20.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, f"gave up waiting until {what}"
+        time.sleep(0.02)
+
+
+def gone(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return True
+    return state == "Z"  # ended; whoever adopted it has not looked yet
+
+
+def test_results_come_in_the_order_of_the_jobs(two_workers):
+    assert list(two_workers.map(jobs.slow_square, range(6))) == [0, 1, 4, 9, 16, 25]
+
+
+def test_no_jobs_need_no_workers():
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
+    assert list(executor.map(jobs.square, [])) == []
+    executor.close()
+
+
+def test_local_evaluates_only_what_is_asked_for():
+    results = LocalExecutor(LocalExecutor.Config()).map(jobs.fail_at_two, [0, 1, 2])
+    assert [next(results), next(results)] == [0, 1]
+
+
+def test_an_error_arrives_unchanged_after_the_results_before_it(two_workers):
+    results = two_workers.map(jobs.fail_at_two, [0, 1, 2, 3])
+    assert [next(results), next(results)] == [0, 1]
+    with pytest.raises(UserError, match="job 2: is two") as raised:
+        next(results)
+    assert raised.value.faults[0].what == "is two"
+    assert raised.value.__notes__ == ["while testing"]
+
+
+def test_workers_survive_an_error(two_workers):
+    with pytest.raises(UserError):
+        list(two_workers.map(jobs.fail_at_two, [2]))
+    assert list(two_workers.map(jobs.fail_at_two, [5])) == [5]
+
+
+def test_the_function_travels_once_per_worker_and_keeps_what_it_caches(tmp_path):
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
+    counting = jobs.Counting(tmp_path)
+    assert list(executor.map(counting, range(3))) == [1, 2, 3]
+    assert list(executor.map(counting, range(2))) == [4, 5]
+    assert len(list(tmp_path.iterdir())) == 1
+    executor.close()
+
+
+def test_workers_compute_with_the_threads_they_are_given(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    monkeypatch.delenv("LP_NUM_THREADS", raising=False)
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
+    assert list(executor.map(jobs.threads, [0])) == [("1", "1", 1)]
+    executor.close()
+    assert os.environ["OMP_NUM_THREADS"] == "7"
+    assert "LP_NUM_THREADS" not in os.environ
+
+
+def test_a_worker_that_dies_is_reported_with_a_remedy_and_replaced():
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
+    with pytest.raises(BrokenProcessPool) as raised:
+        list(executor.map(jobs.die, [0]))
+    assert "try fewer" in raised.value.__notes__[0]
+    assert list(executor.map(jobs.square, [3])) == [9]
+    executor.close()
+
+
+def test_close_does_not_wait_for_running_jobs(tmp_path):
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
+    started = time.monotonic()
+
+    def close_once_busy() -> None:
+        wait_until(lambda: list(tmp_path.iterdir()), "the job runs")
+        executor.close()
+
+    closing = threading.Thread(target=close_once_busy)
+    closing.start()
+    with pytest.raises(BrokenProcessPool):
+        next(executor.map(jobs.Hang(tmp_path), [0]))
+    closing.join()
+    executor.close()  # twice is fine
+    worker = int(next(tmp_path.iterdir()).name)
+    wait_until(lambda: gone(worker), "the worker ends")
+    assert time.monotonic() - started < 20
+
+
+STUDY = """
+import sys
+from pathlib import Path
+from tacos_plugins.executors.process import ProcessExecutor
+from tests.executors.jobs import Hang
+
+if __name__ == "__main__":
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=2))
+    try:
+        list(executor.map(Hang(Path(sys.argv[1])), range(4)))
+    except KeyboardInterrupt:
+        print("interrupted")
+    finally:
+        executor.close()
+"""
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_no_worker_outlives_the_parent(tmp_path, how):
+    script = tmp_path / "study.py"
+    script.write_text(STUDY)
+    pids = tmp_path / "pids"
+    pids.mkdir()
+    parent = subprocess.Popen(
+        [sys.executable, str(script), str(pids)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    wait_until(lambda: len(list(pids.iterdir())) == 2, "both workers run")
+    if how == signal.SIGINT:
+        os.killpg(parent.pid, how)  # as a terminal does: to the parent and to every worker
+    else:
+        os.kill(parent.pid, how)
+    said, complaints = parent.communicate(timeout=20)
+    if how == signal.SIGINT:
+        assert said == "interrupted\n"
+        assert complaints == ""
+        assert parent.returncode == 0
+    for worker in pids.iterdir():
+        wait_until(lambda worker=worker: gone(int(worker.name)), f"worker {worker.name} ends")
