@@ -85,9 +85,9 @@ class ProcessExecutor:
 
     def close(self) -> None:
         """End all workers at once."""
-        if self._pool is not None:
-            self._pool.close()
-            self._pool = None
+        pool, self._pool = self._pool, None  # first let go, so that two threads may close at a time
+        if pool is not None:
+            pool.close()
 
     def _pool_for(self, evaluate: Callable[[Any], Any]) -> _Pool:
         """The pool whose workers hold this very function, as told by its pickled bytes."""
