@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tacos_framework.components import Component
+from tacos_framework.environment import Finding
 from tacos_framework.hookspecs import hookimpl
 
 
@@ -39,6 +40,12 @@ def tacos_components() -> list[Component]:
             "analytic",
             "tacos_plugins.renderers.analytic:AnalyticRenderer",
             summary="Small ray caster without OpenGL, for tests and machines without it.",
+        ),
+        Component(
+            "effect",
+            "vignetting",
+            "tacos_plugins.effects.vignetting:Vignetting",
+            summary="Light that falls off towards the corners: an even polynomial of the radius.",
         ),
         Component(
             "sensor",
@@ -83,3 +90,16 @@ def tacos_components() -> list[Component]:
             summary="Evaluates candidates in spawned processes, one GL context each.",
         ),
     ]
+
+
+@hookimpl
+def tacos_doctor() -> list[Finding]:
+    """What renders here: a GPU, the CPU, or nothing."""
+    from tacos_framework.errors import UserError
+    from tacos_plugins.renderers.moderngl.context import describe_gl
+
+    try:
+        return [Finding("OpenGL", str(describe_gl()))]
+    except UserError as error:
+        (fault,) = error.faults
+        return [Finding("OpenGL", fault.what, ok=False, remedy=fault.remedy)]
