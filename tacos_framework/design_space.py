@@ -159,6 +159,10 @@ class DesignSpace:
         self._check_names(fixed)
         return DesignSpace(variable for variable in self.variables if variable.name not in fixed)
 
+    def as_data(self) -> list[dict[str, Any]]:
+        """For each variable its name, kind, unit and what it may be, as JSON values."""
+        return [variable.as_data() for variable in self.variables]
+
     def _check_names(self, names: Iterable[str]) -> None:
         for name in names:
             if name not in self.names:

@@ -15,7 +15,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.catalog.parts import Part
+from tacos_framework.catalog.parts import Catalog, Part
 from tacos_framework.errors import did_you_mean
 
 LARGEST_INTEGER = 2**53
@@ -70,6 +70,10 @@ class Variable(Protocol):
         """Genes drawn at random, evenly over the variable."""
         ...
 
+    def as_data(self) -> dict[str, Any]:
+        """Name, kind, unit and what it may be, as JSON values for results and reports."""
+        ...
+
 
 @dataclass(frozen=True)
 class Continuous:
@@ -101,6 +105,11 @@ class Continuous:
     def draw(self, rng: np.random.Generator) -> tuple[float, ...]:
         """Uniform between the bounds."""
         return (rng.uniform(self.lower, self.upper),)
+
+    def as_data(self) -> dict[str, Any]:
+        """The variable as JSON values."""
+        bounds = {"lower": self.lower, "upper": self.upper}
+        return {"name": self.name, "kind": "continuous", "unit": self.unit, **bounds}
 
 
 @dataclass(frozen=True)
@@ -139,6 +148,11 @@ class Integer:
         """Each whole number alike."""
         return (float(rng.integers(int(self.lower), int(self.upper), endpoint=True)),)
 
+    def as_data(self) -> dict[str, Any]:
+        """The variable as JSON values."""
+        bounds = {"lower": self.lower, "upper": self.upper}
+        return {"name": self.name, "kind": "integer", "unit": self.unit, **bounds}
+
 
 @dataclass(frozen=True)
 class Categorical:
@@ -176,6 +190,10 @@ class Categorical:
         """Each value alike."""
         return (float(rng.integers(len(self.values))),)
 
+    def as_data(self) -> dict[str, Any]:
+        """The variable as JSON values."""
+        return {"name": self.name, "kind": "categorical", "unit": "", "values": list(self.values)}
+
 
 @dataclass(frozen=True)
 class CatalogChoice:
@@ -185,56 +203,76 @@ class CatalogChoice:
     ----------
     name
         The name recipes use.
-    rows
-        The parts to choose from; each has a number in every one of `columns`.
-    columns
-        Columns that span the space of parts.
+    catalog
+        The catalog to choose from.
     scheme
         ``quantized``: one gene per column, and the nearest row afterwards (paper, eq. 2), so that parts
         alike are close. ``discrete``: one gene, the index of a row; rows are ordered by area, so that a
         step to the next index means something.
+    columns
+        Columns of numbers that span the space of parts; the catalog's `design_columns` if None.
     distance
         ``normalised`` divides each column by its range over the rows, so that no unit outweighs another;
         ``plain`` is the paper's, which adds squared millimetres and micrometres.
+
+    Notes
+    -----
+    Parts without a known number in every one of the columns cannot be chosen; `left_out` holds them.
     """
 
     name: str
-    rows: tuple[Part, ...]
-    columns: tuple[str, ...]
+    catalog: Catalog
     scheme: Literal["quantized", "discrete"] = "quantized"
+    columns: tuple[str, ...] | None = None
     distance: Literal["normalised", "plain"] = "normalised"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "columns", tuple(self.columns))
-        if not self.rows:
-            raise ValueError(f"{self.name} has no parts to choose from")
-        if not self.columns:
-            raise ValueError(f"{self.name} needs at least one column of numbers")
         if self.scheme not in ("quantized", "discrete"):
             raise ValueError(f"the scheme of {self.name} is quantized or discrete, not {self.scheme!r}")
         if self.distance not in ("normalised", "plain"):
             raise ValueError(f"the distance of {self.name} is normalised or plain, not {self.distance!r}")
-        self._check_rows()
-        object.__setattr__(self, "rows", tuple(sorted(self.rows, key=self._order)))
+        if not self.design_columns:
+            raise ValueError(f"{self.name} needs at least one column of numbers")
+        numeric = [column.name for column in self.catalog.columns if column.type != "text"]
+        for column in self.design_columns:
+            if column not in numeric:
+                remedy = did_you_mean(column, numeric)
+                raise ValueError(f"catalog {self.catalog.name} has no column of numbers {column!r}. {remedy}")
+        if not self.rows:
+            columns = ", ".join(self.design_columns)
+            raise ValueError(f"no part of catalog {self.catalog.name} is known in {columns}")
+        if self.scheme == "quantized":
+            self._refuse_twins()
 
-    def _check_rows(self) -> None:
-        seen: dict[str, Part] = {}
+    def _refuse_twins(self) -> None:
         places: dict[tuple[float, ...], Part] = {}
-        for row in self.rows:
-            if row.name in seen:
-                raise ValueError(f"{self.name} has two parts called {row.name}")
-            seen[row.name] = row
-            place = tuple(row.number(column) for column in self.columns)
+        for row, place in zip(self.rows, map(tuple, self._table.tolist()), strict=True):
             other = places.setdefault(place, row)
-            if self.scheme == "quantized" and other is not row:
+            if other is not row:
+                columns = ", ".join(self.design_columns)
                 raise ValueError(
-                    f"{self.name}: {other.name} and {row.name} are equal in {', '.join(self.columns)}, so "
-                    f"neither is nearest; use scheme discrete, or a column that tells them apart"
+                    f"{self.name}: {other.name} and {row.name} are equal in {columns}, so neither is nearest; "
+                    f"use scheme discrete, or a column that tells them apart"
                 )
+
+    @property
+    def design_columns(self) -> tuple[str, ...]:
+        """The columns that span the space of parts."""
+        return self.catalog.design_columns if self.columns is None else tuple(self.columns)
+
+    @cached_property
+    def rows(self) -> tuple[Part, ...]:
+        """The parts to choose from, ordered by area."""
+        return tuple(sorted(self.catalog.rows_knowing(self.design_columns), key=self._order))
+
+    @property
+    def left_out(self) -> tuple[Part, ...]:
+        """Parts of the catalog that cannot be chosen, as a number is unknown."""
+        return tuple(part for part in self.catalog.rows if part not in self.rows)
 
     def _order(self, row: Part) -> tuple[float | str, ...]:
         """Area where the part has one, then the columns in turn, then the name."""
-        numbers = (*(row.number(column) for column in self.columns), row.name)
+        numbers = (*(row.number(column) for column in self.design_columns), row.name)
         width, height = row.values.get("width_mm"), row.values.get("height_mm")
         if isinstance(width, int | float) and isinstance(height, int | float):
             return (width * height, *numbers)
@@ -243,7 +281,7 @@ class CatalogChoice:
     @cached_property
     def _table(self) -> NDArray[np.float64]:
         """(rows, columns) numbers of the parts, in the units of the columns."""
-        return np.array([[row.number(column) for column in self.columns] for row in self.rows])
+        return np.array([[row.number(column) for column in self.design_columns] for row in self.rows])
 
     @cached_property
     def _scale(self) -> NDArray[np.float64]:
@@ -259,7 +297,7 @@ class CatalogChoice:
         lower, upper = self._table.min(axis=0), self._table.max(axis=0)
         return tuple(
             Gene(f"{self.name}.{column}", self.name, "continuous", float(low), float(high))
-            for column, low, high in zip(self.columns, lower, upper, strict=True)
+            for column, low, high in zip(self.design_columns, lower, upper, strict=True)
         )
 
     def decode(self, genes: Sequence[float]) -> tuple[Part, tuple[float, ...]]:
@@ -286,6 +324,20 @@ class CatalogChoice:
         if self.scheme == "discrete":
             return (float(rng.integers(len(self.rows))),)
         return tuple(rng.uniform(gene.lower, gene.upper) for gene in self.genes)
+
+    def as_data(self) -> dict[str, Any]:
+        """The variable as JSON values; ``values`` counts the parts that can be chosen."""
+        return {
+            "name": self.name,
+            "kind": "catalog",
+            "unit": "",
+            "catalog": self.catalog.name,
+            "values": len(self.rows),
+            "left_out": [part.name for part in self.left_out],
+            "scheme": self.scheme,
+            "columns": list(self.design_columns),
+            "distance": self.distance,
+        }
 
     def _genes_of(self, index: int) -> tuple[float, ...]:
         if self.scheme == "discrete":

@@ -116,6 +116,13 @@ class Catalog:
     source: str
     design_columns: tuple[str, ...]
 
+    def __post_init__(self) -> None:
+        if not self.rows:
+            raise ValueError(f"catalog {self.name} has no parts")
+        names = [row.name for row in self.rows]
+        if repeated := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"catalog {self.name} has more than one part called {', '.join(repeated)}")
+
     def part(self, name: str) -> Part:
         """The part of that name.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import pickle
 import subprocess
@@ -14,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.catalog import Part
+from tacos_framework.catalog import Catalog, Column, Part
 from tacos_framework.design_space import (
     Candidate,
     CatalogChoice,
@@ -39,9 +40,19 @@ SENSORS = (
     sensor("tiny", 3.0, 2.3, 4.8),
 )
 
+UNKNOWN_PIXEL = Part("unknown pixel", {"width_mm": 4.0, "height_mm": 3.0, "pixel_um": None, "maker": "x"})
 
-def sensor_choice(**options: Any) -> CatalogChoice:
-    return CatalogChoice("sensor", SENSORS, COLUMNS, **options)
+
+def catalog(*rows: Part) -> Catalog:
+    columns = (
+        *(Column(name, name[-2:], "Size.") for name in COLUMNS),
+        Column("maker", "1", "Maker.", "text"),
+    )
+    return Catalog("sensors", "Sensors", columns, rows, source="tests", design_columns=COLUMNS)
+
+
+def sensor_choice(*rows: Part, **options: Any) -> CatalogChoice:
+    return CatalogChoice("sensor", catalog(*(rows or SENSORS)), **options)
 
 
 def full_space(**options: Any) -> DesignSpace:
@@ -83,7 +94,7 @@ def test_normalised_and_plain_distance_choose_different_parts() -> None:
     rows = (sensor("4 mm wider", 14, 4, 2), sensor("3 um coarser", 10, 4, 5), sensor("far", 100, 4, 9))
     wanted = [10.0, 4.0, 2.0]  # plain: 16 against 9; normalised: (4/90)^2 against (3/7)^2
     chosen = {
-        distance: CatalogChoice("sensor", rows, COLUMNS, distance=distance).decode(wanted)[0].name
+        distance: sensor_choice(*rows, distance=distance).decode(wanted)[0].name
         for distance in ("normalised", "plain")
     }
     assert chosen == {"normalised": "4 mm wider", "plain": "3 um coarser"}
@@ -91,14 +102,14 @@ def test_normalised_and_plain_distance_choose_different_parts() -> None:
 
 def test_a_column_in_which_all_parts_agree_tells_nothing() -> None:
     rows = (sensor("a", 1, 4, 2), sensor("b", 2, 4, 2))
-    assert CatalogChoice("sensor", rows, COLUMNS).decode([1.6, 400.0, 2.0])[0].name == "b"
+    assert sensor_choice(*rows).decode([1.6, 400.0, 2.0])[0].name == "b"
 
 
 @settings(max_examples=60)
 @given(st.lists(st.tuples(*[st.integers(1, 40)] * 3), min_size=1, max_size=12, unique=True), st.data())
 def test_quantized_decoding_gives_the_nearest_row(sizes: list[tuple[int, ...]], data: st.DataObject) -> None:
     rows = tuple(sensor(f"s{i}", *size) for i, size in enumerate(sizes))
-    choice = CatalogChoice("sensor", rows, COLUMNS, distance="plain")
+    choice = sensor_choice(*rows, distance="plain")
     wanted = data.draw(st.tuples(*[st.floats(gene.lower, gene.upper) for gene in choice.genes]))
     part, genes = choice.decode(wanted)
     distances = {row.name: math.dist(wanted, [row.number(column) for column in COLUMNS]) for row in rows}
@@ -239,11 +250,13 @@ def test_fixing_leaves_the_other_variables() -> None:
         (lambda: Integer("n", 0, 2**60), "n is a whole number"),
         (lambda: Categorical("c", ()), "c needs at least one value to choose from"),
         (lambda: Categorical("c", ("a", "b", "a")), "c names 'a' more than once"),
-        (lambda: CatalogChoice("s", (), COLUMNS), "s has no parts to choose from"),
-        (lambda: CatalogChoice("s", SENSORS, ()), "s needs at least one column"),
-        (lambda: CatalogChoice("s", SENSORS, ("maker",)), "maker of huge is unknown, and a number is needed"),
-        (lambda: CatalogChoice("s", SENSORS, ("depth",)), "depth of huge is unknown"),
-        (lambda: CatalogChoice("s", SENSORS[:1] * 2, COLUMNS), "s has two parts called huge"),
+        (lambda: sensor_choice(columns=()), "sensor needs at least one column"),
+        (lambda: sensor_choice(columns=("maker",)), "sensors has no column of numbers 'maker'"),
+        (lambda: sensor_choice(columns=("pixel_mm",)), "numbers 'pixel_mm'. Did you mean 'pixel_um'?"),
+        (
+            lambda: sensor_choice(UNKNOWN_PIXEL),
+            "no part of catalog sensors is known in width_mm, height_mm, pix",
+        ),
         (lambda: sensor_choice(scheme="quantised"), "the scheme of sensor is quantized or discrete, not"),
         (lambda: sensor_choice(distance="far"), "the distance of sensor is normalised or plain, not 'far'"),
         (lambda: DesignSpace([Continuous("f", 1, 2)] * 2), "design variables need different names, not f, f"),
@@ -261,8 +274,8 @@ def test_parts_that_coincide_have_no_nearest() -> None:
     with pytest.raises(
         ValueError, match="fine and twin are equal in width_mm, height_mm, pixel_um, so neither"
     ):
-        CatalogChoice("sensor", twins, COLUMNS)
-    space = DesignSpace([CatalogChoice("sensor", twins, COLUMNS, scheme="discrete")])
+        sensor_choice(*twins)
+    space = DesignSpace([sensor_choice(*twins, scheme="discrete")])
     for part in twins:
         assert space.decode(space.encode({"sensor": part})).values["sensor"] is part
 
@@ -296,3 +309,32 @@ def test_genes_and_values_must_be_complete() -> None:
         full_space().decode([1.0, 2.0])
     with pytest.raises(ValueError, match=r"not a number: sensor.pixel_um, lens"):
         full_space().decode([0, 6, 4, math.nan, 2, math.nan])
+
+
+@pytest.mark.parametrize("scheme", ["quantized", "discrete"])
+def test_parts_with_an_unknown_number_are_left_out_and_told(scheme: Any) -> None:
+    choice = sensor_choice(*SENSORS, UNKNOWN_PIXEL, scheme=scheme)
+    assert choice.left_out == (UNKNOWN_PIXEL,)
+    assert set(choice.rows) == set(SENSORS)
+    by_size = sensor_choice(*SENSORS, UNKNOWN_PIXEL, scheme=scheme, columns=("width_mm", "height_mm"))
+    assert by_size.left_out == ()
+
+
+def test_a_space_describes_itself_in_json() -> None:
+    described = json.loads(json.dumps(full_space().as_data()))
+    assert described == [
+        {"name": "pitch_deg", "kind": "continuous", "unit": "deg", "lower": -30, "upper": 30},
+        {
+            "name": "sensor",
+            "kind": "catalog",
+            "unit": "",
+            "catalog": "sensors",
+            "values": 4,
+            "left_out": [],
+            "scheme": "quantized",
+            "columns": list(COLUMNS),
+            "distance": "normalised",
+        },
+        {"name": "cameras", "kind": "integer", "unit": "1", "lower": 1, "upper": 4},
+        {"name": "lens", "kind": "categorical", "unit": "", "values": ["wide", "tele", 1, True, None]},
+    ]
