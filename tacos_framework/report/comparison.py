@@ -1,0 +1,75 @@
+"""Is the designed camera better, and by how much: differences with their uncertainty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from tacos_framework.report.study_data import CameraResult
+
+Outcome = Literal["better", "worse", "undecided"]
+
+CONFIDENT_SIGMAS = 2.0
+"""Standard errors by which two cameras must differ before the report calls one better."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Designed camera minus another, on the same test scenes.
+
+    ``error`` is the standard error of the difference, None where the spread is unknown. It takes the two
+    errors as independent; as all cameras see the same scenes, it is on the safe side as a rule.
+    """
+
+    designed: float
+    other: float
+    error: float | None
+    higher_is_better: bool = True
+
+    @property
+    def value(self) -> float:
+        """The difference; above 0 means that the designed camera's number is larger."""
+        return self.designed - self.other
+
+    @property
+    def share(self) -> float | None:
+        """The difference relative to the other camera's value; None where that has no meaning."""
+        return self.value / self.other if self.other > 1e-9 else None
+
+    @property
+    def outcome(self) -> Outcome:
+        """Whether the designed camera is better; undecided within `CONFIDENT_SIGMAS` standard errors."""
+        gain = self.value if self.higher_is_better else -self.value
+        if abs(gain) <= CONFIDENT_SIGMAS * (self.error or 0.0):
+            return "undecided"
+        return "better" if gain > 0 else "worse"
+
+
+def difference(
+    designed: CameraResult, other: CameraResult, score: str, *, higher_is_better: bool = True
+) -> Difference | None:
+    """The difference in one score, or in ``fitness``; None where one of the cameras has no such number."""
+    ours, theirs = _value(designed, score), _value(other, score)
+    if ours is None or theirs is None:
+        return None
+    errors = [camera.spread[score] for camera in (designed, other) if score in camera.spread]
+    error = math.hypot(*errors) if len(errors) == 2 else None
+    return Difference(ours, theirs, error, higher_is_better)
+
+
+def best_of(cameras: Sequence[CameraResult]) -> CameraResult | None:
+    """The camera of highest fitness on the test scenes; None where none was tested."""
+    tested = [camera for camera in cameras if camera.fitness is not None]
+    return max(tested, key=lambda camera: camera.fitness or 0.0, default=None)
+
+
+def score_names(cameras: Sequence[CameraResult], weights: Mapping[str, float]) -> list[str]:
+    """Every score some camera has: those of the fitness first, in its order, then the others."""
+    present = dict.fromkeys(score for camera in cameras for score in camera.scores)
+    return [*(score for score in weights if score in present), *(s for s in present if s not in weights)]
+
+
+def _value(camera: CameraResult, score: str) -> float | None:
+    return camera.fitness if score == "fitness" else camera.scores.get(score)

@@ -1,0 +1,73 @@
+"""Sample frames as data URIs, and how large to show them beside one another."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from tacos_framework.report.study_data import CameraResult
+from tacos_framework.report.view_geometry import half_extents, horizon_from_top
+
+_JPEG_QUALITY = 88
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An embedded image; width and height are those of the file, before any reduction [px]."""
+
+    uri: str
+    width_px: int
+    height_px: int
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where a frame goes in a row of frames, in percent of the row's width."""
+
+    width: float
+    top: float
+
+
+def picture(path: Path, widest_px: int, *, lossless: bool = False) -> Picture | None:
+    """The image embedded as JPEG (or PNG), reduced to at most `widest_px`; None where it cannot be read."""
+    import cv2
+    import numpy as np
+
+    image = cv2.imdecode(np.frombuffer(path.read_bytes() or b"\0", np.uint8), cv2.IMREAD_COLOR)
+    if image is None:
+        return None
+    height_px, width_px = image.shape[:2]
+    if width_px > widest_px:
+        size = widest_px, max(1, round(height_px * widest_px / width_px))
+        image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    kind, options = (".png", []) if lossless else (".jpg", [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
+    _, data = cv2.imencode(kind, image, options)
+    mime = "image/png" if lossless else "image/jpeg"
+    return Picture(f"data:{mime};base64,{base64.b64encode(data.tobytes()).decode()}", width_px, height_px)
+
+
+def side_by_side(cameras: Sequence[CameraResult], gap: float = 1.6) -> list[Placed]:
+    """Sizes at which equal angles about the axis look equal, with all horizons at one height.
+
+    Where a field of view is not known, all frames get the same width and start at the top.
+
+    Parameters
+    ----------
+    gap
+        Space between frames [percent of the row].
+    """
+    room = 100.0 - gap * (len(cameras) - 1)
+    if not all({"hfov_deg", "vfov_deg"} <= camera.derived.keys() for camera in cameras):
+        return [Placed(room / len(cameras), 0.0) for _ in cameras]
+    extents = [half_extents(camera.derived["hfov_deg"], camera.derived["vfov_deg"]) for camera in cameras]
+    scale = room / sum(2 * half_width for half_width, _ in extents)  # percent per focal length
+    horizons = [
+        horizon_from_top(half_height, camera.pitch_deg)
+        for camera, (_, half_height) in zip(cameras, extents, strict=True)
+    ]
+    return [
+        Placed(2 * half_width * scale, (max(horizons) - horizon) * scale)
+        for (half_width, _), horizon in zip(extents, horizons, strict=True)
+    ]

@@ -1,0 +1,256 @@
+"""Reads a results folder into plain values; what is optional may be missing."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+
+DESIGNED = "designed"
+"""The name under which the winner of the search appears among the cameras."""
+
+
+@dataclass(frozen=True)
+class CameraResult:
+    """A camera with what it reached on the test scenes.
+
+    ``spread`` holds standard errors over test episodes, for scores and for ``fitness``; ``scores``,
+    ``terms`` and ``fitness`` are empty or None where the test has not run.
+    """
+
+    name: str
+    title: str
+    camera: Mapping[str, Any]
+    derived: Mapping[str, float]
+    scores: Mapping[str, float] = field(default_factory=dict)
+    terms: Mapping[str, float] = field(default_factory=dict)
+    spread: Mapping[str, float] = field(default_factory=dict)
+    fitness: float | None = None
+    evaluations: int | None = None
+    free: tuple[str, ...] = ()
+    samples: tuple[Path, ...] = ()
+
+    @property
+    def pitch_deg(self) -> float:
+        """Mounting pitch, positive up; level where the camera has none [deg]."""
+        pitch = self.camera.get("pitch_deg", 0.0)
+        return float(pitch) if isinstance(pitch, int | float) else 0.0
+
+    @property
+    def baseline_m(self) -> float | None:
+        """Distance between the two cameras of a stereo rig, else None [m]."""
+        baseline = self.camera.get("baseline_m")
+        return float(baseline) if isinstance(baseline, int | float) else None
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A candidate of the search; ``failed`` says why it has no fitness."""
+
+    generation: int
+    camera: Mapping[str, Any]
+    derived: Mapping[str, float]
+    fitness: float | None
+    failed: str | None = None
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One round of the search; ``frames`` counts the images rendered in it."""
+
+    number: int
+    frames: int
+    tried: tuple[Tried, ...]
+
+
+@dataclass(frozen=True)
+class StudyData:
+    """All the report needs. ``result`` is ``result.json`` as it stands, for what is shown as it is."""
+
+    result: Mapping[str, Any]
+    cameras: tuple[CameraResult, ...]
+    generations: tuple[Generation, ...]
+    recipe: str = ""
+    log: str = ""
+    scene_map: Path | None = None
+    eye_height_m: float = 1.6
+    notes: tuple[str, ...] = ()
+
+    @property
+    def designed(self) -> CameraResult | None:
+        """The winner of the search; None where no candidate succeeded."""
+        return next((camera for camera in self.cameras if camera.name == DESIGNED), None)
+
+    @property
+    def others(self) -> tuple[CameraResult, ...]:
+        """The cameras it is compared with."""
+        return tuple(camera for camera in self.cameras if camera.name != DESIGNED)
+
+    @property
+    def tested(self) -> bool:
+        """Whether the winner was scored on scenes it was not designed on."""
+        return self.designed is not None and self.designed.fitness is not None
+
+    @property
+    def tried(self) -> tuple[Tried, ...]:
+        """Every candidate of every generation, in order."""
+        return tuple(candidate for generation in self.generations for candidate in generation.tried)
+
+    @property
+    def best_fitness(self) -> float | None:
+        """Fitness of the winner on the scenes it was designed on."""
+        return _finite((self.result.get("best") or {}).get("fitness"))
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of the derived quantities and design variables, by name."""
+        space = {row["name"]: row.get("unit") or "" for row in self.design_space}
+        return {**space, **(self.result.get("derived_units") or {})}
+
+    @property
+    def design_space(self) -> list[dict[str, Any]]:
+        """The design variables with kind, unit and bounds."""
+        return list(self.result.get("design_space") or [])
+
+
+def read_study(folder: Path) -> StudyData:
+    """Read a results folder.
+
+    Raises
+    ------
+    UserError
+        Where ``result.json`` is missing or is not a JSON object.
+    """
+    result = _read_result(folder)
+    generations, torn = _read_generations(folder / "generations.jsonl")
+    recipe = _text(folder / "recipe.yaml")
+    notes = [str(note) for note in result.get("notes") or []]
+    if torn:
+        notes.append("The last line of generations.jsonl is incomplete and was left out.")
+    scene_map = result.get("scene_map")
+    return StudyData(
+        result=result,
+        cameras=tuple(_cameras(folder, result)),
+        generations=generations,
+        recipe=recipe,
+        log=_text(folder / "log.txt"),
+        scene_map=_inside(folder, scene_map) if scene_map else None,
+        eye_height_m=_eye_height_m(recipe),
+        notes=tuple(notes),
+    )
+
+
+def _read_result(folder: Path) -> dict[str, Any]:
+    path = folder / "result.json"
+    remedy = "Name the folder that tacos-run wrote with --out."
+    try:
+        result = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy)) from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise UserError(Fault(str(path), f"not readable as JSON: {error}", remedy=remedy)) from None
+    if not isinstance(result, dict):
+        raise UserError(Fault(str(path), "not a JSON object", "the result of a study", remedy))
+    return result
+
+
+def _read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
+    """The generations, and whether the last line was torn by a kill while it was written."""
+    lines = [line for line in _text(path).splitlines() if line.strip()]
+    generations: list[Generation] = []
+    for index, line in enumerate(lines):
+        try:
+            row = json.loads(line)
+        except json.JSONDecodeError as error:
+            if index == len(lines) - 1:
+                return tuple(generations), True
+            raise UserError(Fault(f"{path}:{index + 1}", f"not readable as JSON: {error}")) from None
+        generations.append(_generation(row))
+    return tuple(generations), False
+
+
+def _generation(row: Mapping[str, Any]) -> Generation:
+    number = int(row.get("generation", 0))
+    tried = tuple(
+        Tried(
+            generation=number,
+            camera=candidate.get("camera") or {},
+            derived=_numbers(candidate.get("derived")),
+            fitness=_finite(candidate.get("fitness")),
+            failed=candidate.get("failed"),
+        )
+        for candidate in row.get("candidates") or []
+    )
+    return Generation(number, int(row.get("frames") or 0), tried)
+
+
+def _cameras(folder: Path, result: Mapping[str, Any]) -> list[CameraResult]:
+    rows: dict[str, Mapping[str, Any]] = dict(result.get("cameras") or {})
+    best = result.get("best")
+    if best and best.get("camera") and DESIGNED not in rows:  # stopped before the test
+        rows = {DESIGNED: best, **rows}
+    names = sorted(rows, key=lambda name: name != DESIGNED)  # the winner first, the rest as they stand
+    return [_camera(folder, result, name, rows[name]) for name in names]
+
+
+def _camera(folder: Path, result: Mapping[str, Any], name: str, row: Mapping[str, Any]) -> CameraResult:
+    test = _numbers((result.get("test") or {}).get(name))
+    title = "Designed camera" if name == DESIGNED else row.get("title") or name.replace("_", " ")
+    samples = (result.get("samples") or {}).get(name) or []
+    return CameraResult(
+        name=name,
+        title=str(title),
+        camera=row.get("camera") or {},
+        derived=_numbers(row.get("derived")),
+        scores={score: value for score, value in test.items() if score != "fitness"},
+        terms=_numbers(row.get("terms")) if test else {},
+        spread=_numbers(row.get("spread")),
+        fitness=test.get("fitness"),
+        evaluations=row.get("evaluations"),
+        free=tuple(row.get("free") or ()),
+        samples=tuple(path for sample in samples if (path := _inside(folder, sample))),
+    )
+
+
+def _inside(folder: Path, name: str) -> Path | None:
+    """The file of that name, if it exists and lies in the folder: a result cannot pull in others."""
+    path = (folder / name).resolve()
+    return path if path.is_relative_to(folder.resolve()) and path.is_file() else None
+
+
+def _numbers(row: Mapping[str, Any] | None) -> dict[str, float]:
+    pairs = ((name, _finite(value)) for name, value in (row or {}).items())
+    return {name: value for name, value in pairs if value is not None}
+
+
+def _finite(value: Any) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return float(value) if math.isfinite(value) else None
+
+
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+
+
+def _eye_height_m(recipe: str) -> float:
+    """Middle of the camera height the recipe walks its agent with; the field's default where it has none."""
+    import yaml
+
+    try:
+        document = yaml.safe_load(recipe)
+    except yaml.YAMLError:
+        document = None
+    nodes = document.get("nodes") if isinstance(document, dict) else None
+    for node in (nodes or {}).values() if isinstance(nodes, dict) else ():
+        height = node.get("camera_height_m") if isinstance(node, dict) else None
+        if isinstance(height, list) and height and all(isinstance(end, int | float) for end in height):
+            return float(sum(height) / len(height))
+        if isinstance(height, int | float):
+            return float(height)
+    return StudyData.eye_height_m

@@ -1,0 +1,120 @@
+"""The tables of the report, cell by cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from tacos_framework.report.comparison import Difference, best_of, difference, score_names
+from tacos_framework.report.quantities import (
+    joined,
+    measured,
+    percent,
+    row_detail,
+    shown,
+    signed,
+    unit_of,
+    words,
+)
+from tacos_framework.report.story import floor_words, score_weights
+from tacos_framework.report.study_data import CameraResult, StudyData
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Text, what is printed small below it, and whether it is the best of its row."""
+
+    text: str
+    detail: str = ""
+    best: bool = False
+
+
+@dataclass(frozen=True)
+class Row:
+    """A label, its detail, and one cell per camera; ``change`` compares with the best other camera."""
+
+    label: str
+    cells: tuple[Cell, ...]
+    detail: str = ""
+    change: str = ""
+    outcome: str = ""
+
+
+def camera_table(study: StudyData) -> list[Row]:
+    """What each camera is: variables, derived quantities, the floor it sees, what was optimised for it."""
+    rows = []
+    for name in _in_order(camera.camera for camera in study.cameras):
+        cells = tuple(_variable_cell(camera, name, study) for camera in study.cameras)
+        rows.append(Row(words(name), cells))
+    for name in _in_order(camera.derived for camera in study.cameras):
+        unit = study.units.get(name) or unit_of(name)
+        cells = tuple(
+            Cell(shown(name, camera.derived[name], unit) if name in camera.derived else "not known")
+            for camera in study.cameras
+        )
+        rows.append(Row(words(name), cells))
+    if any("vfov_deg" in camera.derived for camera in study.cameras):
+        floors = tuple(Cell(floor_words(camera, study.eye_height_m)) for camera in study.cameras)
+        rows.append(Row("Floor seen ahead", floors))
+    if any(camera.free for camera in study.others):
+        rows.append(Row("Optimised", tuple(_free_cell(camera) for camera in study.cameras)))
+    return rows
+
+
+def score_table(study: StudyData) -> list[Row]:
+    """Scores and fitness on unseen scenes, with the change against the best other camera."""
+    if not study.tested:
+        return []
+    weights = score_weights(study)
+    names = [*score_names(study.cameras, weights), "fitness"]
+    return [_score_row(study, name, weights) for name in names]
+
+
+def _score_row(study: StudyData, name: str, weights: dict[str, float]) -> Row:
+    weight = weights.get(name)
+    higher_is_better = weight is None or weight >= 0
+    values = [camera.fitness if name == "fitness" else camera.scores.get(name) for camera in study.cameras]
+    known = [value for value in values if value is not None]
+    top = (max(known) if higher_is_better else min(known)) if len(known) > 1 and len(set(known)) > 1 else None
+    cells = tuple(
+        Cell(
+            "none" if value is None else measured(value, camera.spread.get(name)),
+            best=top is not None and value == top,
+        )
+        for camera, value in zip(study.cameras, values, strict=True)
+    )
+    other = best_of(study.others)
+    change = None
+    if study.designed is not None and other is not None:
+        change = difference(study.designed, other, name, higher_is_better=higher_is_better)
+    detail = f"weight {weight:g}" if weight is not None else "" if name == "fitness" else "not in the fitness"
+    return Row(words(name), cells, detail, _change_text(change), change.outcome if change else "")
+
+
+def _change_text(change: Difference | None) -> str:
+    if change is None:
+        return ""
+    if change.value == 0:
+        return "the same"
+    absolute = signed(change.value, change.error)
+    return f"{percent(change.share)} ({absolute})" if change.share is not None else absolute
+
+
+def _variable_cell(camera: CameraResult, name: str, study: StudyData) -> Cell:
+    if name not in camera.camera:
+        return Cell("none")
+    value = camera.camera[name]
+    detail = row_detail(value) if isinstance(value, dict) else ""
+    return Cell(shown(name, value, study.units.get(name) or unit_of(name)), detail)
+
+
+def _free_cell(camera: CameraResult) -> Cell:
+    if not camera.free:
+        return Cell("nothing")
+    tries = joined(str(camera.evaluations), "evaluations") if camera.evaluations else ""
+    return Cell(", ".join(words(name).lower() for name in camera.free), tries)
+
+
+def _in_order(mappings: Iterable[Mapping[str, object]]) -> list[str]:
+    """Every key of the mappings, in the order they first appear."""
+    return list(dict.fromkeys(key for mapping in mappings for key in mapping))

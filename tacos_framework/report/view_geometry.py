@@ -1,0 +1,79 @@
+"""Where a camera on the agent looks: pure geometry behind the drawings.
+
+Angles are in degrees, pitch positive up, heights and distances in metres. Image coordinates here are in units
+of the focal length: x right, y down, the optical axis at (0, 0).
+"""
+
+from __future__ import annotations
+
+import math
+
+Point = tuple[float, float]
+
+
+def floor_range_m(eye_height_m: float, pitch_deg: float, vfov_deg: float) -> tuple[float, float] | None:
+    """Nearest and farthest floor seen straight ahead [m]; None where the camera sees no floor.
+
+    The farthest is infinite when the horizon is in view. A view that reaches past straight down begins at 0.
+
+    >>> near, far = floor_range_m(1.5, -45.0, 30.0)
+    >>> round(near, 2), round(far, 2)
+    (0.87, 2.6)
+    """
+    lowest, highest = pitch_deg - vfov_deg / 2, pitch_deg + vfov_deg / 2
+    if lowest >= 0 or highest <= -90:
+        return None
+    near = 0.0 if lowest <= -90 else eye_height_m / math.tan(math.radians(-lowest))
+    far = math.inf if highest >= 0 else eye_height_m / math.tan(math.radians(-highest))
+    return near, far
+
+
+def wedge(
+    apex: Point, from_deg: float, to_deg: float, radius_m: float, floor: float | None = None
+) -> list[Point]:
+    """Outline of a field of view in a vertical or horizontal plane [m], cut off at height `floor`."""
+    steps = max(2, round(to_deg - from_deg))
+    outline = [apex]
+    for step in range(steps + 1):
+        angle = math.radians(from_deg + (to_deg - from_deg) * step / steps)
+        reach = radius_m
+        if floor is not None and math.sin(angle) < 0:
+            reach = min(reach, (apex[1] - floor) / -math.sin(angle))
+        outline.append((apex[0] + reach * math.cos(angle), apex[1] + reach * math.sin(angle)))
+    return outline
+
+
+def half_extents(hfov_deg: float, vfov_deg: float) -> Point:
+    """Half width and half height of an image in focal lengths."""
+    return math.tan(math.radians(hfov_deg / 2)), math.tan(math.radians(vfov_deg / 2))
+
+
+def footprint(extents: Point, pitch_deg: float, seen_from_pitch_deg: float) -> list[Point] | None:
+    """The frame of one camera as another at the same place, of another pitch, sees it.
+
+    Parameters
+    ----------
+    extents
+        Half width and half height of the first camera's image [focal lengths].
+
+    Returns
+    -------
+    list of (x, y), or None
+        Corners from top left clockwise; None when one lies behind the other camera.
+    """
+    turn = math.radians(pitch_deg - seen_from_pitch_deg)
+    half_width, half_height = extents
+    corners = []
+    for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+        # rotation about the image's x axis; pitching up moves the frame up, towards negative y
+        v = y * half_height * math.cos(turn) - math.sin(turn)
+        depth = y * half_height * math.sin(turn) + math.cos(turn)
+        if depth <= 0.05:
+            return None
+        corners.append((x * half_width / depth, v / depth))
+    return corners
+
+
+def horizon_from_top(half_height: float, pitch_deg: float) -> float:
+    """Distance of the horizon below an image's upper edge [focal lengths]; negative when above it."""
+    return half_height + math.tan(math.radians(pitch_deg))
