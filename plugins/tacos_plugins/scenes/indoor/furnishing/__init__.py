@@ -1,0 +1,1 @@
+"""Which furniture a room gets, and where it stands."""

@@ -1,0 +1,1 @@
+"""Parametric furniture: one module a family, each a function ``(rng, style) -> Piece``."""

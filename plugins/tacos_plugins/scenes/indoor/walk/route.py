@@ -1,0 +1,134 @@
+"""Which rooms are visited in which order, and the path on the floor through them."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_plugins.scenes.indoor.building import Building
+from tacos_plugins.scenes.indoor.floor_plan import FloorPlan
+from tacos_plugins.scenes.indoor.walk.free_space import CLEARANCE_M, FreeSpace
+
+STEP_M = 0.05
+"""Distance between points of a path [m]."""
+_STRAIGHT_M = 0.45
+"""The path runs straight through the middle of a door this far to either side of it [m]."""
+_SMOOTHING_STEPS = 300
+
+
+@dataclass(frozen=True, eq=False)
+class Route:
+    """A path on the floor.
+
+    Parameters
+    ----------
+    points_m
+        (N, 2) points, about `STEP_M` apart [m].
+    door_at
+        For each doorway crossed, in order: (index of the path's point on its middle, index of the door).
+    """
+
+    points_m: NDArray[np.float64]
+    door_at: tuple[tuple[int, int], ...]
+
+
+def draw_tour(rng: np.random.Generator, plan: FloorPlan) -> tuple[int, list[int]]:
+    """A random first room, and the doors to pass so that every room is visited; nearest rooms first."""
+    room = int(rng.integers(len(plan.cells)))
+    start, doors, seen = room, [], {room}
+    while len(seen) < len(plan.cells):
+        steps = _doors_to_unseen(rng, plan, room, seen)
+        for door in steps:
+            a, b = plan.doors[door].rooms
+            room = b if room == a else a
+            doors.append(door)
+        seen.add(room)
+    return start, doors
+
+
+def _doors_to_unseen(rng: np.random.Generator, plan: FloorPlan, room: int, seen: set[int]) -> list[int]:
+    queue: deque[tuple[int, list[int]]] = deque([(room, [])])
+    reached = {room}
+    while queue:
+        here, doors = queue.popleft()
+        if here not in seen:
+            return doors
+        for index in rng.permutation(len(plan.doors)).tolist():
+            a, b = plan.doors[index].rooms
+            there = b if here == a else a
+            if here in (a, b) and there not in reached:
+                reached.add(there)
+                queue.append((there, [*doors, index]))
+    raise ValueError("the floor plan has a room that no door leads to")
+
+
+def draw_route(rng: np.random.Generator, building: Building, free: FreeSpace) -> Route:
+    """A smooth path through all rooms, with a detour inside each room on the first visit."""
+    plan = building.plan
+    room, doors = draw_tour(rng, plan)
+    here = _somewhere(rng, plan, room, free, np.array(plan.clear(room).centre))
+    legs: list[NDArray[np.float64]] = [here[None]]
+    fixed: list[NDArray[np.bool_]] = [np.zeros(1, bool)]
+    crossed: list[tuple[int, int]] = []
+    seen = {room}
+    for index in doors:
+        door = plan.doors[index]
+        onward = door.direction if door.rooms[0] == room else -door.direction
+        before, after = door.position_m - _STRAIGHT_M * onward, door.position_m + _STRAIGHT_M * onward
+        _append(legs, fixed, _resampled(free.path(here, before)), keep=False)
+        straight = _resampled(np.stack([before, door.position_m, after]))
+        count = sum(len(leg) for leg in legs)
+        _append(legs, fixed, straight, keep=True)
+        crossed.append((count + len(straight) // 2 - 1, index))
+        room = door.rooms[1] if door.rooms[0] == room else door.rooms[0]
+        here = after
+        if room not in seen:
+            seen.add(room)
+            there = _somewhere(rng, plan, room, free, here)
+            _append(legs, fixed, _resampled(free.path(here, there)), keep=False)
+            here = there
+    points = _smoothed(np.concatenate(legs), np.concatenate(fixed), free)
+    return Route(points, tuple(crossed))
+
+
+def _append(
+    legs: list[NDArray[np.float64]], fixed: list[NDArray[np.bool_]], leg: NDArray[np.float64], *, keep: bool
+) -> None:
+    legs.append(leg[1:])
+    fixed.append(np.full(len(leg) - 1, keep))
+
+
+def _somewhere(
+    rng: np.random.Generator, plan: FloorPlan, room: int, free: FreeSpace, away_m: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    inner = plan.clear(room).grown(-0.5)
+    return free.random_point(rng, np.array([inner.x0, inner.y0]), np.array([inner.x1, inner.y1]), away_m)
+
+
+def _resampled(points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    steps = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
+    at = np.concatenate([[0], np.cumsum(steps)])
+    count = max(2, round(at[-1] / STEP_M) + 1)
+    wanted = np.linspace(0, at[-1], count)
+    return np.column_stack([np.interp(wanted, at, points_m[:, axis]) for axis in (0, 1)])
+
+
+def _smoothed(
+    points_m: NDArray[np.float64], fixed: NDArray[np.bool_], free: FreeSpace
+) -> NDArray[np.float64]:
+    """The path relaxed like a stretched band: corners round off, but not through things and not at doors."""
+    points = points_m.copy()
+    moves = ~fixed
+    moves[[0, -1]] = False
+    reach = 6
+    for _ in range(_SMOOTHING_STEPS):
+        target = points.copy()
+        target[reach:-reach] = (points[: -2 * reach] + points[2 * reach :]) / 2
+        target[1:-1] = 0.5 * target[1:-1] + 0.25 * (points[:-2] + points[2:])
+        wanted = points + 0.5 * (target - points)
+        allowed = moves & (free.clearance_at(wanted) >= CLEARANCE_M)
+        points[allowed] = wanted[allowed]
+    return points
