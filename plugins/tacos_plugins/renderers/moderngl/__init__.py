@@ -1,0 +1,1 @@
+"""Headless OpenGL rasterizer: baked light, physically based materials, exact depth and ids."""

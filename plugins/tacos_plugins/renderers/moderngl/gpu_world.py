@@ -1,0 +1,232 @@
+"""A world on the GPU: uploaded once, drawn for any number of cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.geometry import frustum_planes
+from tacos_framework.values import World
+from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
+from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh
+from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
+from tacos_plugins.renderers.moderngl.probes import Probe
+from tacos_plugins.renderers.moderngl.textures import (
+    colour_stack,
+    material_table,
+    normal_stack,
+    texture_layers,
+)
+
+SURFACE_VERTEX = np.dtype(
+    [
+        ("in_position", "f4", 3),
+        ("in_uv", "f4", 2),
+        ("in_map", "f4", 2),
+        ("in_light", "f4", 3),
+        ("in_bend", "f4", 2),
+        ("in_layers", "i4", 2),
+    ]
+)
+GLOSS_VERTEX = np.dtype(
+    [("in_normal", "f4", 3), ("in_tangent", "f4", 4), ("in_share", "f4"), ("in_gloss", "i4", 2)]
+)
+TRUTH_VERTEX = np.dtype([("in_position", "f4", 3), ("in_object", "i4")])
+
+
+@dataclass(frozen=True, eq=False)
+class Visible:
+    """Draw commands of the chunks inside a camera's frustum, nearest first.
+
+    Parameters
+    ----------
+    commands
+        (N, 5) uint32: index count, instances, first index, base vertex, base instance; kind after kind.
+    of_kind
+        (kinds,) how many commands each `SurfaceKind` has.
+    """
+
+    commands: NDArray[np.uint32]
+    of_kind: NDArray[np.intp]
+
+
+class GpuWorld:
+    """Buffers and textures of one world.
+
+    Parameters
+    ----------
+    context
+        The context.
+    world, lit
+        The world and its light.
+    """
+
+    def __init__(self, context: moderngl.Context, world: World, lit: LitMesh):
+        self._context = context
+        self._chunks = lit.chunks
+        self._lower_m, self._upper_m = _bounds(lit.mesh.position_m)
+        self.ambient_cd_m2 = world.ambient_cd_m2
+        self.levels, level_of_material = roughness_levels(world.materials)
+        self._probe_of_vertex = np.zeros(len(lit.mesh.position_m), np.int32)
+        self._lit = lit
+        self.surface = _buffer(context, _surface_vertices(world, lit))
+        self.gloss = _buffer(context, _gloss_vertices(lit, self._probe_of_vertex))
+        self.truth = _buffer(context, _truth_vertices(lit))
+        self.indices = _buffer(context, lit.mesh.triangles)
+        self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
+        self.textures = {
+            "colours": colour_stack(context, world.materials),
+            "normals": normal_stack(context, world.materials),
+            "light_map": _map(context, lit.light_map),
+            "bend_map": _map(context, lit.bend_map),
+            "materials": _table(context, material_table(world.materials, level_of_material)),
+            "probe_boxes": _table(context, np.zeros((1, 3, 4), np.float32)),
+            "probes": _layers(context, np.zeros((len(self.levels), 2, 2, 3), np.float32)),
+        }
+
+    def set_probes(self, probes: Sequence[Probe], of_vertex: NDArray[np.int32]) -> None:
+        """Let glossy surfaces mirror probes; before, they mirror darkness.
+
+        Parameters
+        ----------
+        of_vertex
+            (V,) the probe each vertex mirrors.
+        """
+        boxes = np.zeros((len(probes), 3, 4), np.float32)
+        for row, probe in zip(boxes, probes, strict=True):
+            row[:, :3] = probe.position_m, probe.lower_m, probe.upper_m
+        for name in ("probe_boxes", "probes"):
+            self.textures[name].release()
+        self.textures["probe_boxes"] = _table(self._context, boxes)
+        self.textures["probes"] = _layers(self._context, prefiltered(probes, self.levels))
+        self.gloss.write(_gloss_vertices(self._lit, of_vertex).tobytes())
+
+    def surface_arrays(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """Vertex array that feeds a surface program."""
+        return self._arrays(program, (self.surface, SURFACE_VERTEX), (self.gloss, GLOSS_VERTEX))
+
+    def truth_arrays(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """Vertex array that feeds the truth program."""
+        return self._arrays(program, (self.truth, TRUTH_VERTEX))
+
+    def far_m(self, eye_m: NDArray[np.float64]) -> float:
+        """A depth beyond everything that can be seen from an optical centre [m]."""
+        farthest = np.maximum(np.abs(self._lower_m - eye_m), np.abs(self._upper_m - eye_m))
+        return 1.01 * float(np.linalg.norm(farthest)) + 1.0
+
+    def visible(self, clip_from_world: NDArray[np.float64], eye_m: NDArray[np.float64]) -> Visible:
+        """What a camera can see."""
+        chunks = self._chunks
+        planes = frustum_planes(clip_from_world)
+        # The corner of each box that lies farthest along each plane's normal decides.
+        farthest = np.where(planes[:, None, :3] > 0, chunks.upper_m, chunks.lower_m)
+        inside = np.einsum("pj,pcj->pc", planes[:, :3], farthest) + planes[:, 3:] >= 0
+        seen = np.flatnonzero(inside.all(axis=0))
+        nearest = np.clip(eye_m, chunks.lower_m[seen], chunks.upper_m[seen])
+        distance = np.linalg.norm(nearest - eye_m, axis=1)
+        seen = seen[np.lexsort((distance, chunks.kind[seen]))]
+        commands = np.zeros((len(seen), 5), np.uint32)
+        commands[:, 0] = 3 * chunks.count[seen]
+        commands[:, 1] = 1
+        commands[:, 2] = 3 * chunks.first[seen]
+        return Visible(commands, np.bincount(chunks.kind[seen], minlength=len(SurfaceKind)))
+
+    def release(self) -> None:
+        """Give all memory of the GPU back."""
+        buffers = (self.surface, self.gloss, self.truth, self.indices, self.commands)
+        for held in (*buffers, *self.textures.values()):
+            held.release()
+
+    def _arrays(
+        self, program: moderngl.Program, *buffers: tuple[moderngl.Buffer, np.dtype[np.void]]
+    ) -> moderngl.VertexArray:
+        """Bind those fields of vertex buffers that a program reads; the others are skipped."""
+        content = []
+        for buffer, layout in buffers:
+            names = [name for name in layout.names or () if name in program]
+            if names:
+                content.append((buffer, _format(layout, program), *names))
+        return self._context.vertex_array(
+            program, content, index_buffer=self.indices, index_element_size=4
+        )
+
+
+def _format(layout: np.dtype[np.void], program: moderngl.Program) -> str:
+    """moderngl's words for a vertex layout, fields the program does not read as padding."""
+    words = []
+    for name in layout.names or ():
+        field = layout[name]
+        count = field.shape[0] if field.shape else 1
+        kind = "f" if field.base.kind == "f" else "i"
+        words.append(f"{count}{kind}" if name in program else f"{field.itemsize}x")
+    return " ".join(words)
+
+
+def _surface_vertices(world: World, lit: LitMesh) -> NDArray[np.void]:
+    mesh = lit.mesh
+    vertices = np.zeros(len(mesh.position_m), SURFACE_VERTEX)
+    vertices["in_position"] = mesh.position_m
+    vertices["in_uv"] = mesh.uv
+    vertices["in_map"] = lit.map_coordinates
+    vertices["in_light"] = lit.vertex_light.luminance_cd_m2
+    vertices["in_bend"] = lit.vertex_light.bend
+    vertices["in_layers"] = texture_layers(world.materials)[mesh.material]
+    return vertices
+
+
+def _gloss_vertices(lit: LitMesh, probe_of_vertex: NDArray[np.int32]) -> NDArray[np.void]:
+    mesh = lit.mesh
+    tangent, bitangent = lit.frames[:, 0], lit.frames[:, 1]
+    side = np.einsum("ij,ij->i", np.cross(mesh.normal, tangent), bitangent)
+    vertices = np.zeros(len(mesh.position_m), GLOSS_VERTEX)
+    vertices["in_normal"] = mesh.normal
+    vertices["in_tangent"][:, :3] = tangent
+    vertices["in_tangent"][:, 3] = np.where(side < 0, -1, 1)
+    vertices["in_share"] = lit.vertex_light.unshadowed_share
+    vertices["in_gloss"] = np.column_stack([mesh.material, probe_of_vertex])
+    return vertices
+
+
+def _truth_vertices(lit: LitMesh) -> NDArray[np.void]:
+    vertices = np.zeros(len(lit.mesh.position_m), TRUTH_VERTEX)
+    vertices["in_position"] = lit.mesh.position_m
+    vertices["in_object"] = lit.mesh.object_id
+    return vertices
+
+
+def _bounds(position_m: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    points = position_m.astype(np.float64) if len(position_m) else np.zeros((1, 3))
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _buffer(context: moderngl.Context, data: NDArray[Any]) -> moderngl.Buffer:
+    return context.buffer(data.tobytes() or bytes(64))  # OpenGL refuses empty buffers
+
+
+def _table(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Texture:
+    rows, columns, _ = data.shape
+    texture = context.texture((columns, rows), 4, data.tobytes(), dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    return texture
+
+
+def _map(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Texture:
+    rows, columns, channels = data.shape
+    texture = context.texture((columns, rows), channels, data.astype(np.float16).tobytes(), dtype="f2")
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
+def _layers(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.TextureArray:
+    layers, rows, columns, channels = data.shape
+    content = data.astype(np.float16).tobytes()
+    texture = context.texture_array((columns, rows, layers), channels, content, dtype="f2")
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = False
+    return texture

@@ -1,0 +1,61 @@
+// What glossy materials mirror: probes hold the light around a place in each room, blurred as a GGX lobe of the
+// material's roughness would (split-sum approximation: Karis, "Real shading in Unreal Engine 4", 2013), and are
+// looked up with the parallax of a box around the room (Lagarde and Zanuttini, SIGGRAPH 2012).
+
+uniform vec4 ray_x;      // world direction of a pixel centre: x * ray_x + y * ray_y + ray_origin, depth 1
+uniform vec4 ray_y;
+uniform vec4 ray_origin;
+uniform vec3 eye;        // optical centre in the world [m]
+uniform sampler2D materials;    // three texels each, see textures.material_table
+uniform sampler2D probe_boxes;  // three texels each: centre; lower and upper corner of the box [m]
+uniform sampler2DArray probes;  // octahedral luminance [cd/m2], one layer per probe and roughness
+uniform float probe_scale;      // of octahedral coordinates into a layer, which has a border
+uniform int probe_levels;       // layers per probe
+
+in vec3 normal;
+in vec4 tangent;
+in float share;
+flat in ivec2 gloss; // material and probe
+
+const float DIELECTRIC = 0.04; // reflectance of dielectrics at normal incidence
+const float MATTE = 0.8;       // they reflect less the rougher they are, down to nothing here
+const float HIDDEN = 0.25;     // how much of a reflection remains where no direct light arrives
+
+vec2 octahedral(vec3 d) {
+    vec2 p = d.xy / (abs(d.x) + abs(d.y) + abs(d.z));
+    vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+    return d.z >= 0.0 ? p : folded;
+}
+
+vec3 mirrored(vec3 texel, vec2 tilt, float unshadowed) {
+    vec4 base = texelFetch(materials, ivec2(0, gloss.x), 0);
+    vec4 kind = texelFetch(materials, ivec2(1, gloss.x), 0); // roughness, metallic, level
+    vec3 emission = texelFetch(materials, ivec2(2, gloss.x), 0).rgb;
+    vec3 ray = gl_FragCoord.x * ray_x.xyz + gl_FragCoord.y * ray_y.xyz + ray_origin.xyz;
+    vec3 position = eye + ray / gl_FragCoord.w;
+    vec3 view = -normalize(ray);
+    vec3 n = normal + tilt.x * tangent.xyz + tilt.y * tangent.w * cross(normal, tangent.xyz);
+    n = normalize(n);
+    float nv = clamp(dot(n, view), 0.02, 1.0);
+    vec3 out_of = reflect(-view, n);
+
+    vec3 centre = texelFetch(probe_boxes, ivec2(0, gloss.y), 0).xyz;
+    vec3 lower = texelFetch(probe_boxes, ivec2(1, gloss.y), 0).xyz;
+    vec3 upper = texelFetch(probe_boxes, ivec2(2, gloss.y), 0).xyz;
+    vec3 inside = clamp(position, lower, upper);
+    vec3 safe = mix(vec3(1e-6), out_of, greaterThan(abs(out_of), vec3(1e-6)));
+    vec3 far = max((lower - inside) / safe, (upper - inside) / safe);
+    vec3 seen = inside + out_of * min(far.x, min(far.y, far.z)) - centre;
+    vec2 at = octahedral(seen) * probe_scale + 0.5;
+    vec3 around = texture(probes, vec3(at, float(gloss.y * probe_levels) + kind.z)).rgb;
+
+    // How much a rough mirror returns at this angle (Karis, "Physically based shading on mobile", 2014).
+    vec4 r = kind.x * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float x = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    vec2 scale_and_bias = vec2(-1.04, 1.04) * x + r.zw;
+    float sheen = clamp((MATTE - kind.x) / 0.4, 0.0, 1.0);
+    float strength = max(sheen, kind.y);
+    vec3 f0 = mix(vec3(DIELECTRIC * sheen), base.rgb * texel, kind.y);
+    vec3 returned = f0 * scale_and_bias.x + strength * scale_and_bias.y;
+    return returned * around * mix(HIDDEN, 1.0, clamp(unshadowed, 0.0, 1.0)) + emission;
+}

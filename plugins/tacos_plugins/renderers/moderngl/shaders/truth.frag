@@ -1,0 +1,10 @@
+#version 330
+
+in float depth_m;
+flat in float object_id;
+
+out vec2 truth;
+
+void main() {
+    truth = vec2(depth_m, object_id);
+}
