@@ -251,8 +251,8 @@ class CatalogChoice:
             if other is not row:
                 columns = ", ".join(self.design_columns)
                 raise ValueError(
-                    f"{self.name}: {other.name} and {row.name} are equal in {columns}, so neither is nearest; "
-                    f"use scheme discrete, or a column that tells them apart"
+                    f"{self.name}: {other.name} and {row.name} are equal in {columns}, so neither is "
+                    f"nearest; use scheme discrete, or a column that tells them apart"
                 )
 
     @property

@@ -107,7 +107,7 @@ def read_yaml(source: Path | str, name: str | None = None) -> Document:
     """
     if isinstance(source, Path):
         name = str(source) if name is None else name
-        text = _text_of(source, name)
+        text = read_text(source, name)
     else:
         name = "text" if name is None else name
         text = source
@@ -116,7 +116,15 @@ def read_yaml(source: Path | str, name: str | None = None) -> Document:
     return _Reader(text, name).document()
 
 
-def _text_of(path: Path, name: str) -> str:
+def read_text(path: Path, name: str | None = None) -> str:
+    """The text of a file of at most `MAX_BYTES`, in UTF-8.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, is too large, or is not UTF-8.
+    """
+    name = str(path) if name is None else name
     try:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)

@@ -1,7 +1,22 @@
-"""Catalogs: parts that can be bought, with units, provenance and honest unknowns."""
+"""Catalogs: parts and cameras that can be bought, and measured noise, with units and provenance."""
 
 from __future__ import annotations
 
+from tacos_framework.catalog.calibration import Calibration, load_calibration
+from tacos_framework.catalog.cameras import OffTheShelf, camera_names, load_cameras
 from tacos_framework.catalog.parts import Catalog, Column, Part
+from tacos_framework.catalog.reader import catalog_names, find_catalog, read_catalog
 
-__all__ = ["Catalog", "Column", "Part"]
+__all__ = [
+    "Calibration",
+    "Catalog",
+    "Column",
+    "OffTheShelf",
+    "Part",
+    "camera_names",
+    "catalog_names",
+    "find_catalog",
+    "load_calibration",
+    "load_cameras",
+    "read_catalog",
+]

@@ -1,0 +1,89 @@
+"""Cameras off the shelf, which designs are compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.settings import Settings, check, setting
+from tacos_framework.shipped import find_file, shipped_folder
+from tacos_framework.yaml_reader import Document, read_yaml
+
+
+class CameraEntry(Settings):
+    """A camera in a file."""
+
+    title: str = setting(help="Its name for people.", min_length=1)
+    maker: str = setting(help="Who makes it.", min_length=1)
+    rig: str = setting(
+        help="The rig whose variables it fixes, as in rig.monocular.", pattern=r"^rig\.[a-z-]+$"
+    )
+    fixes: dict[str, Any] = setting(help="Variables of the rig and their values.", min_length=1)
+    sources: tuple[str, ...] = setting(help="Who says so.", min_length=1)
+    notes: tuple[str, ...] = setting((), help="What a reader of a comparison should know.")
+
+
+class OffTheShelf(CameraEntry):
+    """A camera that can be bought.
+
+    It fixes some variables of a rig; the others (the mounting pitch) are left to whoever builds with it, and
+    a comparison optimises them, as the paper does.
+    """
+
+    name: str = setting(help="Its name in recipes.")
+
+
+class _Head(Settings):
+    title: str = setting("", help="One line for people.")
+    cameras: dict[str, CameraEntry] = setting(help="The cameras.", min_length=1)
+
+
+def load_cameras(
+    names: Sequence[str], catalog: str | Path = "cameras", folder: Path | None = None
+) -> tuple[OffTheShelf, ...]:
+    """Cameras by name.
+
+    Parameters
+    ----------
+    names
+        Their names, in the order wanted.
+    catalog
+        A shipped catalog of cameras, or the path of a YAML file.
+    folder
+        The folder of the recipe: its paths start there and must not leave it. None lifts that.
+
+    Raises
+    ------
+    UserError
+        For every name that is not there or stands twice, or with all that is wrong with the file.
+    """
+    document, cameras = _read(catalog, folder)
+    faults = [
+        Fault(name, f"{document.name} has no camera {name!r}", "", did_you_mean(name, cameras))
+        for name in dict.fromkeys(names)
+        if name not in cameras
+    ]
+    faults += [
+        Fault(name, f"camera {name!r} stands here more than once", remedy="Remove one.")
+        for name in dict.fromkeys(names)
+        if list(names).count(name) > 1
+    ]
+    if faults:
+        raise UserError(faults)
+    return tuple(cameras[name] for name in names)
+
+
+def camera_names(catalog: str | Path = "cameras", folder: Path | None = None) -> tuple[str, ...]:
+    """The names of all cameras in a catalog; raises as `load_cameras` does."""
+    return tuple(_read(catalog, folder)[1])
+
+
+def _read(catalog: str | Path, folder: Path | None) -> tuple[Document, dict[str, OffTheShelf]]:
+    path = find_file(catalog, shipped_folder("catalogs"), folder=folder, noun="catalog of cameras")
+    document = read_yaml(path)
+    head, faults, _ = check(_Head, document.data, document.where)
+    if head is None:
+        raise UserError(faults)
+    return document, {name: OffTheShelf(name=name, **dict(entry)) for name, entry in head.cameras.items()}

@@ -1,0 +1,190 @@
+"""From the cells of a file to parts: values checked against their column, doubts where sizes clash."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from tacos_framework.catalog.parts import Column, Part, Value
+from tacos_framework.errors import Fault, did_you_mean
+
+UNITS = {
+    "px": "px",
+    "nm": "nm",
+    "um": "um",
+    "mm": "mm",
+    "cm": "cm",
+    "m": "m",
+    "deg": "deg",
+    "ms": "ms",
+    "s": "s",
+    "e": "e-",
+    "e_s": "e-/s",
+    "db": "dB",
+    "lux": "lux",
+    "g": "g",
+    "w": "W",
+    "fps": "1/s",
+}
+"""The unit that the end of a column's name stands for: ``pixel_um`` is in um."""
+
+SIZE_TOLERANCE = 0.01
+"""Relative difference above which a size and its pixels times their pitch are said to clash."""
+
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A value as the file gives it, where it stands, and who says so where the file says.
+
+    ``refused`` cells are at fault already, and no more is said about them.
+    """
+
+    value: Any
+    where: str
+    source: str | None = None
+    refused: bool = False
+
+
+@dataclass(frozen=True)
+class RawPart:
+    """A row of a file, before its values are checked."""
+
+    name: str
+    where: str
+    cells: Mapping[str, Cell]
+    source: str
+    doubts: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+@dataclass
+class PartChecker:
+    """Turns raw parts into parts and keeps every fault.
+
+    Parameters
+    ----------
+    columns
+        The columns of the catalog.
+    """
+
+    columns: Sequence[Column]
+    faults: list[Fault] = field(default_factory=list)
+
+    def parts(self, raws: Sequence[RawPart]) -> tuple[Part, ...]:
+        """The parts in their order; what is wrong with them is in `faults`."""
+        self._refuse_duplicates(raws)
+        parts: list[Part] = []
+        for raw in raws:
+            part = self._part(raw)
+            twin = next((p for p in parts if p.values == part.values), None)
+            if twin is not None:
+                doubt = f"All values are those of {twin.name}."
+                part = Part(part.name, part.values, part.provenance, (*part.doubts, doubt), part.notes)
+            parts.append(part)
+        return tuple(parts)
+
+    def _refuse_duplicates(self, raws: Sequence[RawPart]) -> None:
+        seen: dict[str, RawPart] = {}
+        for raw in raws:
+            first = seen.setdefault(raw.name.casefold(), raw)
+            if first is not raw:
+                what = f"part {raw.name!r} stands here again, first at {first.where}"
+                self.faults.append(Fault(raw.where, what, remedy="Remove one, or name them apart."))
+
+    def _part(self, raw: RawPart) -> Part:
+        names = [column.name for column in self.columns]
+        for name, cell in raw.cells.items():
+            if name not in names:
+                what = f"{raw.name} has a value for {name!r}, which is no column"
+                self.faults.append(Fault(cell.where, what, "", did_you_mean(name, names)))
+        values: dict[str, Value] = {}
+        provenance: dict[str, str] = {}
+        for column in self.columns:
+            given = raw.cells.get(column.name)
+            values[column.name] = self._value(raw, column, given)
+            if given is not None and values[column.name] is not None:
+                provenance[column.name] = given.source or raw.source
+        doubts = (*raw.doubts, *_settle_sizes(values, provenance))
+        return Part(raw.name, values, provenance, doubts, raw.notes)
+
+    def _value(self, raw: RawPart, column: Column, cell: Cell | None) -> Value:
+        if cell is not None and cell.refused:
+            return None
+        if cell is None or cell.value is None or cell.value in ("", "unknown"):
+            if column.required:
+                where = raw.where if cell is None else cell.where
+                self.faults.append(
+                    Fault(
+                        where,
+                        f"{raw.name} has no {column.name}",
+                        f"{column.help.rstrip('.')} [{column.unit}]",
+                    )
+                )
+            return None
+        value, complaint, remedy = checked_value(column, cell.value)
+        if complaint:
+            expected = f"{_ARTICLES[column.type]} [{column.unit}]" if column.type != "text" else "text"
+            self.faults.append(
+                Fault(cell.where, f"{column.name} of {raw.name} is {complaint}", expected, remedy)
+            )
+        return value
+
+
+_ARTICLES = {"number": "a number", "integer": "a whole number", "text": "text"}
+
+
+def checked_value(column: Column, given: Any) -> tuple[Value, str, str]:
+    """A value fit for the column, or None with what is wrong and what to do.
+
+    Text that is a number counts as one, as files of comma-separated values have nothing but text.
+    """
+    if column.type == "text":
+        if isinstance(given, str):
+            return given, "", ""
+        return None, repr(given), f'Write "{given}" in quotes.'
+    if isinstance(given, str) and _NUMBER.fullmatch(given.strip()):
+        given = float(given)
+    if isinstance(given, str) and _NUMBER.match(given.strip()):
+        return None, repr(given), f"Write the number alone; the column is in {column.unit}."
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        return None, repr(given), "Leave it out, or write unknown, where nobody has said."
+    if not math.isfinite(given):
+        return None, str(given), "Leave it out, or write unknown, where nobody has said."
+    if column.positive and given <= 0:
+        return None, f"{given:g}, which is not above 0", ""
+    if column.type == "integer":
+        if given != int(given):
+            return None, f"{given:g}, which is not whole", ""
+        return int(given), "", ""
+    return float(given), "", ""
+
+
+def unit_of(name: str) -> str | None:
+    """The unit the end of a column's name stands for; None where it names none."""
+    words = name.lower().split("_")
+    for count in (2, 1):
+        if len(words) > count and (unit := UNITS.get("_".join(words[-count:]))):
+            return unit
+    return None
+
+
+def _settle_sizes(values: dict[str, Value], provenance: dict[str, str]) -> list[str]:
+    """Fill sizes in mm that follow from pixels and their pitch; doubt those that contradict them."""
+    doubts = []
+    pitch = values.get("pixel_um")
+    for name, size in list(values.items()):
+        pixels = values.get(name.replace("_mm", "_px"))
+        if not name.endswith("_mm") or not isinstance(pitch, float) or not isinstance(pixels, int):
+            continue
+        computed = round(pixels * pitch * 1e-3, 6)
+        if size is None:
+            values[name] = computed
+            provenance[name] = f"{name.replace('_mm', '_px')} x pixel_um"
+        elif isinstance(size, float) and abs(size - computed) > SIZE_TOLERANCE * computed:
+            doubts.append(f"{name} is {size:g}, but {pixels} pixels of {pitch:g} um are {computed:g} mm.")
+    return doubts

@@ -1,0 +1,243 @@
+"""Catalogs of parts in files: YAML with columns, provenance and doubts, or a plain table (CSV)."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from io import StringIO
+from pathlib import Path
+from typing import Any, Literal
+
+from tacos_framework.catalog.checks import Cell, PartChecker, RawPart, checked_value, unit_of
+from tacos_framework.catalog.parts import Catalog, Column
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.settings import Settings, check, setting
+from tacos_framework.shipped import find_file, shipped_folder, shipped_names
+from tacos_framework.yaml_reader import Document, read_text, read_yaml
+
+SIZES = ("width_mm", "height_mm", "pixel_um")
+"""What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""
+
+_NOT_PARTS = ("cameras",)
+
+
+class ColumnEntry(Settings):
+    """A column in the head of a YAML catalog."""
+
+    help: str = setting(help="What its values mean, in one sentence.", min_length=1)
+    unit: str | None = setting(None, help="Its unit; by default what the end of the name says.")
+    type: Literal["number", "integer", "text"] = setting("number", help="What its values are.")
+    required: bool = setting(False, help="Whether each part must have a value.")
+    positive: bool = setting(True, help="Whether its numbers must be above 0.")
+
+
+class Head(Settings):
+    """A YAML catalog, except for its parts."""
+
+    title: str = setting(help="One line for people.", min_length=1)
+    source: str = setting(help="Where values come from that name no source of their own.", min_length=1)
+    licence: str = setting("", help="Terms of use.")
+    columns: dict[str, ColumnEntry] = setting(help="The columns.", min_length=1)
+    design_columns: tuple[str, ...] | None = setting(
+        None, help="Columns of numbers that span the space a design moves in."
+    )
+
+
+class PartEntry(Settings):
+    """What a part may say beside its values."""
+
+    source: str | None = setting(None, help="Where its values come from.")
+    doubts: tuple[str, ...] = setting((), help="What is probably wrong.")
+    notes: tuple[str, ...] = setting((), help="Anything else.")
+
+
+class ValueEntry(Settings):
+    """A value with its own source: ``full_well_e: {value: 11000, source: ...}``."""
+
+    value: float | str = setting(help="The value.")
+    source: str = setting(help="Who says so.", min_length=1)
+
+
+def catalog_names() -> tuple[str, ...]:
+    """The names of the catalogs of parts that come with the package."""
+    return tuple(name for name in shipped_names(shipped_folder("catalogs")) if name not in _NOT_PARTS)
+
+
+def find_catalog(name: str | Path, folder: Path | None = None) -> Catalog:
+    """A shipped catalog by its name, or one of the user's by its path.
+
+    Parameters
+    ----------
+    name
+        ``image_sensors``, or a path of a YAML or CSV file.
+    folder
+        The folder of the recipe: its paths start there and must not leave it. None lifts that.
+
+    Raises
+    ------
+    UserError
+        When there is none, or with all that is wrong with it.
+    """
+    return read_catalog(find_file(name, shipped_folder("catalogs"), folder=folder, noun="catalog"))
+
+
+def read_catalog(path: Path) -> Catalog:
+    """The catalog in a YAML or CSV file.
+
+    Raises
+    ------
+    UserError
+        With every fault that can be found in one pass.
+    """
+    if path.suffix.lower() == ".csv":
+        return _from_csv(path)
+    return _from_yaml(path.stem, read_yaml(path))
+
+
+def _from_yaml(name: str, document: Document) -> Catalog:
+    data = document.data
+    if not isinstance(data, dict) or not isinstance(data.get("parts"), dict):
+        expected = "a mapping with title, source, columns and parts"
+        raise UserError(Fault(document.where(("parts",)), "this is no catalog of parts", expected))
+    head, faults, _ = check(Head, {k: v for k, v in data.items() if k != "parts"}, document.where)
+    if head is None:
+        raise UserError(faults)
+    columns = [_column(document, name, entry, faults) for name, entry in head.columns.items()]
+    raws = []
+    for part, entry in data["parts"].items():
+        if isinstance(entry, dict):
+            raws.append(_raw_part(document, part, entry, head, faults))
+        else:
+            where = document.where(("parts", part))
+            faults.append(Fault(where, f"part {part} has no values", "a mapping from columns to values"))
+    design_columns = head.design_columns
+    if design_columns is not None:
+        numeric = [column.name for column in columns if column.type != "text"]
+        for i, column_name in enumerate(design_columns):
+            if column_name not in numeric:
+                what = f"there is no column of numbers {column_name!r}"
+                where = document.where(("design_columns", i))
+                faults.append(Fault(where, what, "", did_you_mean(column_name, numeric)))
+    return _catalog(
+        name, head.title, head.source, columns, raws, design_columns, faults, document.where(("parts",))
+    )
+
+
+def _column(document: Document, name: str, entry: ColumnEntry, faults: list[Fault]) -> Column:
+    implied = unit_of(name)
+    unit = entry.unit or implied or "1"
+    if implied and unit != implied:
+        where = document.where(("columns", name, "unit"))
+        faults.append(
+            Fault(where, f"the unit of {name} is {unit}", implied, "Let the name end in the unit it has.")
+        )
+    return Column(name, unit, entry.help, entry.type, entry.required, entry.positive)
+
+
+def _raw_part(
+    document: Document, name: str, entry: dict[str, Any], head: Head, faults: list[Fault]
+) -> RawPart:
+    path = ("parts", name)
+    where = document.where(path)
+    own = {key: value for key, value in entry.items() if key in PartEntry.model_fields}
+    about, found, _ = check(PartEntry, own, lambda tail: document.where((*path, *tail)))
+    faults += found
+    about = about or PartEntry()
+    cells = {
+        key: _cell(document, (*path, key), value, faults) for key, value in entry.items() if key not in own
+    }
+    return RawPart(name, where, cells, about.source or head.source, about.doubts, about.notes)
+
+
+def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fault]) -> Cell:
+    """A value alone, or ``{value: ..., source: ...}``."""
+    where = document.where(path)
+    if not isinstance(given, dict):
+        return Cell(given, where)
+    entry, found, _ = check(ValueEntry, given, lambda tail: document.where((*path, *tail)))
+    faults += found
+    return Cell(entry.value, where, entry.source) if entry else Cell(None, where, refused=True)
+
+
+def _from_csv(path: Path) -> Catalog:
+    """A table whose first line names the columns: ``name``, and names that end in their unit."""
+    table = csv.reader(StringIO(read_text(path)), strict=True)
+    try:
+        lines = [(table.line_num, [cell.strip() for cell in line]) for line in table]
+    except csv.Error as error:
+        what = f"this is no table of comma-separated values: {error}"
+        raise UserError(Fault(f"{path}:{table.line_num}", what)) from error
+    heading = lines[0][1] if lines else []
+    if "name" not in heading:
+        what = f"the first line names no column 'name', but {', '.join(heading) or 'nothing'}"
+        raise UserError(Fault(f"{path}:1", what, "name, then columns that end in their unit, as in pixel_um"))
+    faults = [
+        Fault(f"{path}:1", f"column {name!r} stands here more than once", remedy="Remove one.")
+        for name in sorted({name for name in heading if heading.count(name) > 1})
+    ]
+    raws = []
+    for number, line in lines[1:]:
+        if not any(line):
+            continue
+        where = f"{path}:{number}"
+        if len(line) != len(heading):
+            faults.append(
+                Fault(where, f"this line has {len(line)} values", f"{len(heading)}, as the first line")
+            )
+            continue
+        raws.append(_raw_line(where, dict(zip(heading, line, strict=True)), path.name))
+        if not raws[-1].name:
+            faults.append(Fault(where, "this part has no name"))
+    columns = [_csv_column(name, raws) for name in heading if name not in ("name", *PartEntry.model_fields)]
+    have = {column.name for column in columns}
+    if "pixel_um" in have:
+        sizes = (name for name in SIZES if name not in have and name.replace("_mm", "_px") in have)
+        columns += [Column(name, "mm", "Pixels times their pitch.") for name in sizes]
+    return _catalog(path.stem, path.stem, path.name, columns, raws, None, faults, f"{path}:1")
+
+
+def _raw_line(where: str, cells: Mapping[str, str], source: str) -> RawPart:
+    own = ("name", *PartEntry.model_fields)
+    return RawPart(
+        cells["name"],
+        where,
+        {name: Cell(value, where) for name, value in cells.items() if name not in own},
+        cells.get("source") or source,
+        tuple(filter(None, [cells.get("doubts")])),
+        tuple(filter(None, [cells.get("notes")])),
+    )
+
+
+def _csv_column(name: str, raws: Sequence[RawPart]) -> Column:
+    """A column as its name says: pixels are whole; no unit and any word makes it text."""
+    unit = unit_of(name)
+    if unit is not None:
+        return Column(name, unit, f"{name} of the table.", "integer" if unit == "px" else "number")
+    plain = Column(name, "1", f"{name} of the table.", positive=False)
+    values = [raw.cells[name].value for raw in raws if raw.cells[name].value not in ("", "unknown")]
+    if values and not any(checked_value(plain, value)[1] for value in values):
+        return plain
+    return Column(name, "1", f"{name} of the table.", "text")
+
+
+def _catalog(
+    name: str,
+    title: str,
+    source: str,
+    columns: Sequence[Column],
+    raws: Sequence[RawPart],
+    design_columns: tuple[str, ...] | None,
+    faults: Sequence[Fault],
+    where: str,
+) -> Catalog:
+    checker = PartChecker(columns, list(faults))
+    parts = checker.parts(raws)
+    if not parts and not faults:
+        checker.faults.append(Fault(where, "the catalog is empty", "at least one part"))
+    if checker.faults:
+        raise UserError(checker.faults)
+    numeric = [column.name for column in columns if column.type != "text"]
+    if design_columns is None:
+        known = tuple(name for name in numeric if all(part.values[name] is not None for part in parts))
+        design_columns = SIZES if set(SIZES) <= set(numeric) else known
+    return Catalog(name, title, tuple(columns), parts, source, design_columns)

@@ -1,0 +1,139 @@
+"""The catalogs that come with the package say what the paper says, and no more than anyone has said."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from tacos_framework.catalog import (
+    camera_names,
+    catalog_names,
+    find_catalog,
+    load_calibration,
+    load_cameras,
+)
+from tacos_framework.design_space import CatalogChoice, DesignSpace
+
+
+def test_the_catalog_is_the_paper_s() -> None:
+    # supplement, "Image Sensor Catalog"
+    catalog = find_catalog("image_sensors")
+    assert Counter(part["maker"] for part in catalog.rows) == {
+        "Sony": 28,
+        "onsemi": 10,
+        "Luxima": 3,
+        "CMOSIS (ams)": 2,
+    }
+    pitches = [part.number("pixel_um") for part in catalog.rows]
+    assert (min(pitches), max(pitches)) == (1.12, 9.0)
+    by_area = sorted(catalog.rows, key=lambda part: part.number("width_mm") * part.number("height_mm"))
+    assert [round(by_area[0].number(column), 2) for column in ("width_mm", "height_mm")] == [3.07, 2.30]
+    assert [round(by_area[-1].number(column), 2) for column in ("width_mm", "height_mm")] == [16.13, 12.04]
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "value"),
+    [
+        ("IMX172", "width_mm", 6.2),
+        ("LUX1310", "width_mm", 8.448),  # paper, Table 2: 8.45 x 6.76 mm, 6.6 um
+        ("LUX1310", "pixel_um", 6.6),
+        ("IMX432", "height_mm", 9.936),  # paper, Table 2: 14.48 x 9.94 mm, 9 um
+        ("IMX335", "shutter", "rolling"),
+        ("IMX273", "full_well_e", 11000.0),
+        ("IMX273", "read_noise_e", None),
+        ("PYTHON300", "quantum_efficiency", None),
+    ],
+)
+def test_values_of_known_parts(name: str, column: str, value: object) -> None:
+    assert find_catalog("image_sensors").part(name)[column] == value
+
+
+@pytest.mark.parametrize("name", catalog_names())
+def test_every_known_value_has_a_source_and_unknown_ones_have_none(name: str) -> None:
+    for part in find_catalog(name).rows:
+        known = {column for column, value in part.values.items() if value is not None}
+        assert set(part.provenance) == known
+        assert all(part.provenance.values())
+
+
+def test_noise_values_name_their_own_source() -> None:
+    catalog = find_catalog("image_sensors")
+    for part in catalog.rows:
+        for column in ("full_well_e", "read_noise_e", "bit_depth"):
+            assert part.provenance.get(column) != catalog.source
+
+
+def test_rows_the_original_catalog_has_wrong_are_doubted() -> None:
+    doubted = {part.name for part in find_catalog("image_sensors").rows if part.doubts}
+    assert {"MT9V022", "IMX335", "PYTHON500", "PYTHON2000"} <= doubted
+    assert "IMX172" not in doubted
+
+
+def test_further_sensors_keep_their_unknowns() -> None:
+    catalog = find_catalog("image_sensors_more")
+    assert len(catalog.rows) == 17
+    assert catalog.part("OV9282")["pixel_um"] is None
+    choice = CatalogChoice("sensor", catalog, "discrete")
+    assert [part.name for part in choice.left_out] == ["OV9282", "OV9782"]
+    with pytest.raises(ValueError, match=r"MT9M031 and MT9M034 are equal in .* use scheme discrete"):
+        CatalogChoice("sensor", catalog, "quantized")
+
+
+@pytest.mark.parametrize("scheme", ["quantized", "discrete"])
+@pytest.mark.parametrize("distance", ["normalised", "plain"])
+def test_every_sensor_of_the_paper_can_be_designed_with(scheme: str, distance: str) -> None:
+    catalog = find_catalog("image_sensors")
+    space = DesignSpace([CatalogChoice("sensor", catalog, scheme, None, distance)])  # type: ignore[arg-type]
+    for part in catalog.rows:
+        assert space.decode(space.encode({"sensor": part})).values["sensor"] == part
+    rng = np.random.default_rng(0)
+    drawn = {space.sample(rng).values["sensor"].name for _ in range(1500)}
+    assert len(drawn) > (42 if scheme == "discrete" else 30)
+
+
+def test_the_cameras_of_the_paper() -> None:
+    cameras = {camera.name: camera for camera in load_cameras(camera_names())}
+    assert cameras["basler_dart"].fixes["focal_length_mm"] == 3.6
+    assert "3.04" in cameras["basler_dart"].notes[0]
+    assert cameras["zed_2i"].fixes == {"baseline_m": 0.12, "hfov_deg": 72}
+    assert cameras["realsense_d450"].fixes == {"baseline_m": 0.095, "hfov_deg": 87}
+    sizes = {
+        name: tuple(
+            round(cameras[name].fixes["sensor"][f"{side}_px"] * 1e-3 * pitch, 2)
+            for side in ("width", "height")
+        )
+        for name, pitch in (("oak_d_pro_wide", 1.55), ("flea3", 1.55), ("basler_dart", 3.75))
+    }
+    assert sizes == {"oak_d_pro_wide": (6.29, 4.71), "flea3": (6.2, 4.65), "basler_dart": (4.8, 3.6)}
+
+
+@pytest.mark.parametrize("name", ["oak_d_pro_wide", "flea3", "basler_dart"])
+def test_sensors_of_cameras_are_those_of_the_catalogs(name: str) -> None:
+    [camera] = load_cameras([name])
+    sensor = camera.fixes["sensor"]
+    parts = {part.name: part for catalog in catalog_names() for part in find_catalog(catalog).rows}
+    part = parts[sensor["name"]]
+    assert {column: part[column] for column in sensor if column != "name"} == {
+        column: value for column, value in sensor.items() if column != "name"
+    }
+
+
+def test_the_noise_calibration_is_of_variances() -> None:
+    calibration = load_calibration("flea3_imx172")
+    assert calibration.photon_dn == (0.24, 0.12, 0.29)
+    assert calibration.thermal_dn2 == (1.82, 0.91, 3.2)
+    # Green at 128 DN and 5 dB has 35.2 dB, which only holds for variances.
+    ratio = 10 ** ((5 - calibration.gain_db) / 20)
+    variance = ratio * calibration.photon_dn[1] * 128 + ratio**2 * calibration.thermal_dn2[1]
+    assert 20 * math.log10(128 / math.sqrt(variance)) == pytest.approx(35.2, abs=0.05)
+
+
+def test_the_responsivity_is_what_its_note_says() -> None:
+    calibration = load_calibration("flea3_imx172")
+    luminance_cd_m2 = 0.8 * 20 / math.pi
+    exposure_lux_s = math.pi * luminance_cd_m2 * 0.030 / (4 * 2.0**2)
+    signal_dn = calibration.responsivity_dn_per_lux_s * 10 ** ((5 - 15) / 20) * exposure_lux_s
+    assert signal_dn == pytest.approx(200, abs=0.01)
