@@ -27,6 +27,7 @@ from tacos_framework.report.tables import camera_table, score_table
 _HERO_PX, _FRAME_PX, _MAP_PX = 1280, 640, 1000
 _MOMENTS_SHOWN = 3
 _LOG_LINES = 200
+_OPTIONAL = ("name", "stopped", "command", "seed", "tacos")
 
 
 def render(study: StudyData) -> str:
@@ -40,7 +41,7 @@ def render(study: StudyData) -> str:
     )
     return environment.get_template("report.html.j2").render(
         study=study,
-        result=study.result,
+        result={**dict.fromkeys(_OPTIONAL), **study.result},
         palette=Markup(stylesheet()),
         story=story,
         hero=_hero(study),
@@ -52,7 +53,7 @@ def render(study: StudyData) -> str:
         camera_rows=camera_table(study),
         score_rows=score_table(study),
         scene_map=picture(study.scene_map, _MAP_PX, lossless=True) if study.scene_map else None,
-        search=Markup(search_curve(study.generations)) if study.tried else None,
+        search=Markup(search_curve(study.generations)) if study.scored else None,
         space=_space(study),
         time=_time(study.result.get("seconds_by_node")),
         failures=story.failure_groups(study.tried),
@@ -85,7 +86,8 @@ def _facts(study: StudyData) -> list[tuple[str, str, str]]:
         detail = row_detail(value) if isinstance(value, dict) else ""
         rows.append((words(name), shown(name, value, study.units.get(name)), detail))
     for name, value in designed.derived.items():
-        rows.append((words(name), shown(name, value, study.units.get(name)), ""))
+        if name not in designed.camera:
+            rows.append((words(name), shown(name, value, study.units.get(name)), ""))
     if "vfov_deg" in designed.derived:
         rows.append(("Floor seen ahead", story.floor_words(designed, study.eye_height_m), ""))
     if designed.fitness is not None:
@@ -130,7 +132,7 @@ def _scores(study: StudyData) -> Markup | None:
 
 def _space(study: StudyData) -> dict[str, Any]:
     """The design space as a table, scatter plots of what is a number, lists of what comes from a catalog."""
-    scored = [candidate for candidate in study.tried if candidate.fitness is not None]
+    scored = study.scored
     rows = [(words(row["name"]), row, story.space_words(row)) for row in study.design_space]
     if not scored:
         return {"rows": rows, "scatter": None, "catalogs": []}
@@ -148,7 +150,7 @@ def _panels(study: StudyData, scored: list[Tried]) -> list[Panel]:
     bounds = {row["name"]: (row.get("lower"), row.get("upper")) for row in study.design_space}
     numeric = [name for name, value in scored[0].camera.items() if isinstance(value, int | float)]
     panels = []
-    for name in [*numeric, *scored[0].derived]:
+    for name in dict.fromkeys([*numeric, *scored[0].derived]):
         values = [tried.camera.get(name, tried.derived.get(name)) for tried in scored]
         unit = study.units.get(name) or unit_of(name)
         panels.append(Panel(name, unit, tuple(values), *bounds.get(name, (None, None))))

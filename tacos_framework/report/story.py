@@ -38,7 +38,7 @@ def headline(study: StudyData) -> str:
     """The answer of the study in one sentence."""
     if study.designed is None:
         return "No camera was found: not one candidate could be scored."
-    what = f"The best camera found is {design_words(study.designed.camera)}"
+    what = f"The best camera found: {design_words(study.designed.camera)}"
     other = best_of(study.others)
     change = difference(study.designed, other, "fitness") if other else None
     if other is None or change is None:
@@ -49,7 +49,7 @@ def headline(study: StudyData) -> str:
     best = f"the {other.title}, the best of {others}" if len(study.others) > 1 else f"the {other.title}"
     amount = f"{percent(abs(change.share)).lstrip('+')} " if change.share is not None else ""
     if change.outcome == "worse":
-        return f"{what}, but on unseen scenes it is {amount}less fit than {best}. It should not replace it."
+        return f"{what}. On unseen scenes it is {amount}less fit than {best}, and should not replace it."
     return f"{what}. On unseen scenes it is {amount}fitter than {best}."
 
 
@@ -75,7 +75,7 @@ def _variable_words(name: str, value: Any) -> str:
         if abs(value) < 0.05:
             return "mounted level"
         return f"pitched {quantity(abs(value), 'deg')} {'down' if value < 0 else 'up'}"
-    return f"{words(name).lower()} {shown(name, value)}"
+    return f"a {words(name).lower()} of {shown(name, value)}"
 
 
 def verdict(study: StudyData) -> str:
@@ -161,7 +161,7 @@ def floor_words(camera: CameraResult, eye_height_m: float) -> str:
 
 def search_words(study: StudyData) -> str:
     """How the search went: when the winner came, and whether it had settled."""
-    scored = [candidate for candidate in study.tried if candidate.fitness is not None]
+    scored = study.scored
     rounds = len(study.generations)
     if not rounds:
         return "No generation was finished."

@@ -102,6 +102,11 @@ class StudyData:
         return tuple(candidate for generation in self.generations for candidate in generation.tried)
 
     @property
+    def scored(self) -> tuple[Tried, ...]:
+        """The candidates that have a fitness."""
+        return tuple(candidate for candidate in self.tried if candidate.fitness is not None)
+
+    @property
     def best_fitness(self) -> float | None:
         """Fitness of the winner on the scenes it was designed on."""
         return _finite((self.result.get("best") or {}).get("fitness"))

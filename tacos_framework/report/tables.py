@@ -43,10 +43,13 @@ class Row:
 def camera_table(study: StudyData) -> list[Row]:
     """What each camera is: variables, derived quantities, the floor it sees, what was optimised for it."""
     rows = []
-    for name in _in_order(camera.camera for camera in study.cameras):
+    variables = _in_order(camera.camera for camera in study.cameras)
+    for name in variables:
         cells = tuple(_variable_cell(camera, name, study) for camera in study.cameras)
         rows.append(Row(words(name), cells))
     for name in _in_order(camera.derived for camera in study.cameras):
+        if name in variables:
+            continue
         unit = study.units.get(name) or unit_of(name)
         cells = tuple(
             Cell(shown(name, camera.derived[name], unit) if name in camera.derived else "not known")

@@ -82,5 +82,6 @@ def _inline(document: str, description: str) -> str:
     svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
     svg = re.sub(r" font: ([\d.]+px)[^;\"]*", r" font-size: \1", svg.replace('style="font:', 'style=" font:'))
     svg = re.sub(r" (?:width|height)=\"[\d.]+pt\"", "", svg, count=2)
+    svg = re.sub(r" (?:xmlns(?::xlink)?|version)=\"[^\"]*\"", "", svg).replace("xlink:href", "href")
     label = escape(description, quote=True)
     return tinted(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1)).strip()

@@ -9,7 +9,7 @@ from tacos_framework.report.palette import camera_variable
 from tacos_framework.report.study_data import CameraResult
 from tacos_framework.report.view_geometry import Point, footprint, half_extents
 
-_MARGIN = 0.18  # of the frame, shown around it for frames that reach beyond
+_MARGIN = 0.7  # of the frame, shown around it for frames that reach beyond
 _UNIT = 1000.0  # drawing units per focal length, so that coordinates stay readable
 
 
@@ -59,7 +59,7 @@ def _outline(camera: CameraResult, first: CameraResult, index: int) -> tuple[int
 def _polygon(corners: Sequence[Point], index: int, stroke: float, *, dashed: bool) -> str:
     points = " ".join(f"{_n(x)},{_n(y)}" for x, y in corners)
     dashes = f' stroke-dasharray="{stroke * 4:.1f} {stroke * 2.4:.1f}"' if dashed else ""
-    halo = f'<polygon points="{points}" fill="none" stroke="#fff" stroke-opacity=".75" '
+    halo = f'<polygon points="{points}" fill="none" stroke="var(--paper)" stroke-opacity=".8" '
     halo += f'stroke-width="{stroke * 2:.1f}"/>'
     line = f'<polygon points="{points}" fill="none" stroke="{camera_variable(index)}" '
     line += f'stroke-width="{stroke:.1f}"{dashes}/>'

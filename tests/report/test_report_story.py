@@ -1,0 +1,116 @@
+"""Sentences: what is claimed must follow from the numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tacos_framework.report import story
+from tacos_framework.report.comparison import Difference, difference
+from tacos_framework.report.study_data import CameraResult, Generation, StudyData, Tried
+
+
+def camera(name: str, fitness: float | None, error: float | None = None, **scores: float) -> CameraResult:
+    spread = {"fitness": error} if error is not None else {}
+    what = {"pitch_deg": -22.0, "focal_length_mm": 2.9, "sensor": {"name": "IMX178"}}
+    return CameraResult(name, f"{name} title", what, {}, scores, {}, spread, fitness)
+
+
+def study(*cameras: CameraResult, **result: Any) -> StudyData:
+    return StudyData(result=result, cameras=cameras, generations=())
+
+
+def test_a_clear_win_is_told_with_its_size_and_certainty() -> None:
+    data = study(camera("designed", 1.2, 0.03), camera("a", 1.0, 0.04), camera("b", 0.7, 0.04))
+    assert story.headline(data) == (
+        "The best camera found: the IMX178 sensor behind a 2.9\u202fmm lens, pitched 22° down. "
+        "On unseen scenes it is 20\u202f% fitter than the a title, the best of 2 off-the-shelf cameras."
+    )
+    assert story.verdict(data) == (
+        "Fitness on unseen scenes: 1.20 ± 0.03 against 1.00 ± 0.04, a difference of +0.20 ± 0.05, "
+        "which is 4 standard errors."
+    )
+
+
+def test_a_difference_within_two_standard_errors_is_no_win() -> None:
+    data = study(camera("designed", 1.08, 0.03), camera("a", 1.0, 0.04))
+    assert "is not clearly different from the a title" in story.headline(data)
+    assert "only 1.6 standard errors: more test scenes would be needed" in story.verdict(data)
+
+
+def test_a_loss_is_called_a_loss() -> None:
+    data = study(camera("designed", 0.8, 0.01), camera("a", 1.0, 0.01))
+    assert story.headline(data).endswith(
+        "On unseen scenes it is 20\u202f% less fit than the a title, and should not replace it."
+    )
+
+
+def test_without_spread_the_uncertainty_is_called_unknown() -> None:
+    assert "Its uncertainty is not known" in story.verdict(study(camera("designed", 1.2), camera("a", 1.0)))
+
+
+def test_no_percentage_of_a_fitness_below_zero() -> None:
+    data = study(camera("designed", 0.5), camera("a", -1.0))
+    assert "%" not in story.headline(data)
+    assert "a difference of +1.5" in story.verdict(data)
+
+
+def test_scores_are_told_one_by_one() -> None:
+    data = study(
+        camera("designed", 1.2, **{"features.inliers": 150.0, "obstacle.seen_ratio": 0.9}),
+        camera("a", 1.0, **{"features.inliers": 100.0, "obstacle.seen_ratio": 1.0}),
+    )
+    assert story.per_score(data) == (
+        "Against the a title, score by score: features: inliers +50\u202f%; obstacle: seen ratio −10\u202f%."
+    )
+
+
+def test_a_score_of_negative_weight_is_better_when_lower() -> None:
+    ours, theirs = camera("designed", 1.0, **{"depth.error": 0.1}), camera("a", 1.0, **{"depth.error": 0.2})
+    change = difference(ours, theirs, "depth.error", higher_is_better=False)
+    assert change is not None
+    assert change.outcome == "better"
+
+
+@pytest.mark.parametrize(
+    ("designed", "error", "outcome"),
+    [(1.3, 0.1, "better"), (1.1, 0.1, "undecided"), (0.7, 0.1, "worse"), (1.01, None, "better"),
+     (1.0, None, "undecided")],
+)  # fmt: skip
+def test_the_outcome_needs_two_standard_errors(designed: float, error: float | None, outcome: str) -> None:
+    assert Difference(designed, 1.0, error).outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("what", "expected"),
+    [
+        (
+            {"baseline_m": 1.84, "hfov_deg": 50.0},
+            "a baseline of 1.84\u202fm, a horizontal field of view of 50°",
+        ),
+        ({"pitch_deg": 0.0, "focal_length_mm": 4.0}, "a 4\u202fmm lens, mounted level"),
+        ({"pitch_deg": 7.25}, "pitched 7.2° up"),
+        ({}, "one without design variables"),
+    ],
+)
+def test_designs_in_words(what: dict[str, Any], expected: str) -> None:
+    assert story.design_words(what) == expected
+
+
+def test_failures_that_differ_in_numbers_are_one_reason() -> None:
+    reasons = ["hfov_deg is 150.2, above 140", "no memory", "hfov_deg is 161, above 140", None]
+    groups = story.failure_groups([Tried(0, {}, {}, None, reason) for reason in reasons])
+    assert [(group.count, group.example) for group in groups] == [(2, reasons[0]), (1, "no memory")]
+
+
+def test_the_search_tells_whether_it_had_settled() -> None:
+    def searched(*best: float) -> StudyData:
+        rounds = tuple(Generation(i, 10, (Tried(i, {}, {}, value),)) for i, value in enumerate(best))
+        return StudyData(result={}, cameras=(), generations=rounds)
+
+    assert story.search_words(searched(1.0, 3.0, 2.0, 2.5)).endswith(
+        "2 later generations found nothing better."
+    )
+    assert story.search_words(searched(1.0, 2.0)).endswith("the last: a longer search may find a better one.")
+    assert story.search_words(searched()) == "No generation was finished."
