@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import luminance
 from tacos_framework.camera.exposure import digitise, exposure_per_luminance, gain_factor
 from tacos_framework.camera.noise import add_noise, gain_ratio
 from tacos_framework.catalog import Calibration, load_calibration
@@ -34,7 +35,8 @@ class AffineNoise:
         I = R (G / G0) H,    H = pi L t / (4 N^2)
 
     with R the responsivity at the calibrated gain G0 and H the focal-plane exposure. Averaging b x b
-    photosites into one simulated pixel (`Camera.binning`) divides the variance by b^2.
+    photosites into one simulated pixel (`Camera.binning`) divides the variance by b^2. A calibration of one
+    channel stands for a monochrome sensor, whose images are the luminance of the scene.
 
     Effects of the stage pixel act on the expected signal, those of the stage readout on noisy samples;
     rounding to whole digital numbers (which adds 1/12 DN^2, as in a real converter) and clipping come last.
@@ -88,7 +90,7 @@ class AffineNoise:
     def expose(
         self, capture: Capture, *, exposure: Exposure, rng: np.random.Generator, effects: Effects
     ) -> FrameBatch:
-        """Linear RGB frames of every camera: uint8 up to 8 bits, else uint16 [DN].
+        """Linear frames of every camera, RGB or mono: uint8 up to 8 bits, else uint16 [DN].
 
         Noise is drawn frame by frame, camera by camera, so that the way an episode is cut into batches does
         not change it.
@@ -142,7 +144,10 @@ class AffineNoise:
         return 2.0 ** (self.bit_depth - self.calibration.bit_depth)
 
     def _expected(self, view: View, exposure: Exposure) -> Signal:
-        samples = view.luminance_cd_m2 * np.float32(self.dn_per_luminance(exposure))
+        light = view.luminance_cd_m2
+        if len(self.calibration.photon_dn) == 1:
+            light = luminance(light)[..., None].astype(np.float32)
+        samples = light * np.float32(self.dn_per_luminance(exposure))
         samples += np.float32(self.config.black_level_dn)
         return Signal(view, samples, self.config.black_level_dn, self.white_level_dn)
 
