@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -145,7 +145,7 @@ def _space(study: StudyData) -> dict[str, Any]:
     }
 
 
-def _panels(study: StudyData, scored: list[Tried]) -> list[Panel]:
+def _panels(study: StudyData, scored: Sequence[Tried]) -> list[Panel]:
     """One panel per numeric variable, within its bounds, then one per derived quantity."""
     bounds = {row["name"]: (row.get("lower"), row.get("upper")) for row in study.design_space}
     numeric = [name for name, value in scored[0].camera.items() if isinstance(value, int | float)]
