@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, Protocol, TypeVar, runtime_checkable
+from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,7 +170,6 @@ class Task(Protocol):
         ...
 
 
-@runtime_checkable
 class Trainable(Protocol):
     """A task that learns. State goes in and comes out; the object itself keeps none."""
 
@@ -189,6 +188,11 @@ class Trainable(Protocol):
     ) -> State:
         """A new state, trained on the batches; `state` itself is left as it was."""
         ...
+
+
+def learns(task: type[Any]) -> bool:
+    """Whether a task class is `Trainable`."""
+    return callable(getattr(task, "fit", None)) and callable(getattr(task, "initial_state", None))
 
 
 @dataclass(frozen=True)

@@ -42,9 +42,9 @@ def package_versions() -> dict[str, str]:
     """Versions of tacos-framework and of the packages it needs."""
     names = ["tacos-framework"]
     for requirement in requires("tacos-framework") or []:
-        name = match(r"[A-Za-z0-9._-]+", requirement)
-        if name and "extra ==" not in requirement:
-            names.append(name.group())
+        found = match(r"[A-Za-z0-9._-]+", requirement)
+        if found and "extra ==" not in requirement:
+            names.append(found.group())
     versions = {}
     for name in names:
         try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, get_type_hints
@@ -216,6 +216,11 @@ class Graph:
         """The scene upstream of a node (itself, if it is one)."""
         upstream = {name} | networkx.ancestors(self._links, name)
         return next(node for node in self.of_kind("scene") if node in upstream)
+
+    def reached_from(self, names: Collection[str]) -> tuple[str, ...]:
+        """These nodes and all that they feed, in order."""
+        reached = set(names).union(*(networkx.descendants(self._links, name) for name in names))
+        return tuple(name for name in self.order if name in reached)
 
     def stream(
         self,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from tacos_framework.catalog import OffTheShelf, find_catalog, load_cameras
-from tacos_framework.contracts import Trainable
+from tacos_framework.contracts import learns
 from tacos_framework.design_space import (
     CatalogChoice,
     Categorical,
@@ -80,7 +81,7 @@ class Plan:
     @property
     def trainable(self) -> tuple[str, ...]:
         """Task nodes that learn."""
-        return tuple(n for n in self.graph.of_kind("task") if issubclass(self.nodes[n].cls, Trainable))
+        return tuple(n for n in self.graph.of_kind("task") if learns(self.nodes[n].cls))
 
     def rig_variables(self, values: Mapping[str, Any]) -> Settings:
         """The rig's variables for plain values of the design variables.
@@ -122,10 +123,10 @@ def make_plan(recipe: Recipe, plugins: Plugins, faults: Sequence[Fault] = ()) ->
     return plan
 
 
-def _place(fault: Fault) -> tuple[str, tuple[int, ...]]:
+def _place(fault: Fault) -> tuple[str, int, int]:
     """Sort key: faults of a file by line and column."""
-    name, *numbers = fault.where.rsplit(":", 2)
-    return (name, tuple(map(int, numbers))) if all(n.isdecimal() for n in numbers) else (fault.where, ())
+    found = re.match(r"(.*?):(\d+):(\d+)", fault.where)
+    return (found[1], int(found[2]), int(found[3])) if found else (fault.where, 0, 0)
 
 
 @dataclass
@@ -179,7 +180,9 @@ class _Checker:
         return None if cls is None else self._configured(cls, use.use, use.settings, path)
 
     def _configured(self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path) -> Part | None:
-        config, faults, _ = check(cls.Config, dict(settings), lambda below: self.recipe.where((*path, *below)))
+        config, faults, _ = check(
+            cls.Config, dict(settings), lambda below: self.recipe.where((*path, *below))
+        )
         self.faults.extend(faults)
         if config is None:
             return None
@@ -228,7 +231,7 @@ class _Checker:
         return parts, None if wiring or not nodes else Graph(nodes)
 
     def _training(self, name: str, use: NodeUse, cls: type[Any]) -> None:
-        if use.train is not None and not issubclass(cls, Trainable):
+        if use.train is not None and not learns(cls):
             self._add(("nodes", name, "train"), f"{use.use} does not learn", "", "Remove train:.")
 
     # rig and design ---------------------------------------------------------------------------------------
@@ -396,8 +399,8 @@ class _Checker:
         except UserError as error:
             self._adopt(("compare", "cameras"), error)
             return ()
-        for camera in cameras:
-            for name in camera.fixes if rig is not None else ():
+        for camera in cameras if rig is not None else ():
+            for name in camera.fixes:
                 if name not in rig.cls.Variables.model_fields:
                     self._add(
                         ("compare", "cameras"),

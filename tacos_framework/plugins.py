@@ -88,7 +88,7 @@ class Plugins:
 
         Modules that can be imported by name are also registered in worker processes.
         """
-        name = name or getattr(plugin, "__name__", type(plugin).__name__)
+        name = name or str(getattr(plugin, "__name__", type(plugin).__name__))
         if hasattr(plugin, "__spec__"):
             self._modules.append(plugin.__name__)
         self._register(plugin, name, None)

@@ -291,7 +291,7 @@ def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[A
     def where(path: Sequence[str | int]) -> str:
         return document.where((key, *path))
 
-    value, faults, paths = check(annotation, raw, where)
+    value, faults, paths = check(annotation, raw, where, key)
     if faults and isinstance(raw, dict) and key in ("nodes", "design", "constraints"):
         bad = {path[0] for path in paths if path}
         value, _, _ = check(annotation, {name: item for name, item in raw.items() if name not in bad}, where)

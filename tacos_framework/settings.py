@@ -50,6 +50,7 @@ def check(
     kind: type[Checked] | Any,
     raw: Any,
     where: Callable[[Path], str],
+    name: str = "",
 ) -> tuple[Checked | None, list[Fault], list[Path]]:
     """Validate plain data strictly against a Settings class or any type.
 
@@ -63,6 +64,8 @@ def check(
         Data as YAML gives it.
     where
         Turns the path of a value below `raw` into file, line and column.
+    name
+        What `raw` is called in messages, when it is not the top.
 
     Returns
     -------
@@ -72,13 +75,13 @@ def check(
     try:
         return adapter.validate_json(json.dumps(raw), strict=True), [], []
     except ValidationError as error:
-        faults = [_fault(details, kind, where) for details in error.errors(include_url=False)]
+        faults = [_fault(details, kind, where, name) for details in error.errors(include_url=False)]
         return None, faults, [_without_tags(details["loc"]) for details in error.errors(include_url=False)]
 
 
-def _fault(details: Mapping[str, Any], kind: Any, where: Callable[[Path], str]) -> Fault:
+def _fault(details: Mapping[str, Any], kind: Any, where: Callable[[Path], str], top: str) -> Fault:
     path = _without_tags(details["loc"])
-    name = ".".join(map(str, path))
+    name = ".".join(map(str, (top, *path) if top else path))
     model, field = _owner(kind, details["loc"])
     if details["type"] == "extra_forbidden":
         known = [f.alias or key for key, f in model.model_fields.items()] if model is not None else []

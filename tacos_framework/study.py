@@ -124,6 +124,8 @@ class Study:
         self._seconds_by_node: dict[str, float] = {}
         self._test: dict[str, Evaluation] = {}
         self._samples: dict[str, list[str]] = {}
+        workers = getattr(executor, "workers", 1)
+        self._environment = describe_environment(workers, itertools.chain(*self._hook.tacos_doctor()))
         self.searches = list(self._make_searches())
 
     def _make_searches(self) -> Iterator[Search]:
@@ -139,20 +141,26 @@ class Study:
 
     @contextmanager
     def logging(self) -> Iterator[None]:
-        """Write the log of the framework and of plugins to ``log.txt``."""
+        """Write the log of the framework and of the plugins in use to ``log.txt``."""
         handler = logging.FileHandler(self.results.folder / "log.txt", encoding="utf-8")
         handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
-        root = logging.getLogger("tacos_framework")
-        root.addHandler(handler)
-        root.setLevel(logging.INFO)
+        packages = {part.cls.__module__.partition(".")[0] for part in self.plan.nodes.values()}
+        loggers = [logging.getLogger(name) for name in sorted({"tacos_framework", *packages})]
+        for logger in loggers:
+            logger.addHandler(handler)
+            logger.setLevel(logging.INFO)
         try:
             yield
         finally:
-            root.removeHandler(handler)
+            for logger in loggers:
+                logger.removeHandler(handler)
             handler.close()
 
     def run(self) -> None:
         """Search, then judge; each step checkpointed."""
+        log.info("%s", self._command or self.plan.recipe.name)
+        for name, value in self._environment["findings"].items():
+            log.info("%s: %s", name, value)
         self._hook.tacos_study_started(recipe=self.plan.recipe, out=self.results.folder)
         for search in self.searches:
             self._search(search)
@@ -284,9 +292,7 @@ class Study:
             "design_space": self.plan.space.as_data(),
             "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
             "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
-            "environment": describe_environment(
-                getattr(self._executor, "workers", 1), itertools.chain(*self._hook.tacos_doctor())
-            ),
+            "environment": self._environment,
             "notes": [*self.plan.recipe.notes, *self._automatic_notes()],
             "samples": self._samples,
             "command": self._command,

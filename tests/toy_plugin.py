@@ -115,17 +115,18 @@ class WidthTask:
         wanted_deg: float = setting(90.0, help="The best field of view.", unit="deg")
         fail_above_deg: float = setting(360.0, help="Refuses to judge wider cameras.", unit="deg")
         crash_above_deg: float = setting(360.0, help="Has a defect there.", unit="deg")
-        interrupt_after: int | None = setting(None, help="Acts as Ctrl-C at this episode.")
 
     scores: ClassVar[tuple[str, ...]] = ("closeness", "brightness")
     begun: ClassVar[int] = 0
+    interrupt_at: ClassVar[int | None] = None
+    """Acts as Ctrl-C when this many episodes have begun in this process."""
 
     def __init__(self, config: Config):
         self.config = config
 
     def begin(self, *, state: State | None) -> WidthScorer:
         WidthTask.begun += 1
-        if self.config.interrupt_after is not None and WidthTask.begun > self.config.interrupt_after:
+        if WidthTask.begun == WidthTask.interrupt_at:
             os.kill(os.getpid(), signal.SIGINT)
         return WidthScorer(self.config)
 

@@ -6,7 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.progress import Progress as Bars
 
 from tacos_framework.progress import Progress, Silent
@@ -40,7 +47,7 @@ class _Live:
 
     def __init__(self, bars: Bars):
         self._bars = bars
-        self._task = None
+        self._task: TaskID | None = None
         self._best: float | None = None
 
     def phase(self, title: str, evaluations: int | None) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tacos_framework.plan import STAGES, Plan
@@ -33,7 +33,8 @@ def _settings(config: Any) -> Iterator[str]:
         extra = field.json_schema_extra
         unit = extra.get("unit", "1") if isinstance(extra, dict) else "1"
         given = "" if name in config.model_fields_set else "  (default)"
-        yield f"      {name}: {value}{'' if unit == '1' else f' {unit}'}{given}"
+        shown = "-" if value is None or value == "" else f"{value}{'' if unit == '1' else f' {unit}'}"
+        yield f"      {name}: {shown}{given}"
 
 
 def _effects(plan: Plan) -> Iterator[str]:
@@ -47,23 +48,30 @@ def _effects(plan: Plan) -> Iterator[str]:
 
 def _variables(plan: Plan) -> Iterator[str]:
     yield "Design variables"
-    takes_rig = [name for name in plan.graph.order if "rig" in plan.graph.nodes[name].signature.supplied]
     for variable in plan.space.variables:
-        node, _, setting = variable.name.partition(".")
-        readers = takes_rig
-        if setting:
-            readers = (
-                [node]
-                if node != "scenario"
-                else [
-                    name
-                    for name in plan.graph.order
-                    if {"exposure", "illumination_lux"} & plan.graph.nodes[name].signature.supplied
-                ]
-            )
-        yield f"  {variable.describe()}; read by {', '.join(readers)}"
+        reached = ", ".join(plan.graph.reached_from(_readers(plan, variable.name)))
+        yield f"  {_described(variable.as_data())}; reaches {reached}"
     for name, value in plan.fixed.items():
-        yield f"  {name} = {value} (fixed); read by {', '.join(takes_rig)}"
+        yield f"  {name} = {value}, fixed"
+
+
+def _readers(plan: Plan, variable: str) -> list[str]:
+    """The nodes that read a design variable at first hand; what they feed depends on it through them."""
+    node, _, setting = variable.partition(".")
+    if setting and node != "scenario":
+        return [node]
+    asked = {"exposure", "illumination_lux"} if setting else {"rig"}
+    return [name for name in plan.graph.order if asked & plan.graph.nodes[name].signature.supplied]
+
+
+def _described(variable: Mapping[str, Any]) -> str:
+    """One design variable in a line, from its `as_data`."""
+    name, unit = variable["name"], variable["unit"]
+    if variable["kind"] == "catalog":
+        return f"{name}: one of {variable['values']} parts of {variable['catalog']}, {variable['scheme']}"
+    if variable["kind"] == "categorical":
+        return f"{name}: one of {', '.join(map(str, variable['values']))}"
+    return f"{name}: {variable['kind']}, {variable['lower']:g} to {variable['upper']:g} {unit}"
 
 
 def _judged(plan: Plan) -> Iterator[str]:

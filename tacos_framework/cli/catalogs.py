@@ -1,0 +1,44 @@
+"""``tacos catalog``: what there is to choose from, and what is not known about it."""
+
+from __future__ import annotations
+
+from tacos_framework.catalog import Catalog, Part, catalog_names, find_catalog
+
+
+def list_catalogs() -> str:
+    """The shipped catalogs, a line each."""
+    lines = []
+    for name in catalog_names():
+        catalog = find_catalog(name)
+        lines.append(f"{name:<22} {len(catalog.rows):>4} parts  {catalog.title}")
+    return "\n".join(lines)
+
+
+def show_catalog(name: str) -> str:
+    """A catalog as a table with units; ``?`` stands for what nobody states, ``*`` for a doubtful row."""
+    catalog = find_catalog(name)
+    header = ["name", *(_heading(catalog, column.name) for column in catalog.columns)]
+    rows = [[_name(part), *(_cell(part, c.name) for c in catalog.columns)] for part in catalog.rows]
+    widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
+    table = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in [header, *rows]
+    ]
+    doubts = [f"* {part.name}: {doubt}" for part in catalog.rows for doubt in part.doubts]
+    return "\n".join([catalog.title, "", *table, "", *doubts, f"Source: {catalog.source}"])
+
+
+def _heading(catalog: Catalog, name: str) -> str:
+    unit = next(column.unit for column in catalog.columns if column.name == name)
+    return name if unit in ("1", "") or name.endswith(f"_{unit}") else f"{name} [{unit}]"
+
+
+def _name(part: Part) -> str:
+    return f"{part.name}*" if part.doubts else part.name
+
+
+def _cell(part: Part, column: str) -> str:
+    value = part[column]
+    if value is None:
+        return "?"
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,167 @@
+"""What a user reads who got a recipe wrong: all of it at once, each with place, expectation and remedy."""
+
+from __future__ import annotations
+
+import pytest
+
+from tacos_framework.errors import UserError
+from tacos_framework.plan import make_plan
+from tacos_framework.recipe import Recipe, parse_recipe
+
+RIGHT = """\
+tacos: 1
+name: right
+seed: 7
+rig: {use: rig.monocular, binning: 4}
+design:
+  pitch_deg: {between: [-30, 30]}
+  focal_length_mm: {between: [1, 20]}
+  sensor: {from: image_sensors}
+constraints: {hfov_deg: {max: 140}}
+scenario: {illumination_lux: 20, gain_db: 5}
+effects: []
+nodes:
+  world: {use: scene.toy, frames: 5}
+  capture: {use: renderer.toy, in: {episode: world}}
+  frames: {use: sensor.affine-noise, in: {capture: capture}, calibration: flea3_imx172}
+  features: {use: task.orb-features, in: {frames: frames}}
+fitness:
+  - {score: features.inliers, weight: 0.0025}
+  - {score: features.inlier_ratio, weight: 0.5}
+optimizer: {use: optimizer.genetic, population: 10, keep: 3, parents: 5, generations: 20}
+executor: {use: executor.local}
+compare: {cameras: [oak_d_pro_wide, flea3, basler_dart], evaluations: 30}
+test: {seed: 1001}
+"""
+
+
+def plan(text, plugins):
+    recipe, faults = parse_recipe(text, name="r.yaml")
+    return make_plan(recipe, plugins, faults)
+
+
+def faults_of(text, plugins):
+    with pytest.raises(UserError) as caught:
+        plan(text, plugins)
+    return list(map(str, caught.value.faults))
+
+
+def test_a_right_recipe_has_no_faults(toys):
+    assert plan(RIGHT, toys).space.names == ("pitch_deg", "focal_length_mm", "sensor")
+
+
+def test_resolved_recipes_read_back_equal(toys):
+    import yaml
+
+    recipe, faults = parse_recipe(RIGHT)
+    assert not faults
+    again, faults = parse_recipe(yaml.safe_dump(recipe.as_data()))
+    assert not faults
+    assert again.as_data() == recipe.as_data()
+    assert Recipe.model_validate(recipe.as_data()).as_data() == recipe.as_data()
+
+
+WRONG = [
+    ("seed: 7", "seed: seven", 'r.yaml:3:1: seed is "seven"'),
+    ("seed: 7", "sed: 7", "r.yaml:3:1: unknown key 'sed'\n  to do: Did you mean 'seed'?"),
+    ("seed: 7", "seed: 1001", "the test scenes would not be unseen"),
+    ("tacos: 1", "tacos: 2", "r.yaml:1:1: tacos is 2"),
+    ("name: right\n", "", "'name' is missing"),
+    ("rig: {use: rig.monocular,", "rig: {use: rig.monoculr,", "Did you mean 'rig.monocular'?"),
+    ("rig: {use: rig.monocular,", "rig: {use: task.orb-features,", "task.orb-features is a task, not a rig"),
+    ("binning: 4", "binnig: 4", "unknown key 'binnig'"),
+    ("binning: 4", "binning: 0.5", "greater than or equal to 1"),
+    ("binning: 4", "pitch_deg: 3", "'pitch_deg' is fixed here and designed under design:"),
+    ("  focal_length_mm: {between: [1, 20]}\n", "", "rig.monocular needs 'focal_length_mm'"),
+    ("focal_length_mm: {", "focal_length_m: {", "rig.monocular has no variable 'focal_length_m'"),
+    ("[1, 20]", "[20, 1]", "r.yaml:7:3"),
+    ("[1, 20]", "[-1, 20]", "greater than 0"),
+    ("[1, 20]", "[1, 1e400]", "r.yaml:7"),
+    ("[1, 20]", "[1, .nan]", "r.yaml:7"),
+    ("[1, 20]", '["1", 20]', "r.yaml:7"),
+    ("[-30, 30]", "[-300, 30]", "greater than or equal to -90"),
+    ("from: image_sensors", "from: image_sensor", "Did you mean 'image_sensors'?"),
+    ("from: image_sensors", "from: ../../etc/passwd", "r.yaml:8"),
+    ("hfov_deg: {max", "hfov: {max", "rig.monocular derives no 'hfov'"),
+    ("{max: 140}", "{max: 140, min: 150}", "min 150 is above max 140"),
+    ("{max: 140}", "{}", "'hfov_deg' has no bound"),
+    ("illumination_lux: 20", "illumination_lux: 20 lux", 'illumination_lux is "20 lux"'),
+    ("illumination_lux: 20", "illumination_lux: 0", "greater than 0"),
+    ("gain_db: 5", "gain: 5", "unknown key 'scenario.gain'\n  to do: Did you mean 'gain_db'?"),
+    ("effects: []", "effects: [{use: effect.vignettin}]", "Did you mean 'effect.vignetting'?"),
+    ("frames: 5", "frames: 0", "r.yaml:13:"),
+    ("{episode: world}", "{episod: world}", "has no port 'episod'"),
+    ("{episode: world}", "{episode: word}", "there is no node 'word'"),
+    ("{episode: world}", "{episode: frames}", "r.yaml:14:"),
+    (
+        "in: {frames: frames}",
+        "in: {frames: capture}",
+        "takes FrameBatch, but node 'capture' (renderer.toy) gives Capture",
+    ),
+    (
+        "in: {frames: frames}",
+        "in: {frames: frames}, train: {weights: shared}",
+        "task.orb-features does not learn",
+    ),
+    (
+        "in: {frames: frames}",
+        "in: {frames: frames}, train: {weights: some}",
+        "'shared', 'branched' or 'frozen'",
+    ),
+    ("use: task.orb-features", "use: effect.vignetting", "List it under effects:."),
+    ("use: task.orb-features", "use: task.nothing-here", "install that package"),
+    ("calibration: flea3_imx172", "calibration: flea4", "r.yaml:15:3"),
+    ("score: features.inliers,", "score: features.inlier,", "Did you mean 'features.inliers'?"),
+    ("score: features.inlier_ratio", "score: features.inliers", "stands twice"),
+    ("weight: 0.5", 'weight: "0.5"', "valid number"),
+    ("population: 10", "population: ten", "r.yaml:20"),
+    ("use: optimizer.genetic", "use: optimizer.genetics", "Did you mean 'optimizer.genetic'?"),
+    ("use: executor.local", "use: executor.cloud", "no component 'executor.cloud'"),
+    ("basler_dart]", "basler]", "basler_dart"),
+    ("basler_dart]", "zed_2i]", "which rig.monocular does not have"),
+    ("evaluations: 30", "evaluations: 0", "greater than or equal to 1"),
+    ("tacos: 1", "tacos: 1\ntacos: 1", "r.yaml:2:1"),
+    ("seed: 7", "seed: !!python/object:os.system 7", "r.yaml:3"),
+    ("seed: 7", "seed: &a 7", "r.yaml:3"),
+    ("effects: []", "effects: [", "r.yaml:"),
+]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"), WRONG, ids=[f"{o.strip()}->{n.strip()}" for o, n, _ in WRONG]
+)
+def test_every_mistake_is_reported_with_its_place(toys, old, new, message):
+    assert RIGHT.count(old) >= 1
+    faults = faults_of(RIGHT.replace(old, new, 1), toys)
+    assert any(message in fault for fault in faults), "\n\n".join(faults)
+    assert all(fault.startswith("r.yaml:") for fault in faults)
+
+
+def test_all_mistakes_of_a_recipe_come_at_once_in_the_order_of_the_file(toys):
+    text = RIGHT
+    chosen = [
+        ("seed: 7", "sed: 7"),
+        ("binning: 4", "binnig: 4"),
+        ("[1, 20]", "[20, 1]"),
+        ("hfov_deg: {max", "hfov: {max"),
+        ("gain_db: 5", "gain: 5"),
+        ("{episode: world}", "{episode: word}"),
+        ("calibration: flea3_imx172", "calibration: flea4"),
+        ("score: features.inliers,", "score: features.inlier,"),
+        ("use: optimizer.genetic", "use: optimizer.genetics"),
+        ("basler_dart]", "basler]"),
+    ]
+    for old, new in chosen:
+        text = text.replace(old, new, 1)
+    faults = faults_of(text, toys)
+    lines = [int(fault.split(":")[1]) for fault in faults]
+    assert lines == sorted(lines)
+    assert set(lines) == {3, 4, 7, 9, 10, 14, 15, 18, 20, 22}
+
+
+def test_python_recipes_get_dotted_places(toys):
+    recipe, _ = parse_recipe(RIGHT)
+    data = recipe.as_data()
+    data["constraints"] = {"hfov": {"max": 3}}
+    with pytest.raises(UserError, match=r"recipe\.constraints\.hfov"):
+        make_plan(Recipe.model_validate(data), toys)
