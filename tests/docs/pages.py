@@ -64,13 +64,9 @@ def anchors(page: Path) -> set[str]:
     }
 
 
-def write_files(page: Path, folder: Path) -> list[Path]:
-    """Write the blocks of a page that stand for files into a folder."""
-    written = []
-    for block in blocks(page):
-        if block.title is not None:
-            path = folder / block.title
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(block.text, "utf-8")
-            written.append(path)
-    return written
+def commands(block: Block) -> list[str]:
+    """The commands a block shows: its lines in ``sh``, those after a prompt in ``console``."""
+    lines = block.text.splitlines()
+    if block.language == "console":
+        return [line.removeprefix("$ ") for line in lines if line.startswith("$ ")]
+    return lines if block.language == "sh" else []

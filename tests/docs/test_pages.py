@@ -18,9 +18,9 @@ from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import parse_recipe
 from tacos_framework.yaml_reader import read_yaml
-from tests.docs.pages import PAGES, ROOT, Block, anchors, blocks, links
+from tests.docs.pages import PAGES, ROOT, Block, anchors, blocks, commands, links
 
-LANGUAGES = {"python", "yaml", "toml", "json", "sh", "text", "csv"}
+LANGUAGES = {"python", "yaml", "toml", "json", "sh", "console", "text", "csv"}
 COMPONENT = re.compile(rf"`((?:{'|'.join(KINDS)})\.[a-z][a-z0-9-]*)`")
 OFFERED = re.compile(r'Component\(\s*"([a-z]+)",\s*"([a-z0-9-]+)"')
 
@@ -63,8 +63,8 @@ def test_code_block_can_be_read(block: Block) -> None:
             tomllib.loads(block.text)
         case "json":
             json.loads(block.text)
-        case "sh":
-            for line in block.text.splitlines():
+        case "sh" | "console":
+            for line in commands(block):
                 shlex.split(line, comments=True)
 
 

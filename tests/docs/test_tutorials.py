@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import ROOT, blocks
+from tests.docs.pages import ROOT, blocks, commands
 
 REFUSED = "# refused"
 """Ends a command of the docs that is meant to fail with status 2."""
@@ -85,26 +85,35 @@ def reader(tmp_path: Path) -> Reader:
     return Reader(folder, scripts)
 
 
-def test_first_plugin(reader: Reader) -> None:
-    outputs = {}
-    for block in blocks(ROOT / "docs/tutorials/first_plugin.md"):
+def follow(page: Path, reader: Reader) -> dict[str, str]:
+    """Write the files of a page and run its commands, from top to bottom; what each command printed."""
+    printed = {}
+    for block in blocks(page):
         if block.title is not None:
             path = reader.folder / block.title
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(block.text, "utf-8")
-        elif block.language == "sh":
-            for line in block.text.splitlines():
-                outputs[line] = reader.expect(line)
-    assert "task.objects-seen" in outputs["tacos plugins"]
+        for line in commands(block):
+            printed[line] = reader.expect(line)
+    return printed
+
+
+def test_first_plugin(reader: Reader) -> None:
+    printed = follow(ROOT / "docs/tutorials/first_plugin.md", reader)
+    assert "task.objects-seen" in printed["tacos plugins"]
     assert (reader.folder / "run" / "report.html").is_file()
+
+
+def test_add_a_catalog(reader: Reader) -> None:
+    printed = follow(ROOT / "docs/how-to/add_a_catalog.md", reader)
+    assert "S-3   2048      1536       ?" in printed["tacos catalog my_sensors.csv"]
 
 
 COMMANDS = [
     line
-    for block in blocks(language="sh")
-    if block.page.name != "first_plugin.md"
-    for line in block.text.splitlines()
-    if line.startswith(("tacos-run headset", "tacos catalog", "tacos plugins"))
+    for block in blocks()
+    for line in commands(block)
+    if line.startswith(("tacos-run headset", "tacos catalog image_sensors", "tacos plugins", "tacos doctor"))
 ]
 
 
