@@ -112,7 +112,7 @@ def _from_yaml(name: str, document: Document) -> Catalog:
             faults.append(Fault(where, f"part {part} has no values", "a mapping from columns to values"))
     design_columns = head.design_columns
     if design_columns is not None:
-        numeric = [column.name for column in columns if column.type != "text"]
+        numeric = [c.name for c in (*columns, *_implied_sizes(columns)) if c.type != "text"]
         for i, column_name in enumerate(design_columns):
             if column_name not in numeric:
                 what = f"there is no column of numbers {column_name!r}"
@@ -189,10 +189,6 @@ def _from_csv(path: Path) -> Catalog:
         if not raws[-1].name:
             faults.append(Fault(where, "this part has no name"))
     columns = [_csv_column(name, raws) for name in heading if name not in ("name", *PartEntry.model_fields)]
-    have = {column.name for column in columns}
-    if "pixel_um" in have:
-        sizes = (name for name in SIZES if name not in have and name.replace("_mm", "_px") in have)
-        columns += [Column(name, "mm", "Pixels times their pitch.") for name in sizes]
     return _catalog(path.stem, path.stem, path.name, columns, raws, None, faults, f"{path}:1")
 
 
@@ -230,6 +226,7 @@ def _catalog(
     faults: Sequence[Fault],
     where: str,
 ) -> Catalog:
+    columns = (*columns, *_implied_sizes(columns))
     checker = PartChecker(columns, list(faults))
     parts = checker.parts(raws)
     if not parts and not faults:
@@ -240,4 +237,11 @@ def _catalog(
     if design_columns is None:
         known = tuple(name for name in numeric if all(part.values[name] is not None for part in parts))
         design_columns = SIZES if set(SIZES) <= set(numeric) else known
-    return Catalog(name, title, tuple(columns), parts, source, design_columns)
+    return Catalog(name, title, columns, parts, source, design_columns)
+
+
+def _implied_sizes(columns: Sequence[Column]) -> list[Column]:
+    """Columns of sizes in mm, where the file has pixels and their pitch but not these."""
+    have = {column.name for column in columns}
+    sizes = (name for name in SIZES if name not in have and name.replace("_mm", "_px") in have)
+    return [Column(name, "mm", "Pixels times their pitch.") for name in sizes if "pixel_um" in have]

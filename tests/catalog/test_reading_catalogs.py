@@ -85,6 +85,14 @@ def test_values_provenance_doubts_and_notes(tmp_path: Path) -> None:
         catalog.part("C")
 
 
+def test_sizes_that_follow_from_pixels_and_pitch_need_no_column(tmp_path: Path) -> None:
+    text = HEAD.replace("  width_mm:  {help: Width.}\n", "").replace("  height_mm: {help: Height.}\n", "")
+    text = "design_columns: [width_mm, pixel_um]\n" + text + "  A: {width_px: 1000, pixel_um: 2.5}\n"
+    catalog = read_catalog(write(tmp_path, text))
+    assert catalog.part("A")["width_mm"] == 2.5
+    assert catalog.design_columns == ("width_mm", "pixel_um")
+
+
 def test_a_size_that_contradicts_its_pixels_is_doubted(tmp_path: Path) -> None:
     catalog = read(
         tmp_path,
