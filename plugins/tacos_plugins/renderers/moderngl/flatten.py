@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import IntFlag
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,19 +76,28 @@ class Chunks:
     kind: NDArray[np.int32]
 
 
-class SurfaceKind(IntEnum):
-    """What a surface's shader has to do; surfaces that need less are drawn faster."""
+class SurfaceKind(IntFlag):
+    """What the shader of a surface has to do: the less, the faster it is drawn."""
 
-    PLAIN = 0
-    BUMPY = 1  # with a normal map
-    GLOSSY = 2  # reflects specularly, or emits; with or without a normal map
+    MAPPED = 1  # lit by the light map, not per vertex
+    TEXTURED = 2
+    BUMPY = 4  # with a normal map
+    GLOSSY = 8  # reflects specularly, or emits
+
+
+ALL_KINDS: tuple[SurfaceKind, ...] = tuple(SurfaceKind(bits) for bits in range(16))
 
 
 def kind_of(material: Material) -> SurfaceKind:
-    """The kind of surface a material makes."""
+    """The kind of surface a material makes, before it is known where its light is kept."""
+    kind = SurfaceKind(0)
+    if material.texture is not None:
+        kind |= SurfaceKind.TEXTURED
+    if material.normal_map is not None:
+        kind |= SurfaceKind.BUMPY
     if material.metallic > 0 or material.roughness < MATTE_ROUGHNESS or material.emission_cd_m2.any():
-        return SurfaceKind.GLOSSY
-    return SurfaceKind.PLAIN if material.normal_map is None else SurfaceKind.BUMPY
+        kind |= SurfaceKind.GLOSSY
+    return kind
 
 
 def flatten(world: World, indirect_lux: tuple[NDArray[np.float32], ...]) -> FlatMesh:
@@ -123,13 +132,13 @@ def flatten(world: World, indirect_lux: tuple[NDArray[np.float32], ...]) -> Flat
     )
 
 
-def cut_into_chunks(mesh: FlatMesh, kind_of_material: NDArray[np.int32]) -> tuple[NDArray[np.intp], Chunks]:
+def cut_into_chunks(mesh: FlatMesh, kind: NDArray[np.int32]) -> tuple[NDArray[np.intp], Chunks]:
     """Sort the triangles of a mesh spatially and cut them into chunks.
 
     Parameters
     ----------
-    kind_of_material
-        (materials,) int32.
+    kind
+        (T,) int32 `SurfaceKind` of each triangle.
 
     Returns
     -------
@@ -140,16 +149,11 @@ def cut_into_chunks(mesh: FlatMesh, kind_of_material: NDArray[np.int32]) -> tupl
     """
     corners = mesh.corners_m.astype(np.float64)
     lower, upper = corners.min(axis=1), corners.max(axis=1)
-    kind = kind_of_material[mesh.material[mesh.triangles[:, 0]]]
     large = (upper - lower).max(axis=1) > LARGE_TRIANGLE_M
     runs: list[NDArray[np.intp]] = []
-    kinds: list[int] = []
-    for each in SurfaceKind:
+    for each in np.unique(kind):
         for big in (False, True):
-            members = np.flatnonzero((kind == each) & (large == big))
-            found = _halve(members, (lower + upper) / 2)
-            runs += found
-            kinds += [int(each)] * len(found)
+            runs += _halve(np.flatnonzero((kind == each) & (large == big)), (lower + upper) / 2)
     counts = np.array([len(run) for run in runs], dtype=np.int32)
     order = np.concatenate([np.zeros(0, np.intp), *runs])
     starts = (np.cumsum(counts) - counts).astype(np.int32)
@@ -159,7 +163,7 @@ def cut_into_chunks(mesh: FlatMesh, kind_of_material: NDArray[np.int32]) -> tupl
         count=counts,
         lower_m=boxes[:, 0],
         upper_m=boxes[:, 1],
-        kind=np.array(kinds, dtype=np.int32),
+        kind=kind[order[starts]].astype(np.int32),
     )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.geometry import frustum_planes
 from tacos_framework.values import World
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
+from tacos_plugins.renderers.moderngl.flatten import ALL_KINDS, SurfaceKind
 from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh
 from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
 from tacos_plugins.renderers.moderngl.probes import Probe
@@ -74,6 +74,7 @@ class GpuWorld:
         self.levels, level_of_material = roughness_levels(world.materials)
         self._probe_of_vertex = np.zeros(len(lit.mesh.position_m), np.int32)
         self._lit = lit
+        self.kinds = [SurfaceKind(int(bits)) for bits in np.unique(lit.chunks.kind)]
         self.surface = _buffer(context, _surface_vertices(world, lit))
         self.gloss = _buffer(context, _gloss_vertices(lit, self._probe_of_vertex))
         self.truth = _buffer(context, _truth_vertices(lit))
@@ -134,7 +135,7 @@ class GpuWorld:
         commands[:, 0] = 3 * chunks.count[seen]
         commands[:, 1] = 1
         commands[:, 2] = 3 * chunks.first[seen]
-        return Visible(commands, np.bincount(chunks.kind[seen], minlength=len(SurfaceKind)))
+        return Visible(commands, np.bincount(chunks.kind[seen], minlength=len(ALL_KINDS)))
 
     def release(self) -> None:
         """Give all memory of the GPU back."""

@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 from tacos_framework.values import World
 from tacos_plugins.renderers.moderngl.charts import Charts, find_charts
 from tacos_plugins.renderers.moderngl.direct_light import LightAtPoints, direct_light
-from tacos_plugins.renderers.moderngl.flatten import Chunks, FlatMesh, cut_into_chunks, flatten, kind_of
+from tacos_plugins.renderers.moderngl.flatten import (
+    Chunks,
+    FlatMesh,
+    SurfaceKind,
+    cut_into_chunks,
+    flatten,
+    kind_of,
+)
 from tacos_plugins.renderers.moderngl.nearby import near_occlusion
 from tacos_plugins.renderers.moderngl.rays import RayTracer
 from tacos_plugins.renderers.moderngl.tangents import tangent_frames
@@ -86,9 +93,12 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
         Distance of light map texels [m].
     """
     mesh = flatten(world, indirect_lux)
-    order, chunks = cut_into_chunks(mesh, np.array([kind_of(m) for m in world.materials], np.int32))
-    mesh = replace(mesh, triangles=mesh.triangles[order], part=mesh.part[order])
     charts = find_charts(mesh, texel_m)
+    kind = np.array([kind_of(m) for m in world.materials], np.int32)[mesh.material[mesh.triangles[:, 0]]]
+    kind |= np.where(charts.of_triangle >= 0, SurfaceKind.MAPPED, 0).astype(np.int32)
+    order, chunks = cut_into_chunks(mesh, kind)
+    mesh = replace(mesh, triangles=mesh.triangles[order], part=mesh.part[order])
+    charts = replace(charts, of_triangle=charts.of_triangle[order])
     mesh, chart_of_vertex = _split_vertices(mesh, charts.of_triangle)
     frames = tangent_frames(mesh)
 

@@ -17,13 +17,6 @@ from tacos_plugins.renderers.moderngl.targets import Targets
 from tacos_plugins.renderers.moderngl.textures import ANISOTROPY
 
 _UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_boxes", "probes")
-_DEFINES = {
-    SurfaceKind.PLAIN: (),
-    SurfaceKind.BUMPY: ("BUMPY",),
-    SurfaceKind.GLOSSY: ("BUMPY", "GLOSSY"),
-}
-
-
 class Programs:
     """The compiled shaders of a context."""
 
@@ -31,14 +24,19 @@ class Programs:
         self.hardware_filter = not describe_gl().is_software and context.max_anisotropy > 1
         extra = ("FILTER_IN_HARDWARE",) if self.hardware_filter else ()
         self.truth = compile_program(context, "truth.vert", "truth.frag")
-        self.surface = {
-            kind: compile_program(context, "surface.vert", "surface.frag", defines + extra)
-            for kind, defines in _DEFINES.items()
-        }
-        for program in self.surface.values():
+        self._context, self._extra = context, extra
+        self._surface: dict[SurfaceKind, moderngl.Program] = {}
+
+    def surface(self, kind: SurfaceKind) -> moderngl.Program:
+        """The program that draws a kind of surface, compiled on first use."""
+        if kind not in self._surface:
+            defines = tuple(flag.name for flag in SurfaceKind if flag in kind and flag.name)
+            program = compile_program(self._context, "surface.vert", "surface.frag", defines + self._extra)
             for unit, name in enumerate(_UNITS):
                 if name in program:
                     program[name] = unit
+            self._surface[kind] = program
+        return self._surface[kind]
 
 
 class Painter:
@@ -55,7 +53,7 @@ class Painter:
     def __init__(self, programs: Programs, world: GpuWorld):
         self.world = world
         self._programs = programs
-        self._surfaces = {kind: world.surface_arrays(program) for kind, program in programs.surface.items()}
+        self._surfaces = {kind: world.surface_arrays(programs.surface(kind)) for kind in world.kinds}
         self._truth = world.truth_arrays(programs.truth)
         if programs.hardware_filter:
             for name in ("colours", "normals"):
@@ -71,13 +69,13 @@ class Painter:
         for unit, name in enumerate(_UNITS):
             self.world.textures[name].use(unit)
         first = 0
-        for kind in SurfaceKind:
+        for kind, arrays in self._surfaces.items():
             count = int(visible.of_kind[kind])
-            program = self._programs.surface[kind]
+            program = self._programs.surface(kind)
             program["clip_from_world"].write(_columns(clip))
-            if kind is SurfaceKind.GLOSSY:
+            if SurfaceKind.GLOSSY in kind:
                 self._set_rays(program, camera, world_from_camera)
-            self._draw(self._surfaces[kind], visible, first, count)
+            self._draw(arrays, visible, first, count)
             first += count
 
     def truth(

@@ -137,7 +137,7 @@ class _Device:
     def _prepare(self, world: World, texel_m: float) -> Painter:
         lit = light_world(world, _indirect_lux(world), texel_m)
         painter = Painter(self._programs, GpuWorld(self.context, world, lit))
-        if lit.chunks.kind.max(initial=0) == SurfaceKind.GLOSSY:
+        if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
             self._add_probes(painter, world, lit)
         return painter
 

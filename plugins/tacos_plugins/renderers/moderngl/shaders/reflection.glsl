@@ -13,9 +13,13 @@ uniform float probe_scale;      // of octahedral coordinates into a layer, which
 uniform int probe_levels;       // layers per probe
 
 in vec3 normal;
-in vec4 tangent;
-in float share;
 flat in ivec2 gloss; // material and probe
+#ifdef BUMPY
+in vec4 tangent; // w: sign of the bitangent
+#endif
+#ifndef MAPPED
+in float share; // share of direct light that shadows leave
+#endif
 
 const float DIELECTRIC = 0.04; // reflectance of dielectrics at normal incidence
 const float MATTE = 0.8;       // they reflect less the rougher they are, down to nothing here
@@ -27,15 +31,13 @@ vec2 octahedral(vec3 d) {
     return d.z >= 0.0 ? p : folded;
 }
 
-vec3 mirrored(vec3 texel, vec2 tilt, float unshadowed) {
+vec3 mirrored(vec3 texel, vec3 n, float unshadowed) {
     vec4 base = texelFetch(materials, ivec2(0, gloss.x), 0);
     vec4 kind = texelFetch(materials, ivec2(1, gloss.x), 0); // roughness, metallic, level
     vec3 emission = texelFetch(materials, ivec2(2, gloss.x), 0).rgb;
     vec3 ray = gl_FragCoord.x * ray_x.xyz + gl_FragCoord.y * ray_y.xyz + ray_origin.xyz;
     vec3 position = eye + ray / gl_FragCoord.w;
     vec3 view = -normalize(ray);
-    vec3 n = normal + tilt.x * tangent.xyz + tilt.y * tangent.w * cross(normal, tangent.xyz);
-    n = normalize(n);
     float nv = clamp(dot(n, view), 0.02, 1.0);
     vec3 out_of = reflect(-view, n);
 
