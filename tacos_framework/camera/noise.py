@@ -134,7 +134,7 @@ def add_noise(
     Parameters
     ----------
     samples_dn
-        (..., C) expected samples, pedestal included [DN].
+        (..., W, C) expected samples, pedestal included [DN].
     out
         Where the noisy samples go; same shape, contiguous float32, not `samples_dn` itself [DN].
     black_level_dn
@@ -145,9 +145,15 @@ def add_noise(
     rng
         Draws one number per sample.
     """
-    rng.standard_normal(dtype=np.float32, out=out)
-    variance = np.maximum(samples_dn - np.float32(black_level_dn), 0)
-    variance *= photon_dn
-    variance += thermal_dn2
-    out *= np.sqrt(variance, out=variance)
-    out += samples_dn
+    width, channels = samples_dn.shape[-2:]
+    # Whole rows, each channel's figures repeated along them: numpy is ten times slower over three numbers.
+    photon = np.tile(np.broadcast_to(photon_dn, channels), width)
+    thermal = np.tile(np.broadcast_to(thermal_dn2, channels), width)
+    expected = samples_dn.reshape(-1, width * channels)
+    noisy = out.reshape(-1, width * channels)
+    rng.standard_normal(dtype=np.float32, out=noisy)
+    variance = expected * photon
+    variance += thermal - photon * np.float32(black_level_dn)
+    np.maximum(variance, thermal, out=variance)  # a signal below black has the noise of black
+    noisy *= np.sqrt(variance, out=variance)
+    noisy += expected
