@@ -135,7 +135,7 @@ def _traced_share(
     origin = np.repeat(point_m, len(on_light), axis=0)
     target = np.tile(on_light.astype(np.float32), (len(point_m), 1))
     blocked = tracer.blocked(origin, (target - origin) * np.float32(_STOP_SHORT))
-    return 1 - blocked.reshape(len(point_m), -1).mean(axis=1, dtype=np.float32)
+    return 1 - blocked.reshape(len(point_m), len(on_light)).mean(axis=1, dtype=np.float32)
 
 
 def _grid_on(light: Light, per_edge: int) -> NDArray[np.float32]:
