@@ -136,7 +136,7 @@ def add_noise(
     samples_dn
         (..., W, C) expected samples, pedestal included [DN].
     out
-        Where the noisy samples go; same shape, contiguous float32, not `samples_dn` itself [DN].
+        Where the noisy samples go; same shape, C-contiguous float32, not `samples_dn` itself [DN].
     black_level_dn
         Pedestal [DN].
     photon_dn, thermal_dn2
@@ -145,6 +145,8 @@ def add_noise(
     rng
         Draws one number per sample.
     """
+    if not out.flags.c_contiguous:
+        raise ValueError("noise can be written into a contiguous array only")
     width, channels = samples_dn.shape[-2:]
     # Whole rows, each channel's figures repeated along them: numpy is ten times slower over three numbers.
     photon = np.tile(np.broadcast_to(photon_dn, channels), width)

@@ -101,3 +101,16 @@ def test_drawn_noise_is_gaussian_and_independent_between_pixels_and_channels():
     assert np.mean(z**4) == pytest.approx(3.0, abs=0.06)
     neighbours = [np.mean(z[1:] * z[:-1]), np.mean(z[:, 1:] * z[:, :-1]), np.mean(z[..., 1:] * z[..., :-1])]
     np.testing.assert_allclose(neighbours, 0, atol=0.015)
+
+
+def test_noise_is_not_lost_in_a_copy():
+    samples = np.zeros((4, 4, 3), np.float32)
+    with pytest.raises(ValueError, match="contiguous"):
+        add_noise(
+            samples,
+            np.asfortranarray(samples),
+            black_level_dn=0.0,
+            photon_dn=np.float32(0.1),
+            thermal_dn2=np.float32(1.0),
+            rng=np.random.default_rng(1),
+        )

@@ -146,6 +146,14 @@ def test_effects_before_the_noise_leave_it_white_and_those_after_do_not():
     assert neighbours(After()) == pytest.approx(0.5, abs=0.02)
 
 
+def test_the_memory_layout_an_effect_leaves_does_not_matter():
+    class Reordered(NoEffects):
+        def pixel(self, signal: Signal) -> Signal:
+            return replace(signal, samples_dn=np.asfortranarray(signal.samples_dn))
+
+    np.testing.assert_array_equal(expose(even_light(1.0), effects=Reordered()), expose(even_light(1.0)))
+
+
 def test_the_cut_into_batches_does_not_change_the_noise_of_a_stereo_rig():
     one = even_light(1.0, frames=4).views[0]
     episode = sample_episode(4)

@@ -97,7 +97,7 @@ class AffineNoise:
         """
         expected = [effects.pixel(self._expected(view, exposure)) for view in capture.views]
         levels = [self.noise_levels(view.camera, exposure.gain_db) for view in capture.views]
-        noisy = [np.empty_like(signal.samples_dn) for signal in expected]
+        noisy = [np.empty(signal.samples_dn.shape, np.float32) for signal in expected]
         for frame in range(len(capture.episode)):
             for signal, level, out in zip(expected, levels, noisy, strict=True):
                 add_noise(
