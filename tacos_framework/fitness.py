@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+import statistics
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from tacos_framework.contracts import Scores
@@ -133,3 +134,12 @@ def _finite(name: str, value: float) -> float:
     if not math.isfinite(value):
         raise ValueError(f"score {name} is {value}; a task leaves a score out where it has none")
     return float(value)
+
+
+def standard_errors(episodes: Sequence[Scores]) -> dict[str, float]:
+    """Standard error of the mean of each score that every one of at least two episodes reports."""
+    if len(episodes) < 2:
+        return {}
+    everywhere = [name for name in episodes[0] if all(name in scores for scores in episodes)]
+    columns = {name: [float(scores[name]) for scores in episodes] for name in everywhere}
+    return {name: statistics.stdev(values) / math.sqrt(len(values)) for name, values in columns.items()}

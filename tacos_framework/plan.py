@@ -392,14 +392,14 @@ class _Checker:
 
     def _cameras(self, rig: Part | None) -> tuple[OffTheShelf, ...]:
         compare = self.recipe.compare
-        if compare is None:
+        if compare is None or rig is None:
             return ()
         try:
             cameras = load_cameras(compare.cameras, compare.catalog, folder=self.recipe.folder)
         except UserError as error:
             self._adopt(("compare", "cameras"), error)
             return ()
-        for camera in cameras if rig is not None else ():
+        for camera in cameras:
             for name in camera.fixes:
                 if name not in rig.cls.Variables.model_fields:
                     self._add(

@@ -66,8 +66,8 @@ class Evaluation:
         What each score contributes to the fitness.
     failed
         Why there are no scores, in a sentence.
-    spread
-        Standard error of each score and of the fitness over the episodes, where there are several.
+    episodes
+        Scores and fitness of each episode by itself, so that cameras can be compared episode by episode.
     images
         Images rendered.
     seconds
@@ -84,7 +84,7 @@ class Evaluation:
     fitness: float | None = None
     terms: Mapping[str, float] = field(default_factory=dict)
     failed: str | None = None
-    spread: Mapping[str, float] = field(default_factory=dict)
+    episodes: tuple[Mapping[str, float], ...] = ()
     images: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
     states: Mapping[str, State] = field(default_factory=dict)
@@ -278,26 +278,17 @@ class Simulation:
             scores=scores,
             fitness=self.plan.fitness.value(scores),
             terms=self.plan.fitness.terms(scores),
-            spread=self._spread(per_episode),
+            episodes=tuple(self._with_fitness(scores) for scores in per_episode),
             images=images,
             seconds=clock.seconds,
             states=states if job.training is not None else {},
         )
 
-    def _spread(self, per_episode: Sequence[Scores]) -> dict[str, float]:
-        """Standard errors of the means over episodes; empty where they cannot be told."""
-        columns: dict[str, list[float]] = {}
-        for scores in per_episode:
-            for name, value in scores.items():
-                columns.setdefault(name, []).append(value)
-        wanted = [term.score for term in self.plan.fitness.terms_of]
-        if all(len(columns.get(name, ())) == len(per_episode) for name in wanted):
-            columns["fitness"] = [self.plan.fitness.value(scores) for scores in per_episode]
-        return {
-            name: float(np.std(values, ddof=1) / np.sqrt(len(values)))
-            for name, values in columns.items()
-            if len(values) > 1
-        }
+    def _with_fitness(self, scores: Scores) -> dict[str, float]:
+        """An episode's scores, and its fitness where it has every score that takes."""
+        if any(term.score not in scores for term in self.plan.fitness.terms_of):
+            return dict(scores)
+        return {**scores, "fitness": self.plan.fitness.value(scores)}
 
     # one candidate ----------------------------------------------------------------------------------------
 

@@ -18,6 +18,7 @@ from tacos_framework.cache import content_key
 from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import Executor, State
 from tacos_framework.environment import describe_environment
+from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.progress import Progress, Silent
@@ -310,7 +311,8 @@ class Study:
             "camera": search.best.values,
             "derived": search.best.derived,
             "terms": test.terms if test else {},
-            "spread": test.spread if test else {},
+            "episodes": list(test.episodes) if test else [],
+            "spread": standard_errors(test.episodes) if test else {},
             "evaluations": search.evaluations,
             "free": list(search.space.names) if search.space else [],
         }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -11,16 +12,16 @@ from tacos_framework.report.study_data import CameraResult
 
 Outcome = Literal["better", "worse", "undecided"]
 
-CONFIDENT_SIGMAS = 2.0
-"""Standard errors by which two cameras must differ before the report calls one better."""
+CONFIDENCE = 0.95
+"""How sure the report must be before it calls one of two cameras better."""
 
 
 @dataclass(frozen=True)
 class Difference:
     """Designed camera minus another, on the same test scenes.
 
-    ``error`` is the standard error of the difference, None where the spread is unknown. It takes the two
-    errors as independent; as all cameras see the same scenes, it is on the safe side as a rule.
+    ``error`` is half the width of the interval of `CONFIDENCE` around the difference, None where it cannot
+    be told. It is Student's, of the differences episode by episode, since all cameras see the same scenes.
     """
 
     designed: float
@@ -40,9 +41,9 @@ class Difference:
 
     @property
     def outcome(self) -> Outcome:
-        """Whether the designed camera is better; undecided within `CONFIDENT_SIGMAS` standard errors."""
+        """Whether the designed camera is better; undecided where the interval holds zero."""
         gain = self.value if self.higher_is_better else -self.value
-        if abs(gain) <= CONFIDENT_SIGMAS * (self.error or 0.0):
+        if abs(gain) <= (self.error or 0.0):
             return "undecided"
         return "better" if gain > 0 else "worse"
 
@@ -54,9 +55,19 @@ def difference(
     ours, theirs = _value(designed, score), _value(other, score)
     if ours is None or theirs is None:
         return None
-    errors = [camera.spread[score] for camera in (designed, other) if score in camera.spread]
-    error = math.hypot(*errors) if len(errors) == 2 else None
-    return Difference(ours, theirs, error, higher_is_better)
+    pairs = zip(designed.episodes, other.episodes, strict=False)
+    differences = [a[score] - b[score] for a, b in pairs if score in a and score in b]
+    return Difference(ours, theirs, half_width(differences), higher_is_better)
+
+
+def half_width(values: Sequence[float]) -> float | None:
+    """Half the width of Student's interval of `CONFIDENCE` around the mean; None for fewer than two values."""
+    if len(values) < 2:
+        return None
+    from scipy.special import stdtrit
+
+    quantile = float(stdtrit(len(values) - 1, (1 + CONFIDENCE) / 2))
+    return quantile * statistics.stdev(values) / math.sqrt(len(values))
 
 
 def best_of(cameras: Sequence[CameraResult]) -> CameraResult | None:

@@ -96,12 +96,9 @@ def verdict(study: StudyData) -> str:
     figures += signed(change.value, change.error)
     if change.error is None:
         return f"{figures}. Its uncertainty is not known, so a small difference may be chance."
-    sigmas = abs(change.value) / change.error if change.error else float("inf")
     if change.outcome == "undecided":
-        return (
-            f"{figures}, only {number(sigmas, 2)} standard errors: more test scenes would be needed to tell."
-        )
-    return f"{figures}, which is {number(min(sigmas, 99), 2)} standard errors."
+        return f"{figures} (95 % interval), which may be chance: more test scenes would be needed to tell."
+    return f"{figures} (95 % interval over the test scenes)."
 
 
 def against_best(study: StudyData) -> str:

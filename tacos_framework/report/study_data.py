@@ -19,7 +19,8 @@ DESIGNED = "designed"
 class CameraResult:
     """A camera with what it reached on the test scenes.
 
-    ``spread`` holds standard errors over test episodes, for scores and for ``fitness``; ``scores``,
+    ``spread`` holds standard errors over test episodes, for scores and for ``fitness``, and ``episodes``
+    the numbers of each test episode, in the same order for every camera; ``scores``,
     ``terms`` and ``fitness`` are empty or None where the test has not run.
     """
 
@@ -30,6 +31,7 @@ class CameraResult:
     scores: Mapping[str, float] = field(default_factory=dict)
     terms: Mapping[str, float] = field(default_factory=dict)
     spread: Mapping[str, float] = field(default_factory=dict)
+    episodes: tuple[Mapping[str, float], ...] = ()
     fitness: float | None = None
     evaluations: int | None = None
     free: tuple[str, ...] = ()
@@ -215,6 +217,7 @@ def _camera(folder: Path, result: Mapping[str, Any], name: str, row: Mapping[str
         scores={score: value for score, value in test.items() if score != "fitness"},
         terms=_numbers(row.get("terms")) if test else {},
         spread=_numbers(row.get("spread")),
+        episodes=tuple(_numbers(episode) for episode in row.get("episodes") or ()),
         fitness=test.get("fitness"),
         evaluations=row.get("evaluations"),
         free=tuple(row.get("free") or ()),

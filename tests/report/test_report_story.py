@@ -6,15 +6,17 @@ from typing import Any
 
 import pytest
 
+from tacos_framework.fitness import standard_errors
 from tacos_framework.report import story
 from tacos_framework.report.comparison import Difference, difference
 from tacos_framework.report.study_data import CameraResult, Generation, StudyData, Tried
 
 
-def camera(name: str, fitness: float | None, error: float | None = None, **scores: float) -> CameraResult:
-    spread = {"fitness": error} if error is not None else {}
+def camera(name: str, fitness: float | None, *episodes: float, **scores: float) -> CameraResult:
+    """A camera of that fitness; `episodes` are its fitness in each test scene."""
     what = {"pitch_deg": -22.0, "focal_length_mm": 2.9, "sensor": {"name": "IMX178"}}
-    return CameraResult(name, f"{name} title", what, {}, scores, {}, spread, fitness)
+    each = tuple({"fitness": value} for value in episodes)
+    return CameraResult(name, f"{name} title", what, {}, scores, {}, standard_errors(each), each, fitness)
 
 
 def study(*cameras: CameraResult, **result: Any) -> StudyData:
@@ -22,25 +24,29 @@ def study(*cameras: CameraResult, **result: Any) -> StudyData:
 
 
 def test_a_clear_win_is_told_with_its_size_and_certainty() -> None:
-    data = study(camera("designed", 1.2, 0.03), camera("a", 1.0, 0.04), camera("b", 0.7, 0.04))
+    data = study(
+        camera("designed", 1.2, 0.8, 1.21, 1.59),
+        camera("a", 1.0, 0.6, 1.0, 1.4),
+        camera("b", 0.7, 0.6, 0.7, 0.8),
+    )
     assert story.headline(data) == (
         "The best camera found: the IMX178 sensor behind a 2.9\u202fmm lens, pitched 22° down. "
         "On unseen scenes it is 20\u202f% fitter than the a title, the best of 2 off-the-shelf cameras."
     )
     assert story.verdict(data) == (
-        "Fitness on unseen scenes: 1.20 ± 0.03 against 1.00 ± 0.04, a difference of +0.20 ± 0.05, "
-        "which is 4 standard errors."
+        "Fitness on unseen scenes: 1.2 ± 0.2 against 1.0 ± 0.2, a difference of +0.20 ± 0.02 "
+        "(95 % interval over the test scenes)."
     )
 
 
-def test_a_difference_within_two_standard_errors_is_no_win() -> None:
-    data = study(camera("designed", 1.08, 0.03), camera("a", 1.0, 0.04))
+def test_a_difference_that_wavers_from_scene_to_scene_is_no_win() -> None:
+    data = study(camera("designed", 1.08, 1.0, 1.1, 1.14), camera("a", 1.0, 1.1, 1.0, 0.9))
     assert "is not clearly different from the a title" in story.headline(data)
-    assert "only 1.6 standard errors: more test scenes would be needed" in story.verdict(data)
+    assert "which may be chance: more test scenes would be needed" in story.verdict(data)
 
 
 def test_a_loss_is_called_a_loss() -> None:
-    data = study(camera("designed", 0.8, 0.01), camera("a", 1.0, 0.01))
+    data = study(camera("designed", 0.8, 0.7, 0.9), camera("a", 1.0, 0.9, 1.1))
     assert story.headline(data).endswith(
         "On unseen scenes it is 20\u202f% less fit than the a title, and should not replace it."
     )
@@ -48,6 +54,16 @@ def test_a_loss_is_called_a_loss() -> None:
 
 def test_without_spread_the_uncertainty_is_called_unknown() -> None:
     assert "Its uncertainty is not known" in story.verdict(study(camera("designed", 1.2), camera("a", 1.0)))
+
+
+def test_the_interval_is_students_of_the_paired_differences() -> None:
+    from scipy.stats import ttest_rel
+
+    ours, theirs = (1.3, 1.1, 1.6, 0.9), (1.1, 1.05, 1.2, 0.8)
+    change = difference(camera("designed", 1.225, *ours), camera("a", 1.0375, *theirs), "fitness")
+    interval = ttest_rel(ours, theirs).confidence_interval(0.95)
+    assert change is not None
+    assert change.error == pytest.approx((interval.high - interval.low) / 2)
 
 
 def test_no_percentage_of_a_fitness_below_zero() -> None:
@@ -75,10 +91,12 @@ def test_a_score_of_negative_weight_is_better_when_lower() -> None:
 
 @pytest.mark.parametrize(
     ("designed", "error", "outcome"),
-    [(1.3, 0.1, "better"), (1.1, 0.1, "undecided"), (0.7, 0.1, "worse"), (1.01, None, "better"),
+    [(1.3, 0.1, "better"), (1.05, 0.1, "undecided"), (0.7, 0.1, "worse"), (1.01, None, "better"),
      (1.0, None, "undecided")],
 )  # fmt: skip
-def test_the_outcome_needs_two_standard_errors(designed: float, error: float | None, outcome: str) -> None:
+def test_the_outcome_needs_an_interval_without_zero(
+    designed: float, error: float | None, outcome: str
+) -> None:
     assert Difference(designed, 1.0, error).outcome == outcome
 
 
