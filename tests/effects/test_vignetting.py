@@ -1,0 +1,54 @@
+"""The vignetting effect."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tacos_framework.testing.samples import sample_capture, sample_exposure, sample_rig
+from tacos_framework.values import Camera
+from tacos_plugins.effects.vignetting import Vignetting, relative_illumination
+
+
+def apply(capture, **coefficients):
+    effect = Vignetting(Vignetting.Config(**coefficients))
+    return effect.apply(capture, rig=sample_rig(), exposure=sample_exposure(), rng=np.random.default_rng(0))
+
+
+def test_light_falls_with_the_polynomial_of_the_radius():
+    camera = Camera("c", width_px=401, height_px=301, pixel_um=3, focal_length_mm=4)
+    field = relative_illumination(camera, k1=-0.4, k2=-0.1, k3=0.05)
+    half_diagonal = np.hypot(401, 301) / 2
+    assert field[150, 200] == 1.0
+    for row, column in [(0, 0), (300, 400), (150, 0), (20, 333)]:
+        r = np.hypot(column - 200, row - 150) / half_diagonal
+        assert field[row, column] == pytest.approx(1 - 0.4 * r**2 - 0.1 * r**4 + 0.05 * r**6)
+
+
+def test_it_is_centred_on_the_principal_point():
+    camera = Camera(
+        "c", width_px=40, height_px=30, pixel_um=3, focal_length_mm=4, principal_point_px=(10.0, 20.0)
+    )
+    field = relative_illumination(camera, k1=-0.4, k2=0, k3=0)
+    assert np.unravel_index(field.argmax(), field.shape) == (20, 10)
+
+
+def test_light_never_turns_negative():
+    camera = Camera("c", width_px=40, height_px=30, pixel_um=3, focal_length_mm=4)
+    assert relative_illumination(camera, k1=-3, k2=0, k3=0).min() == 0.0
+
+
+def test_every_channel_frame_and_camera_is_dimmed_alike_and_nothing_else_changes():
+    capture = sample_capture(sample_rig("left", "right"), frames=2)
+    dimmed = apply(capture, k1=-0.5)
+    for before, after in zip(capture.views, dimmed.views, strict=True):
+        expected = relative_illumination(before.camera, -0.5, 0, 0)[..., None]
+        np.testing.assert_allclose(after.luminance_cd_m2, before.luminance_cd_m2 * expected, rtol=1e-6)
+        np.testing.assert_array_equal(after.depth_m, before.depth_m)
+        np.testing.assert_array_equal(after.object_id, before.object_id)
+    assert dimmed.episode is capture.episode
+
+
+def test_off_it_hands_the_capture_on_without_a_copy():
+    capture = sample_capture()
+    assert apply(capture) is capture

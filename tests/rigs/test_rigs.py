@@ -1,0 +1,141 @@
+"""Rigs: cameras where they should be, as wide as they should be, and their derived quantities."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from tacos_framework.camera.geometry import invert_pose, project
+from tacos_framework.catalog import Part
+from tacos_plugins.rigs.monocular import MonocularRig
+from tacos_plugins.rigs.mounted_camera import SensorPart, field_of_view_deg, focal_length_for_mm
+from tacos_plugins.rigs.stereo import StereoRig
+
+FLEA3 = {"name": "IMX172", "width_px": 4000, "height_px": 3000, "pixel_um": 1.55, "shutter": "rolling"}
+PAPER_STEREO = {"width_px": 991, "height_px": 495, "pixel_um": 1.55}
+
+
+def monocular(config=None, **variables):
+    builder = MonocularRig(MonocularRig.Config(**(config or {})))
+    return builder, MonocularRig.Variables(**{"focal_length_mm": 3.6, "sensor": FLEA3, **variables})
+
+
+def stereo(config=None, **variables):
+    builder = StereoRig(StereoRig.Config(**(config or {})))
+    return builder, StereoRig.Variables(**{"baseline_m": 0.12, "sensor": PAPER_STEREO, **variables})
+
+
+def test_the_flea3_of_the_paper():
+    builder, variables = monocular()
+    derived = builder.derived(variables)
+    assert derived["sensor_width_mm"] == pytest.approx(6.2)
+    assert derived["sensor_height_mm"] == pytest.approx(4.65)
+    assert derived["megapixels"] == pytest.approx(12.0)
+    assert derived["hfov_deg"] == pytest.approx(2 * math.degrees(math.atan(6.2 / 7.2)))
+    assert derived["vfov_deg"] == pytest.approx(2 * math.degrees(math.atan(4.65 / 7.2)))
+    assert derived["dfov_deg"] == pytest.approx(2 * math.degrees(math.atan(7.75 / 7.2)))
+    assert derived["pixels_per_deg"] == pytest.approx(4000 / 6.2 * 3.6 * math.tan(math.radians(1)), rel=1e-3)
+
+
+@given(binning=st.floats(1, 16))
+def test_binning_keeps_the_field_of_view_and_the_real_photosite(binning):
+    builder, variables = monocular({"binning": binning})
+    (camera,) = builder.build(variables).cameras
+    assert camera.pixel_um == 1.55
+    assert camera.binning == binning
+    assert abs(camera.width_px * binning - 4000) <= binning / 2
+    # The size is rounded to whole pixels, so the simulated field differs by up to half a pixel at each side.
+    half_pixel_deg = math.degrees(0.5 / camera.focal_length_px)
+    assert abs(camera.hfov_deg - builder.derived(variables)["hfov_deg"]) <= 2 * half_pixel_deg
+    assert builder.derived(variables)["megapixels"] == pytest.approx(12.0)
+
+
+def test_a_tiny_sensor_keeps_one_pixel():
+    builder, variables = monocular({"binning": 16}, sensor={"width_px": 4, "height_px": 4, "pixel_um": 3})
+    (camera,) = builder.build(variables).cameras
+    assert (camera.width_px, camera.height_px) == (1, 1)
+
+
+@pytest.mark.parametrize("pitch_deg", [-30.0, 0.0, 25.0])
+def test_pitch_is_positive_up_and_the_camera_sits_above_the_eye(pitch_deg):
+    builder, variables = monocular({"height_above_eye_m": 0.05}, pitch_deg=pitch_deg)
+    (camera,) = builder.build(variables).cameras
+    pitch = math.radians(pitch_deg)
+    ahead = (2 * math.cos(pitch), 0.0, 0.05 + 2 * math.sin(pitch))
+    pixel, depth_m = project(ahead, camera, camera.agent_from_camera)
+    np.testing.assert_allclose(pixel, camera.centre_px, atol=1e-9)
+    assert depth_m == pytest.approx(2.0)
+
+
+def test_stereo_cameras_are_parallel_level_and_symmetric():
+    builder, variables = stereo(hfov_deg=72, pitch_deg=-10)
+    left, right = builder.build(variables).cameras
+    np.testing.assert_array_equal(left.agent_from_camera[:3, :3], right.agent_from_camera[:3, :3])
+    np.testing.assert_allclose(left.agent_from_camera[:3, 3], [0, 0.06, 0])
+    np.testing.assert_allclose(right.agent_from_camera[:3, 3], [0, -0.06, 0])
+    # A camera's x axis points to the agent's right, so the right camera lies on it.
+    in_left = invert_pose(left.agent_from_camera) @ right.agent_from_camera
+    np.testing.assert_allclose(in_left[:3, 3], [0.12, 0, 0], atol=1e-12)
+
+
+@given(depth_m=st.floats(0.5, 100), y_m=st.floats(-1, 1), z_m=st.floats(-1, 1), baseline_m=st.floats(0.01, 3))
+def test_disparity_is_focal_length_times_baseline_over_depth(depth_m, y_m, z_m, baseline_m):
+    builder, variables = stereo(hfov_deg=90, baseline_m=baseline_m)
+    left, right = builder.build(variables).cameras
+    rotations = [cv2.Rodrigues(invert_pose(camera.agent_from_camera)[:3, :3])[0] for camera in (left, right)]
+    shifts = [invert_pose(camera.agent_from_camera)[:3, 3] for camera in (left, right)]
+    point = np.array([[depth_m, y_m, z_m]])
+    (xl, yl), (xr, yr) = (
+        cv2.projectPoints(point, rotation, shift, camera.intrinsics, None)[0].ravel()
+        for camera, rotation, shift in zip((left, right), rotations, shifts, strict=True)
+    )
+    assert yl == pytest.approx(yr, abs=1e-6)
+    assert xl - xr == pytest.approx(left.focal_length_px * baseline_m / depth_m, rel=1e-6, abs=1e-6)
+
+
+def test_field_of_view_and_focal_length_describe_the_same_stereo_camera():
+    builder, by_field = stereo(hfov_deg=87)
+    derived = builder.derived(by_field)
+    _, by_focal_length = stereo(focal_length_mm=focal_length_for_mm(991 * 1.55e-3, 87))
+    assert derived == pytest.approx(builder.derived(by_focal_length))
+    assert derived["hfov_deg"] == pytest.approx(87)
+    assert derived["baseline_m"] == 0.12
+    assert builder.build(by_field).cameras[0].hfov_deg == pytest.approx(87)
+
+
+@pytest.mark.parametrize("given", [{}, {"hfov_deg": 80, "focal_length_mm": 3}])
+def test_stereo_needs_exactly_one_of_field_and_focal_length(given):
+    with pytest.raises(ValidationError, match="exactly one of hfov_deg and focal_length_mm"):
+        stereo(**given)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"focal_length_mm": 0}, "greater than 0"),
+        ({"focal_length_mm": float("nan")}, "finite"),
+        ({"pitch_deg": 91}, "less than or equal to 90"),
+        ({"sensor": {"width_px": 0, "height_px": 3, "pixel_um": 1}}, "greater than or equal to 1"),
+        ({"sensor": {"width_px": 640, "height_px": 480}}, "pixel_um"),
+    ],
+)
+def test_impossible_cameras_are_refused(wrong, said):
+    with pytest.raises(ValidationError, match=said):
+        monocular(**wrong)
+
+
+def test_a_sensor_may_come_as_a_catalog_part_whose_other_columns_do_not_matter():
+    row = Part("IMX172", {key: value for key, value in FLEA3.items() if key != "name"})
+    _, variables = monocular(sensor=row)
+    assert variables.sensor == SensorPart(name="IMX172", width_px=4000, height_px=3000, pixel_um=1.55)
+
+
+@given(size_mm=st.floats(0.1, 50), field_deg=st.floats(1, 170))
+def test_focal_length_and_field_of_view_undo_each_other(size_mm, field_deg):
+    assert field_of_view_deg(size_mm, focal_length_for_mm(size_mm, field_deg)) == pytest.approx(field_deg)

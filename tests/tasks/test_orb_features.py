@@ -1,0 +1,154 @@
+"""ORB features: what is matched, counted and averaged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from tacos_framework.errors import UserError
+from tacos_framework.testing.samples import sample_capture, sample_rig
+from tacos_framework.values import Capture, FrameBatch
+from tacos_plugins.tasks.orb_features import OrbFeatures, grey_image
+
+WIDTH, HEIGHT = 320, 240
+
+
+def texture(seed: int, width: int = WIDTH + 100) -> np.ndarray:
+    """Blotches of several sizes, (HEIGHT, width) in 0..1."""
+    rng = np.random.default_rng(seed)
+    layers = [cv2.resize(rng.random((HEIGHT // n, width // n)), (width, HEIGHT)) for n in (4, 10, 30)]
+    mixed = sum(layers)
+    return (mixed - mixed.min()) / np.ptp(mixed)
+
+
+def frames_of(images, *, walk=None, dtype=np.uint8, black=0.0, white=255.0, names=("camera",)) -> FrameBatch:
+    """Frames with these (HEIGHT, WIDTH) pictures in 0..1, the same for every camera."""
+    capture = sample_capture(sample_rig(*names, width_px=WIDTH, height_px=HEIGHT), frames=len(images))
+    if walk is not None:
+        capture = Capture(replace(capture.episode, walk=np.array(walk, np.int32)), capture.views)
+    samples = np.rint(black + np.stack(images)[..., None] * (white - black)).astype(dtype)
+    return FrameBatch(capture, (np.repeat(samples, 3, axis=-1),) * len(names), black, white)
+
+
+def panning(count: int = 4, step_px: int = 6, noise: float = 0.0) -> list[np.ndarray]:
+    card, rng = texture(1), np.random.default_rng(2)
+    windows = (card[:, i * step_px : i * step_px + WIDTH] for i in range(count))
+    return [np.clip(window + noise * rng.standard_normal(window.shape), 0, 1) for window in windows]
+
+
+def score(frames: FrameBatch, **config):
+    scorer = OrbFeatures(OrbFeatures.Config(**config)).begin(state=None)
+    scorer.update(frames)
+    return scorer.scores()
+
+
+def test_a_moving_texture_is_followed():
+    scores = score(frames_of(panning()))
+    assert scores["inliers"] > 300
+    assert scores["inlier_ratio"] > 0.8
+
+
+def test_frames_that_show_different_things_have_few_inliers():
+    scores = score(frames_of([texture(seed, WIDTH) for seed in range(4)]))
+    assert scores["inlier_ratio"] < 0.35
+
+
+def test_noise_costs_features():
+    clean, noisy = (score(frames_of(panning(noise=noise))) for noise in (0.0, 0.05))
+    assert noisy["inliers"] < 0.8 * clean["inliers"]
+    assert noisy["inlier_ratio"] < clean["inlier_ratio"]
+
+
+def test_blank_frames_score_zero():
+    blank = np.full((HEIGHT, WIDTH), 0.5)
+    assert score(frames_of([blank, blank])) == {"inliers": 0.0, "inlier_ratio": 0.0}
+
+
+def test_a_pair_with_too_few_matches_counts_as_zero():
+    first, second = panning(2)
+    blank = np.full((HEIGHT, WIDTH), 0.5)
+    one = score(frames_of([first, second]))
+    with_blanks = score(frames_of([first, second, blank, blank]))
+    assert with_blanks["inliers"] == pytest.approx(one["inliers"] / 3)
+    assert with_blanks["inlier_ratio"] == pytest.approx(one["inlier_ratio"] / 3)
+
+
+def test_a_single_frame_has_no_score():
+    assert score(frames_of(panning(1))) == {}
+
+
+def test_frames_of_different_walks_are_no_pair():
+    assert score(frames_of(panning(2), walk=[0, 1])) == {}
+    first, second, third = panning(3)
+    apart = score(frames_of([first, second, third], walk=[0, 0, 1]))
+    assert apart == score(frames_of([first, second]))
+
+
+def test_a_pair_across_batches_counts():
+    first, second, third = panning(3)
+    scorer = OrbFeatures(OrbFeatures.Config()).begin(state=None)
+    for image in (first, second, third):
+        scorer.update(frames_of([image]))
+    assert scorer.scores() == score(frames_of([first, second, third]))
+
+
+def test_the_ratio_is_that_of_the_matches():
+    """Two unrelated halves: the one that moves with the camera's epipolar geometry is what is left."""
+    first, second = panning(2)
+    half = WIDTH // 2
+    second[:, half:] = texture(9, WIDTH)[:, half:]
+    scores = score(frames_of([first, second]))
+    whole = score(frames_of(panning(2)))
+    assert scores["inliers"] < 0.75 * whole["inliers"]
+    assert scores["inlier_ratio"] < 0.9 * whole["inlier_ratio"]
+
+
+def test_depth_of_the_files_hardly_matters():
+    images = panning(3)
+    eight = score(frames_of(images))
+    twelve = score(frames_of(images, dtype=np.uint16, black=64.0, white=4095.0))
+    assert twelve["inliers"] == pytest.approx(eight["inliers"], rel=0.05)
+
+
+def test_the_camera_that_is_named_is_scored():
+    frames = frames_of(panning(3), names=("left", "right"))
+    blank = np.zeros_like(frames.images[0])
+    left_blank = replace(frames, images=(blank, frames.images[1]))
+    assert score(left_blank)["inliers"] == 0
+    assert score(left_blank, camera="right")["inliers"] > 300
+
+
+def test_an_unknown_camera_is_refused_with_a_suggestion():
+    with pytest.raises(UserError, match="camera is 'rigth'") as raised:
+        score(frames_of(panning(1), names=("left", "right")), camera="rigth")
+    assert "Did you mean 'right'?" in str(raised.value)
+
+
+def test_a_stricter_threshold_leaves_fewer_inliers():
+    frames = frames_of(panning(3, noise=0.03))
+    assert score(frames, ransac_threshold_px=0.5)["inliers"] < score(frames)["inliers"]
+
+
+def test_scores_do_not_depend_on_other_users_of_opencvs_generator():
+    frames = frames_of(panning(3, noise=0.03))
+    cv2.setRNGSeed(1)
+    first = score(frames)
+    cv2.setRNGSeed(2)
+    assert score(frames) == first
+
+
+def test_grey_keeps_light_linear_and_rounds():
+    ramp = np.arange(256, dtype=np.uint8).reshape(1, 256, 1)
+    np.testing.assert_array_equal(grey_image(np.repeat(ramp, 3, 2), 0, 255), ramp[..., 0])
+    np.testing.assert_array_equal(grey_image(ramp, 0, 255), ramp[..., 0])
+    codes = np.arange(65536, dtype=np.uint16).reshape(256, 256, 1)
+    expected = np.clip((codes[..., 0] - 4096.0) * 255 / (65535 - 4096), 0, 255)
+    assert abs(grey_image(codes, 4096, 65535) - expected).max() <= 0.5 + 1e-6
+
+
+def test_grey_weighs_colours_by_their_luminance():
+    colours = 200 * np.eye(3, dtype=np.uint8)[None]
+    assert grey_image(colours, 0, 255).tolist() == [[43, 143, 14]]
