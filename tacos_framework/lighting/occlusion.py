@@ -50,7 +50,7 @@ class Occlusion:
         from embreex.rtcore_scene import EmbreeScene
 
         counts = [len(part.vertices_m) for part in world.parts]
-        first = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int32) if counts else []
+        first = np.cumsum([0, *counts[:-1]]).astype(np.int32)[: len(counts)]
         self.vertices_m: Vectors = np.concatenate(
             [part.vertices_m for part in world.parts] or [np.zeros((0, 3), np.float32)]
         )

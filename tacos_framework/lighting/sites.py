@@ -48,9 +48,9 @@ def merge_vertices(world: World, occlusion: Occlusion, merge_m: float) -> Sites:
         [np.full(len(part.vertices_m), part.material, np.int32) for part in world.parts]
     )
     cells = np.floor(occlusion.vertices_m / merge_m).astype(np.int64) - _lowest(occlusion, merge_m)
-    facing = np.rint(normals * 2).astype(np.int64) + 2
+    facing = np.rint(normals * 1.4).astype(np.int64) + 1
     key = material.astype(np.int64)
-    for column, size in ((cells, 1 << 15), (facing, 5)):
+    for column, size in ((cells, 1 << 15), (facing, 3)):
         for axis in range(3):
             key = key * size + column[:, axis]
     _, chosen, of_vertex = np.unique(key, return_index=True, return_inverse=True)

@@ -44,7 +44,7 @@ class LightTransport:
     Cohen, M. F., and Wallace, J. R. (1993). Radiosity and Realistic Image Synthesis.
     """
 
-    def __init__(self, world: World, *, rays: int = 64, merge_m: float = 0.05, bounces: int = 12) -> None:
+    def __init__(self, world: World, *, rays: int = 64, merge_m: float = 0.08, bounces: int = 12) -> None:
         self._world = world
         self._fan = cosine_fan(rays)
         self._merge_m = merge_m
@@ -72,7 +72,7 @@ class LightTransport:
         ambient = escaped[:, None] * self._ambient_lux
         indirect = ambient
         for _ in range(self._bounces):
-            bounced = gather @ (reflectance * (direct + indirect)) + ambient  # (1)
+            bounced = gather @ (reflectance * (direct + indirect)).astype(np.float32) + ambient  # (1)
             settled = np.abs(bounced - indirect).sum() <= 1e-3 * bounced.sum()
             indirect = bounced
             if settled:
@@ -120,7 +120,7 @@ class LightTransport:
 
 
 def bake_indirect(
-    world: World, *, rays: int = 64, merge_m: float = 0.05, bounces: int = 12
+    world: World, *, rays: int = 64, merge_m: float = 0.08, bounces: int = 12
 ) -> tuple[NDArray[np.float32], ...]:
     """Indirect irradiance at every vertex: one (V, 3) float32 array per part [lux].
 
@@ -132,7 +132,7 @@ def bake_indirect(
 def irradiance_at(
     world: World, points_m: NDArray[np.float32], normals: NDArray[np.float32], *, rays: int = 64
 ) -> NDArray[np.float64]:
-    """(N, 3) irradiance, direct and indirect, on surface elements at (N, 3) points with unit normals [lux]."""
+    """(N, 3) irradiance, direct and indirect, at (N, 3) points of surfaces with unit normals [lux]."""
     transport = LightTransport(world, rays=rays)
     return transport.direct_lux(points_m, normals) + transport.indirect_lux(points_m, normals)
 

@@ -98,7 +98,7 @@ def content_key(world: World, illumination_lux: float) -> str:
     for part in world.parts:
         digest.update(repr((part.material, part.object_id)).encode())
         for array in (part.vertices_m, part.normals, part.uv_m, part.triangles):
-            digest.update(np.ascontiguousarray(array))
+            digest.update(array.tobytes())
     seen: set[int] = set()
     for material in world.materials:
         digest.update(
@@ -107,7 +107,7 @@ def content_key(world: World, illumination_lux: float) -> str:
         digest.update(material.base_colour.tobytes() + material.emission_cd_m2.tobytes())
         if material.texture is not None and id(material.texture.base) not in seen:
             seen.add(id(material.texture.base))
-            digest.update(np.ascontiguousarray(material.texture))
+            digest.update(material.texture.tobytes())
     for light in world.lights:
         digest.update(light.position_m.tobytes() + light.flux_lm.tobytes())
     return f"indoor-{digest.hexdigest()}"

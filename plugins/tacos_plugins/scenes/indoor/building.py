@@ -13,7 +13,7 @@ from tacos_plugins.scenes.indoor.furnishing.arrangement import Member
 from tacos_plugins.scenes.indoor.furnishing.catalogue import Catalogue
 from tacos_plugins.scenes.indoor.furnishing.occupancy import RoomFloor
 from tacos_plugins.scenes.indoor.furnishing.pictures import hang_pictures
-from tacos_plugins.scenes.indoor.furnishing.rooms import ROOM_KINDS, Furnisher, draw_room_kinds
+from tacos_plugins.scenes.indoor.furnishing.rooms import Furnisher, draw_room_kinds
 from tacos_plugins.scenes.indoor.piece import Piece
 from tacos_plugins.scenes.indoor.structure import doors as doorways
 from tacos_plugins.scenes.indoor.structure.ceiling import ceiling_lights
@@ -25,7 +25,9 @@ MAX_LIGHTS = 12
 """Ceiling lights and lamps that are on, in a whole building."""
 _LUMINOUS_EXITANCE_LM_M2 = 140.0
 _LARGE_ROOM_M2 = 45.0
-_CELLS_PER_FLOOR = 900
+_CELLS_PER_FLOOR = 750
+_FURNITURE_TRIANGLES = 42_000
+"""Shared by all rooms; beyond its share a room gets no more than what makes it such a room."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +67,7 @@ def draw_building(
     clutter: float,
     catalogue: Catalogue,
 ) -> Building:
-    """A random furnished floor. Every room draws from its own stream, so that rooms do not depend on each other."""
+    """A random furnished floor; every room draws from its own stream of random numbers."""
     plan_rng, door_rng, room_rng = rng.spawn(3)
     plan = draw_floor_plan(plan_rng, size_m, min_room_m)
     count = len(plan.cells)
@@ -76,16 +78,16 @@ def draw_building(
     leaves: list[Rect] = []
     for door in plan.doors:
         background.append(doorways.frame(door, trim_style.trim))
-        if door_rng.uniform() < 0.6 and (leaf := doorways.open_leaf(door_rng, plan, door, trim_style)):
-            if not any(leaf.footprint.overlaps(other, 0.05) for other in leaves):
-                background.append(leaf.piece)
-                leaves.append(leaf.footprint)
+        leaf = doorways.open_leaf(door_rng, plan, door, trim_style) if door_rng.uniform() < 0.6 else None
+        if leaf and not any(leaf.footprint.overlaps(other, 0.05) for other in leaves):
+            background.append(leaf.piece)
+            leaves.append(leaf.footprint)
     thresholds = [doorways.threshold(door_rng, door) for door in plan.doors]
 
     fittings = [2 if area > _LARGE_ROOM_M2 and count <= 6 else 1 for area in areas]
     lit = _lamps_per_room(kinds, MAX_LIGHTS - sum(fittings))
-    step_m = max(0.5, math.sqrt(size_m[0] * size_m[1] / _CELLS_PER_FLOOR))
-    temperature_k = float(room_rng.choice([4500.0, 5000.0, 5700.0]))
+    step_m = max(0.55, math.sqrt(size_m[0] * size_m[1] / _CELLS_PER_FLOOR))
+    temperature_k = float(room_rng.choice([5000.0, 5700.0, 6500.0]))
     furniture: list[Member] = []
     for room, stream in enumerate(room_rng.spawn(count)):
         style_rng, window_rng, furnish_rng, wall_rng, light_rng = stream.spawn(5)
@@ -104,7 +106,7 @@ def draw_building(
         ]
         flux_lm = areas[room] * _LUMINOUS_EXITANCE_LM_M2
         background += ceiling_lights(
-            light_rng, clear, ceiling_height_m, style, fittings[room], flux_lm, temperature_k
+            light_rng, clear, ceiling_height_m, fittings[room], flux_lm, temperature_k
         )
 
         reserved = [
@@ -113,7 +115,8 @@ def draw_building(
             for w in found
         ]
         floor = RoomFloor(clear, sides, plan.doors_of(room), reserved + leaves)
-        ROOM_KINDS[kinds[room]](Furnisher(furnish_rng, floor, style, catalogue, clutter, lit[room]))
+        allowance = round(_FURNITURE_TRIANGLES * areas[room] / sum(areas))
+        Furnisher(furnish_rng, floor, style, catalogue, clutter, lit[room], allowance).furnish(kinds[room])
         members = [m for arrangement in floor.placed for m in arrangement.members]
         furniture += members
         for side, passages, found in zip(sides, doors, windows, strict=True):
@@ -125,7 +128,7 @@ def draw_building(
                 if min(off) < 0.7 and min(off) > -0.1:
                     busy.append((min(along), max(along)))
             background += hang_pictures(
-                wall_rng, side, busy, style, int(wall_rng.integers(0, 2 if wet else 3))
+                wall_rng, side, busy, style, 0 if wet else int(wall_rng.integers(1, 4))
             )
     return Building(plan, tuple(kinds), tuple(background), tuple(thresholds), tuple(furniture), tuple(leaves))
 

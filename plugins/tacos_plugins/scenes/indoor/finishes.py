@@ -143,11 +143,11 @@ DARK_GLASS = Finish("", (0.012, 0.013, 0.016), roughness=0.08)
 SOIL = Finish("soil", roughness=0.95)
 
 _STAINS: tuple[Colour, ...] = (
-    (0.95, 0.92, 0.86),  # birch
-    (0.78, 0.64, 0.47),  # oak
-    (0.62, 0.42, 0.27),  # cherry
-    (0.34, 0.22, 0.14),  # walnut
-    (0.15, 0.10, 0.07),  # wenge
+    (0.95, 0.95, 0.93),  # birch
+    (0.80, 0.73, 0.63),  # oak
+    (0.62, 0.46, 0.34),  # cherry
+    (0.36, 0.28, 0.21),  # walnut
+    (0.16, 0.13, 0.11),  # wenge
 )
 
 
@@ -182,7 +182,7 @@ def draw_style(rng: np.random.Generator, *, wet: bool = False) -> Style:
         Finish(
             str(rng.choice(["plaid", "stripes", "blossoms"])), variant=int(rng.integers(2)), roughness=0.92
         ),
-        Finish("weave", linear(muted(rng, saturation=(0.35, 0.7))), roughness=0.92),
+        Finish("weave", linear(muted(rng, saturation=(0.3, 0.6))), roughness=0.92),
     ][int(rng.integers(2))]
     bedding = [
         Finish("linen", linear(muted(rng, saturation=(0.03, 0.3), value=(0.7, 0.95))), roughness=0.95),
@@ -190,7 +190,9 @@ def draw_style(rng: np.random.Generator, *, wet: bool = False) -> Style:
             str(rng.choice(["plaid", "stripes", "blossoms"])), variant=int(rng.integers(2)), roughness=0.95
         ),
     ][int(rng.integers(2))]
+    wall_choice = int(rng.choice(3, p=[0.45, 0.25, 0.30]))
     if wet:
+        wall_choice = 0
         floor = Finish(
             "floor_tiles", linear(muted(rng, saturation=(0.0, 0.15), value=(0.65, 0.98))), roughness=0.35
         )
@@ -207,7 +209,7 @@ def draw_style(rng: np.random.Generator, *, wet: bool = False) -> Style:
         Finish("plaster", paint, roughness=0.92),
         Finish("woodchip", paint, roughness=0.92),
         Finish("wallpaper", linear(whitish(rng)), variant=int(rng.integers(2)), roughness=0.9),
-    ][int(rng.choice(3, p=[0.45, 0.25, 0.30]))]
+    ][wall_choice]
     return Style(
         wood=wood[0],
         second_wood=wood[1],
@@ -222,15 +224,15 @@ def draw_style(rng: np.random.Generator, *, wet: bool = False) -> Style:
         floor=floor,
         trim=[WHITE_LACQUER, WHITE_LACQUER, wood[0]][int(rng.integers(3))],
         rug=[
-            Finish("rug", variant=int(rng.integers(2)), roughness=0.97),
+            Finish("rug", variant=int(rng.integers(3)), roughness=0.97),
             Finish("pile", linear(muted(rng, saturation=(0.1, 0.4), value=(0.4, 0.85))), roughness=0.98),
         ][int(rng.choice(2, p=[0.7, 0.3]))],
     )
 
 
 _FLOOR_STAINS: tuple[Colour, ...] = (
-    (0.92, 0.85, 0.76),
-    (0.72, 0.58, 0.43),
-    (0.55, 0.38, 0.25),
-    (0.38, 0.26, 0.18),
+    (0.95, 0.93, 0.90),
+    (0.75, 0.67, 0.58),
+    (0.58, 0.47, 0.37),
+    (0.42, 0.34, 0.28),
 )

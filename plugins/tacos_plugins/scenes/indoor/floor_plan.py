@@ -86,7 +86,7 @@ class Door:
         return np.array([1.0, 0.0]) if self.axis == 0 else np.array([0.0, 1.0])
 
     def zone(self, reach_m: float, side_m: float = 0.0) -> Rect:
-        """The rectangle `reach_m` to either side of the wall's middle, `side_m` wider than the opening [m]."""
+        """The floor `reach_m` to either side of the wall, `side_m` wider than the opening at each end [m]."""
         along, across = reach_m, self.width_m / 2 + side_m
         half_x, half_y = (along, across) if self.axis == 0 else (across, along)
         return Rect(self.x_m - half_x, self.y_m - half_y, self.x_m + half_x, self.y_m + half_y)

@@ -93,12 +93,15 @@ def merged(meshes: Iterable[Mesh]) -> Mesh:
     )
 
 
-def shaded(vertices_m: ArrayLike, triangles: ArrayLike, *, crease_deg: float = 50.0) -> Mesh:
+def shaded(
+    vertices_m: ArrayLike, triangles: ArrayLike, *, crease_deg: float = 50.0, whole_bevels: bool = False
+) -> Mesh:
     """A mesh with smooth normals and box-projected texture coordinates.
 
     Normals are averaged by area over the faces around a vertex that differ by less than `crease_deg` from
     each other; area weights keep large faces flat beside their bevels. The texture's u axis follows the
-    longest dimension of the mesh, as wood grain does.
+    longest dimension of the mesh, as wood grain does. With `whole_bevels` texture coordinates follow the
+    normals of vertices instead of faces: fewer vertices, and a seam of texture within each bevel.
     """
     points = np.asarray(vertices_m, dtype=np.float64)
     faces = np.asarray(triangles, dtype=np.int64)
@@ -110,7 +113,7 @@ def shaded(vertices_m: ArrayLike, triangles: ArrayLike, *, crease_deg: float = 5
     flat = area_vectors / doubled_area[:, None]
 
     normals = _corner_normals(faces, area_vectors, flat, math.cos(math.radians(crease_deg)))
-    axis = np.repeat(np.abs(flat).argmax(axis=1), 3)
+    axis = np.abs(normals if whole_bevels else np.repeat(flat, 3, axis=0)).argmax(axis=1)
     key = np.concatenate(
         [faces.reshape(-1, 1), np.rint(normals * 64).astype(np.int64), axis[:, None]], axis=1
     )

@@ -26,11 +26,14 @@ class Piece:
         Meshes and their finishes.
     lights
         Lamps inside, in the frame of the piece.
+    can_light
+        Whether its last part is a shade that can glow.
     """
 
     class_name: str
     parts: tuple[tuple[Mesh, Finish], ...]
     lights: tuple[Light, ...] = ()
+    can_light: bool = False
 
     @property
     def bounds_m(self) -> tuple[np.ndarray, np.ndarray]:
@@ -53,6 +56,15 @@ class Piece:
             self,
             parts=tuple((mesh.moved(x, y, z), finish) for mesh, finish in self.parts),
             lights=tuple(replace(light, position_m=light.position_m + shift) for light in self.lights),
+        )
+
+    def scaled(self, factor: float) -> Piece:
+        """The piece made larger about the origin; its textures grow with it."""
+        return replace(
+            self,
+            parts=tuple(
+                (replace(mesh, vertices_m=mesh.vertices_m * factor), finish) for mesh, finish in self.parts
+            ),
         )
 
     def turned(self, yaw_rad: float) -> Piece:

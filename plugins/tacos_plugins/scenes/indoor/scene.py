@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from tacos_framework.settings import Settings, setting
@@ -13,6 +15,7 @@ from tacos_plugins.scenes.indoor.assembly import assemble
 from tacos_plugins.scenes.indoor.building import draw_building
 from tacos_plugins.scenes.indoor.finishes import TextureLibrary
 from tacos_plugins.scenes.indoor.furnishing.catalogue import Catalogue
+from tacos_plugins.scenes.indoor.piece import Piece
 from tacos_plugins.scenes.indoor.walk.trip import draw_trip
 
 Metres = Annotated[float, Field(gt=0)]
@@ -65,13 +68,20 @@ class IndoorScene:
                 raise ValueError(f"camera_height_m must rise from low to high, not {self.camera_height_m}")
             if high > self.ceiling_height_m - 0.2:
                 raise ValueError(
-                    f"camera_height_m reaches {high} m, above 0.2 m below the ceiling of {self.ceiling_height_m} m"
+                    f"camera_height_m reaches {high} m, but must stay 0.2 m below the ceiling of "
+                    f"{self.ceiling_height_m} m"
                 )
             return self
 
     def __init__(self, config: Config) -> None:
         self.config = config
-        self._catalogue = Catalogue()
+        self._pieces: Mapping[str, Sequence[Piece]] = {}
+        self._images: Mapping[int, NDArray[np.uint8]] = {}
+        if config.furniture_folder:
+            from tacos_plugins.scenes.indoor.user_models import load_user_models  # loads trimesh, slowly
+
+            models = load_user_models(config.furniture_folder)
+            self._pieces, self._images = models.pieces, models.images
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A new world and a trip through it.
@@ -91,9 +101,9 @@ class IndoorScene:
             ceiling_height_m=config.ceiling_height_m,
             min_room_m=config.min_room_m,
             clutter=config.clutter,
-            catalogue=self._catalogue,
+            catalogue=Catalogue(self._pieces),
         )
-        world = assemble(building, TextureLibrary(texture_rng), {}, illumination_lux)
+        world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)
         return draw_trip(
             walk_rng,
             world,

@@ -31,6 +31,11 @@ class Member:
     height_m: float
     blocks: bool
 
+    @property
+    def flat(self) -> bool:
+        """Whether it is a rug."""
+        return not self.blocks and self.height_m < 0.03
+
 
 @dataclass(frozen=True, eq=False)
 class Arrangement:

@@ -64,8 +64,35 @@ BUILDERS: Mapping[str, tuple[str, Builder]] = {
     "sideboard": ("background", storage.sideboard),
     "chest": ("background", storage.chest),
     "kitchen_unit": ("background", storage.kitchen_unit),
+    "fridge": ("background", storage.fridge),
+    "washing_machine": ("background", storage.washing_machine),
+    "laundry_basket": ("background", storage.laundry_basket),
 }
 """Class and builder of each kind."""
+
+
+LONGEST_EDGE_M: Mapping[str, tuple[float, float]] = {
+    "sofa": (1.4, 2.6),
+    "armchair": (0.8, 1.1),
+    "bed": (1.9, 2.2),
+    "single_bed": (1.9, 2.1),
+    "dining_table": (1.1, 2.0),
+    "desk": (1.1, 1.7),
+    "coffee_table": (0.6, 1.2),
+    "side_table": (0.4, 0.6),
+    "dining_chair": (0.8, 1.05),
+    "office_chair": (0.9, 1.2),
+    "bathtub": (1.5, 1.8),
+    "basin": (0.6, 1.1),
+    "television": (0.8, 1.4),
+    "computer": (0.35, 0.7),
+    "floor_plant": (0.7, 1.7),
+    "small_plant": (0.2, 0.4),
+    "floor_lamp": (1.3, 1.8),
+    "table_lamp": (0.35, 0.6),
+    "toy": (0.15, 0.4),
+}
+"""Plausible range of the longest edge of each labelled kind [m]; user models are scaled into it."""
 
 
 class Catalogue:
@@ -84,5 +111,7 @@ class Catalogue:
         """One piece of a kind."""
         class_name, builder = BUILDERS[kind]
         if models := self._models.get(class_name):
-            return models[int(rng.integers(len(models)))]
+            model = models[int(rng.integers(len(models)))]
+            longest, (low, high) = max(model.size_m), LONGEST_EDGE_M[kind]
+            return model if low <= longest <= high else model.scaled(rng.uniform(low, high) / longest)
         return builder(rng, style)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy import ndimage
 
 from tacos_plugins.scenes.indoor.floor_plan import Door, Rect
 from tacos_plugins.scenes.indoor.furnishing.arrangement import Arrangement, placed_rect
+from tacos_plugins.scenes.indoor.piece import Piece
 from tacos_plugins.scenes.indoor.structure.sides import Side
 
 WALKWAY_M = 0.45
@@ -37,6 +40,7 @@ class RoomFloor:
         self.clear = clear
         self.sides = sides
         self.taken: list[Rect] = []
+        self._rugs: list[Rect] = []
         self.placed: list[Arrangement] = []
         self._doors = doors
         self._reserved = [door.zone(_DOOR_REACH_M, 0.15) for door in doors] + reserved
@@ -86,12 +90,14 @@ class RoomFloor:
                 return False
             seen.add(int(np.bincount(inside[inside > 0]).argmax()))
         largest = int(np.bincount(label[label > 0]).argmax())
-        return seen <= {largest} and int((label == largest).sum()) * _CELL_M**2 > 2.0
+        return seen <= {largest} and int((label == largest).sum()) * _CELL_M**2 > 3.0
 
     def try_at(self, arrangement: Arrangement, x_m: float, y_m: float, quarter_turns: int) -> bool:
         """Place the arrangement there if it fits; whether it did."""
         rects = [(m, placed_rect(m.footprint, x_m, y_m, quarter_turns)) for m in arrangement.members]
-        if not all(self.clear.contains(rect) for _, rect in rects):
+        # A rug that would lie on another one, or not fit, is left out.
+        rects = [(m, r) for m, r in rects if not m.flat or self._rug_fits(r)]
+        if not rects or not all(self.clear.contains(rect) for _, rect in rects):
             return False
         blocking = [rect for m, rect in rects if m.blocks]
         for rect in blocking:
@@ -106,8 +112,30 @@ class RoomFloor:
             return False
         self._walkable = walkable
         self.taken += blocking
-        self.placed.append(arrangement.set_at(x_m, y_m, quarter_turns))
+        self._rugs += [rect for m, rect in rects if m.flat]
+        kept = Arrangement(tuple(m for m, _ in rects))
+        self.placed.append(kept.set_at(x_m, y_m, quarter_turns))
         return True
+
+    def _rug_fits(self, rect: Rect) -> bool:
+        return self.clear.contains(rect) and not any(rect.overlaps(other, _GAP_M) for other in self._rugs)
+
+    def filled(self) -> float:
+        """Share of the floor that furniture takes [1]."""
+        width, depth = self.clear.size
+        return sum(rect.size[0] * rect.size[1] for rect in self.taken) / (width * depth)
+
+    def triangle_count(self) -> int:
+        """Triangles of all that was placed."""
+        meshes = (mesh for made in self.placed for m in made.members for mesh, _ in m.piece.parts)
+        return sum(len(mesh.triangles) for mesh in meshes)
+
+    def replace_pieces(self, changed: Callable[[Piece], Piece]) -> None:
+        """Put another piece of the same shape in the place of each one."""
+        self.placed = [
+            Arrangement(tuple(replace(m, piece=changed(m.piece)) for m in made.members))
+            for made in self.placed
+        ]
 
     def place_at_wall(
         self, rng: np.random.Generator, arrangement: Arrangement, *, tries: int = 24, corner: bool = False

@@ -6,14 +6,14 @@ import numpy as np
 
 from tacos_plugins.scenes.indoor.finishes import BLACK_METAL, BRASS, Finish, Style
 from tacos_plugins.scenes.indoor.piece import BACKGROUND, Piece
-from tacos_plugins.scenes.indoor.shapes import box, panel
+from tacos_plugins.scenes.indoor.shapes import panel, slab
 from tacos_plugins.scenes.indoor.structure.sides import Side
 
 
 def hang_pictures(
     rng: np.random.Generator, side: Side, busy_m: list[tuple[float, float]], style: Style, count: int
 ) -> list[Piece]:
-    """Up to `count` pictures on a side, clear of the stretches that windows, doors and tall furniture take."""
+    """Up to `count` pictures on a side, clear of windows, doors and tall furniture."""
     found: list[Piece] = []
     busy = list(busy_m)
     for _ in range(count * 6):
@@ -37,11 +37,11 @@ def _picture(rng: np.random.Generator, style: Style, width: float, height: float
     wood = [style.wood, style.second_wood, BLACK_METAL, BRASS][int(rng.integers(4))]
     motif = str(rng.choice(["landscape", "landscape", "abstract", "photograph"]))
     canvas = Finish(motif, variant=int(rng.integers(3)), texture_size_m=max(width, height), roughness=0.6)
-    parts = [(box((width, 0.012, height), (0, 0.008, 0), bevel_m=0.002), wood)]
+    parts = [(slab((width, 0.012, height), (0, 0.008, 0)), wood)]
     for z in (0.0, height - rim):
-        parts.append((box((width, 0.026, rim), (0, 0.016, z), bevel_m=0.004), wood))
+        parts.append((slab((width, 0.026, rim), (0, 0.016, z)), wood))
     for x in (-1, 1):
-        parts.append((box((rim, 0.026, height), (x * (width - rim) / 2, 0.016, 0), bevel_m=0.004), wood))
+        parts.append((slab((rim, 0.026, height), (x * (width - rim) / 2, 0.016, 0)), wood))
     inner = (width - 2 * rim, height - 2 * rim)
     face = panel([width / 2 - rim, 0.0155, rim], [-inner[0], 0, 0], [0, 0, inner[1]], step_m=1.0)
     parts.append((face, canvas))

@@ -9,27 +9,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from tacos_plugins.scenes.indoor.finishes import Style
-from tacos_plugins.scenes.indoor.furnishing.arrangement import (
-    Arrangement,
-    Member,
-    against_wall,
-    alone,
-    member,
-    together,
-)
+from tacos_plugins.scenes.indoor.furnishing import groups
+from tacos_plugins.scenes.indoor.furnishing.arrangement import Arrangement, alone, member, together
 from tacos_plugins.scenes.indoor.furnishing.catalogue import Catalogue
 from tacos_plugins.scenes.indoor.furnishing.occupancy import RoomFloor
 from tacos_plugins.scenes.indoor.furniture.lamp import switched_on
-from tacos_plugins.scenes.indoor.piece import BACKGROUND, Piece, piece
-from tacos_plugins.scenes.indoor.shapes import box
+from tacos_plugins.scenes.indoor.piece import Piece
 
 LAMP_FLUX_LM = 450.0
-LAMP_TEMPERATURE_K = 4200.0
+"""Luminous flux of a lamp beside the ceiling lights, before calibration [lm]."""
+LAMP_TEMPERATURE_K = 4300.0
+_FILLED = 0.26
+"""Share of the floor that furniture takes in a furnished room [1]."""
 
 
 @dataclass
 class Furnisher:
-    """Furnishes one room; each method of a kind of room places what belongs there.
+    """Furnishes one room: first what makes the room, then more until it looks lived in.
 
     Parameters
     ----------
@@ -44,7 +40,9 @@ class Furnisher:
     clutter
         0 for few small things to 1 for many [1].
     lamps_lit
-        How many lamps may still be switched on.
+        How many lamps may be switched on.
+    triangles
+        Beyond this many triangles nothing is added that the room can do without.
     """
 
     rng: np.random.Generator
@@ -53,245 +51,171 @@ class Furnisher:
     catalogue: Catalogue
     clutter: float
     lamps_lit: int
+    triangles: int
+
+    def furnish(self, kind: str) -> None:
+        """Furnish the room as a kind of :data:`ROOM_KINDS`, and switch on its lamps."""
+        essential, more, toys = ROOM_KINDS[kind]
+        essential(self)
+        for name in self.rng.permutation(more.split(", ")).tolist():
+            if self.floor.filled() > _FILLED or self.floor.triangle_count() > self.triangles:
+                break
+            _PLACE[name](self)
+        for _ in range(self.rng.poisson(toys * 2 * self.clutter)):
+            self._toy()
+        self.floor.replace_pieces(self._switched)
 
     def make(self, kind: str) -> Piece:
-        """One piece of furniture; lamps are switched on while the room's allowance lasts."""
-        made = self.catalogue.make(kind, self.rng, self.style)
-        if made.class_name == "lamp" and self.lamps_lit > 0:
-            self.lamps_lit -= 1
-            return switched_on(made, LAMP_FLUX_LM, LAMP_TEMPERATURE_K)
-        return made
+        """One piece of furniture."""
+        return self.catalogue.make(kind, self.rng, self.style)
 
-    def living(self) -> None:
-        """Sofa opposite the television, coffee table on a rug between them, armchairs, shelves."""
-        for _ in range(3):
-            if self.floor.place_at_wall(self.rng, self._television_corner(), tries=40):
-                break
-        else:
-            self._at_wall("sofa")
-            self.floor.place_at_wall(self.rng, self._on(self.make("sideboard"), self.make("television")))
-        self._at_wall("bookshelf")
-        self._lamp_in_corner()
-        self._in_corner("floor_plant")
-        if self.rng.uniform() < 0.6:
-            self._at_wall("bookshelf")
-        if self.rng.uniform() < 0.5:
-            self.floor.place_at_wall(self.rng, self._on(self.make("chest"), self.make("small_plant")))
-        self._toys(self.rng.poisson(1.5 * self.clutter))
+    def at_wall(self, arrangement: Arrangement) -> bool:
+        """Place something with its back to a wall."""
+        return self.floor.place_at_wall(self.rng, arrangement, tries=40)
 
-    def bedroom(self) -> None:
-        """Bed between night stands with lamps, wardrobe, chest."""
-        self.floor.place_at_wall(self.rng, self._bed_between_lamps("bed"), tries=60) or self._at_wall(
-            "single_bed"
-        )
-        self._at_wall("wardrobe")
-        if self.rng.uniform() < 0.6:
-            self.floor.place_at_wall(self.rng, self._on(self.make("chest"), self.make("small_plant")))
-        if self.rng.uniform() < 0.6:
-            self._in_corner("armchair")
-        self._in_corner("floor_plant")
-        if self.rng.uniform() < 0.35:
-            self.floor.place_at_wall(self.rng, self._workplace())
-        self._toys(self.rng.poisson(1.0 * self.clutter))
-
-    def children(self) -> None:
-        """Beds for children, a table to draw at, many toys."""
-        for _ in range(int(self.rng.integers(1, 3))):
-            self.floor.place_at_wall(self.rng, self._bed_between_lamps("single_bed"), tries=60)
-        self._at_wall("wardrobe")
-        self.floor.place_at_wall(self.rng, self._workplace())
-        self._at_wall("bookshelf")
-        self._rug(1.8, 1.3)
-        self._toys(3 + self.rng.poisson(5 * self.clutter))
-
-    def bathroom(self) -> None:
-        """Tub, one or two basins, toilet, a plant."""
-        self.floor.place_at_wall(self.rng, alone(self.make("bathtub").turned(math.pi)), tries=60, corner=True)
-        for _ in range(int(self.rng.integers(1, 3))):
-            self._at_wall("basin")
-        self._at_wall("toilet")
-        self._at_wall("chest")
-        if self.rng.uniform() < 0.8:
-            self._in_corner("floor_plant")
-        self._rug(0.9, 0.6, spread=0.3)
-        self._toys(self.rng.poisson(0.6 * self.clutter))
-
-    def dining(self) -> None:
-        """A table with chairs around it, a kitchen unit, a sideboard."""
-        self.floor.place_at_wall(self.rng, alone(self.make("kitchen_unit")), tries=40)
-        self.floor.place_inside(self.rng, self._table_with_chairs(), tries=40)
-        self.floor.place_at_wall(self.rng, self._on(self.make("sideboard"), self.make("small_plant")))
-        self._in_corner("floor_plant")
-        if self.rng.uniform() < 0.5:
-            self._lamp_in_corner()
-        if self.rng.uniform() < 0.5:
-            self._at_wall("bookshelf")
-        self._toys(self.rng.poisson(0.7 * self.clutter))
-
-    def office(self) -> None:
-        """Desks with computers, shelves, an armchair to read in."""
-        for _ in range(int(self.rng.integers(1, 4))):
-            self.floor.place_at_wall(self.rng, self._workplace(), tries=40)
-        for _ in range(int(self.rng.integers(1, 4))):
-            self._at_wall("bookshelf")
-        self._lamp_in_corner()
-        if self.rng.uniform() < 0.7:
-            self._in_corner("armchair")
-        self._in_corner("floor_plant")
-        self._rug(2.0, 1.4)
-        self._toys(self.rng.poisson(0.5 * self.clutter))
-
-    def _at_wall(self, kind: str) -> bool:
-        return self.floor.place_at_wall(self.rng, alone(self.make(kind)))
-
-    def _in_corner(self, kind: str) -> bool:
+    def in_corner(self, kind: str) -> bool:
+        """Place a piece in a corner."""
         return self.floor.place_at_wall(self.rng, alone(self.make(kind), gap_m=0.08), corner=True)
 
-    def _lamp_in_corner(self) -> None:
-        self._in_corner("floor_lamp")
+    def inside(self, arrangement: Arrangement, spread: float = 0.35) -> bool:
+        """Place something away from the walls."""
+        return self.floor.place_inside(self.rng, arrangement, tries=40, spread=spread)
 
-    def _on(self, support: Piece, thing: Piece) -> Arrangement:
-        """Something on a cupboard at the wall."""
-        base = against_wall(support)
-        share = 0.0 if thing.class_name == "computer_tv" else self.rng.uniform(-0.3, 0.3)
-        top = member(
-            thing, share * support.size_m[0], base.footprint.y0 + support.size_m[1] / 2, support.size_m[2]
-        )
-        return together([base, top])
+    def _switched(self, thing: Piece) -> Piece:
+        if thing.class_name == "lamp" and thing.can_light and self.lamps_lit > 0:
+            self.lamps_lit -= 1
+            return switched_on(thing, LAMP_FLUX_LM, LAMP_TEMPERATURE_K)
+        return thing
 
-    def _television_corner(self) -> Arrangement:
-        rng = self.rng
-        stand = against_wall(self.make("sideboard"))
-        screen = self.make("television")
-        seat, low_table = self.make("sofa"), self.make("coffee_table")
-        members = [stand, member(screen, 0, stand.footprint.y1 - 0.2, stand.height_m)]
-        table_at = stand.footprint.y1 + rng.uniform(1.0, 1.3) + low_table.size_m[1] / 2
-        sofa_at = table_at + low_table.size_m[1] / 2 + rng.uniform(0.38, 0.5) + seat.size_m[1] / 2
-        members.append(member(low_table, rng.uniform(-0.1, 0.1), table_at))
-        members.append(member(seat, 0, sofa_at, yaw_rad=math.pi))
-        rug_width, rug_depth = seat.size_m[0] + 0.4, 2.0
-        members.append(self._rug_at(rug_width, rug_depth, table_at + 0.15))
-        beside = seat.size_m[0] / 2 + 0.32
-        end = int(rng.choice([-1, 1]))
-        if rng.uniform() < 0.6:
-            table = self.make("side_table")
-            members.append(member(table, end * beside, sofa_at + 0.1))
-            members.append(member(self.make("table_lamp"), end * beside, sofa_at + 0.1, table.size_m[2]))
+    def _toy(self) -> None:
+        made = together([member(self.make("toy"), yaw_rad=self.rng.uniform(0, 2 * math.pi))])
+        self.floor.place_inside(self.rng, made, spread=0.47, tries=12)
+
+    def _living(self) -> None:
+        for _ in range(3):
+            if self.at_wall(groups.television_corner(self.rng, self.make, self.style)):
+                break
         else:
-            members.append(member(self.make("floor_lamp"), end * beside, sofa_at + 0.1))
-        if rng.uniform() < 0.6:
-            members.append(
-                member(
-                    self.make("armchair"),
-                    -end * (seat.size_m[0] / 2 + 0.25),
-                    table_at,
-                    yaw_rad=-end * -math.pi / 2,
-                )
-            )
-        if rng.uniform() < 0.5 * self.clutter + 0.3:
-            members.append(member(self.make("small_plant"), 0.1, table_at, low_table.size_m[2]))
-        return together(members)
+            self.at_wall(groups.on_top(self.rng, self.make("sideboard"), self.make("television")))
+            self.at_wall(groups.sofa_at_wall(self.rng, self.make, self.style))
+        self.in_corner("floor_lamp")
+        self.in_corner("floor_plant")
 
-    def _bed_between_lamps(self, kind: str) -> Arrangement:
-        made = self.make(kind)
-        members = [against_wall(made)]
-        members.append(self._rug_at(made.size_m[0] + 1.0, 1.5, made.size_m[1] * 0.75))
-        for end in (-1, 1) if kind == "bed" else (int(self.rng.choice([-1, 1])),):
-            stand = self.make("side_table")
-            x = end * (made.size_m[0] / 2 + 0.08 + stand.size_m[0] / 2)
-            y = stand.size_m[1] / 2 + 0.04
-            members.append(member(stand, x, y))
-            members.append(member(self.make("table_lamp"), x, y, stand.size_m[2]))
-        return together(members)
+    def _bedroom(self) -> None:
+        for kind in ("bed", "bed", "single_bed"):
+            if self.at_wall(groups.bed_between_lamps(self.rng, self.make, self.style, kind)):
+                break
+        self.at_wall(alone(self.make("wardrobe")))
+        self.in_corner("floor_plant")
 
-    def _workplace(self) -> Arrangement:
-        desk, screen, seat = self.make("desk"), self.make("computer"), self.make("office_chair")
-        base = against_wall(desk)
-        # The user sits at the front of the desk and faces the wall; the screen faces the user.
-        members = [
-            base,
-            member(
-                screen,
-                self.rng.uniform(-0.15, 0.15),
-                base.footprint.y0 + desk.size_m[1] * 0.47,
-                desk.size_m[2],
-            ),
-        ]
-        members.append(
-            member(
-                seat,
-                self.rng.uniform(-0.1, 0.1),
-                base.footprint.y1 + seat.size_m[1] / 2 + 0.06,
-                yaw_rad=math.pi,
-            )
-        )
-        if self.rng.uniform() < 0.5:
-            members.append(
-                member(
-                    self.make("table_lamp"), desk.size_m[0] * 0.38, base.footprint.y0 + 0.2, desk.size_m[2]
-                )
-            )
-        return together(members)
+    def _children(self) -> None:
+        for _ in range(int(self.rng.integers(1, 3))):
+            self.at_wall(groups.bed_between_lamps(self.rng, self.make, self.style, "single_bed"))
+        self.at_wall(groups.workplace(self.rng, self.make, self.style))
+        self.inside(together([groups.rug(self.rng, self.style, 2.0, 1.5)]), spread=0.2)
 
-    def _table_with_chairs(self) -> Arrangement:
-        table = self.make("dining_table")
-        width, depth, _ = table.size_m
-        members = [member(table)]
-        seat = self.make("dining_chair")
-        reach = seat.size_m[1] / 2 + 0.05
-        along = 2 if width > 1.3 else 1
-        for end in (-1, 1):
-            for k in range(along):
-                x = (k - (along - 1) / 2) * width * 0.5
-                yaw = (math.pi if end > 0 else 0.0) + self.rng.normal(0, 0.05)
-                members.append(
-                    member(
-                        seat,
-                        x + self.rng.normal(0, 0.02),
-                        end * (depth / 2 + reach + self.rng.uniform(0, 0.08)),
-                        yaw_rad=yaw,
-                    )
-                )
-            if along == 1 or self.rng.uniform() < 0.4:
-                yaw = end * math.pi / 2 + self.rng.normal(0, 0.05)
-                members.append(
-                    member(seat, end * (width / 2 + reach + self.rng.uniform(0, 0.06)), 0, yaw_rad=yaw)
-                )
-        if self.rng.uniform() < 0.7:
-            members.append(member(self.make("small_plant"), 0, 0, table.size_m[2]))
-        return together(members)
+    def _bathroom(self) -> None:
+        tub = self.make("bathtub").turned(math.pi * int(self.rng.integers(2)))
+        self.floor.place_at_wall(self.rng, alone(tub), tries=60, corner=True)
+        for _ in range(int(self.rng.integers(1, 3))):
+            self.at_wall(alone(self.make("basin")))
+        self.at_wall(alone(self.make("toilet")))
+        self.in_corner("floor_plant")
+        self.inside(together([groups.rug(self.rng, self.style, 1.1, 0.7)]))
 
-    def _rug_at(self, width: float, depth: float, y: float) -> Member:
-        return member(_rug_piece(self.rng, width, depth, self.style), 0, y, blocks=False)
+    def _dining(self) -> None:
+        self.at_wall(alone(self.make("kitchen_unit")))
+        self.at_wall(alone(self.make("fridge")))
+        self.inside(groups.table_with_chairs(self.rng, self.make, self.style))
+        self.in_corner("floor_plant")
 
-    def _rug(self, width: float, depth: float, *, spread: float = 0.15) -> None:
-        made = together([self._rug_at(width, depth, 0.0)])
-        self.floor.place_inside(self.rng, made, spread=spread, tries=6)
-
-    def _toys(self, count: int) -> None:
-        for _ in range(count):
-            toy = self.make("toy")
-            made = together([member(toy, yaw_rad=self.rng.uniform(0, 2 * math.pi))])
-            self.floor.place_inside(self.rng, made, spread=0.47, tries=12)
+    def _office(self) -> None:
+        for _ in range(int(self.rng.integers(1, 4))):
+            self.at_wall(groups.workplace(self.rng, self.make, self.style))
+        self.at_wall(alone(self.make("bookshelf")))
+        self.in_corner("floor_lamp")
+        self.inside(together([groups.rug(self.rng, self.style, 2.4, 1.7)]), spread=0.15)
 
 
-def _rug_piece(rng: np.random.Generator, width: float, depth: float, style: Style) -> Piece:
-    mat = box((width, depth, 0.009), bevel_m=0.004).with_uv_offset(*rng.uniform(0, 1, 2))
-    return piece(BACKGROUND, [(mat, style.rug)])
+def _single(kind: str) -> Callable[[Furnisher], object]:
+    return lambda furnisher: furnisher.at_wall(alone(furnisher.make(kind)))
 
 
-ROOM_KINDS: Mapping[str, Callable[[Furnisher], None]] = {
-    "living": Furnisher.living,
-    "bedroom": Furnisher.bedroom,
-    "bathroom": Furnisher.bathroom,
-    "dining": Furnisher.dining,
-    "office": Furnisher.office,
-    "children": Furnisher.children,
+def _corner(kind: str) -> Callable[[Furnisher], object]:
+    return lambda furnisher: furnisher.in_corner(kind)
+
+
+def _topped(kind: str, top: str) -> Callable[[Furnisher], object]:
+    return lambda f: f.at_wall(groups.on_top(f.rng, f.make(kind), f.make(top)))
+
+
+def _group(
+    make_group: Callable[[np.random.Generator, groups.Make, Style], Arrangement], *, inside: bool = False
+) -> Callable[[Furnisher], object]:
+    def place(furnisher: Furnisher) -> bool:
+        made = make_group(furnisher.rng, furnisher.make, furnisher.style)
+        return furnisher.inside(made) if inside else furnisher.at_wall(made)
+
+    return place
+
+
+_PLACE: Mapping[str, Callable[[Furnisher], object]] = {
+    "bookshelf": _single("bookshelf"),
+    "wardrobe": _single("wardrobe"),
+    "kitchen_unit": _single("kitchen_unit"),
+    "washing_machine": _single("washing_machine"),
+    "laundry_basket": _single("laundry_basket"),
+    "armchair": _corner("armchair"),
+    "floor_plant": _corner("floor_plant"),
+    "floor_lamp": _corner("floor_lamp"),
+    "chest": _topped("chest", "small_plant"),
+    "chest with lamp": _topped("chest", "table_lamp"),
+    "sideboard": _topped("sideboard", "small_plant"),
+    "television": _topped("sideboard", "television"),
+    "sofa": _group(groups.sofa_at_wall),
+    "reading corner": _group(groups.reading_corner),
+    "workplace": _group(groups.workplace),
+    "table with chairs": _group(groups.table_with_chairs, inside=True),
 }
+
+ROOM_KINDS: Mapping[str, tuple[Callable[[Furnisher], None], str, float]] = {
+    "living": (
+        Furnisher._living,
+        "bookshelf, bookshelf, reading corner, sideboard, sofa, table with chairs, floor_plant, chest",
+        1.5,
+    ),
+    "bedroom": (
+        Furnisher._bedroom,
+        "chest, chest with lamp, wardrobe, reading corner, bookshelf, workplace, floor_plant, armchair",
+        1.0,
+    ),
+    "bathroom": (
+        Furnisher._bathroom,
+        "washing_machine, washing_machine, laundry_basket, chest, wardrobe, floor_plant, laundry_basket",
+        0.6,
+    ),
+    "dining": (
+        Furnisher._dining,
+        "kitchen_unit, sideboard, bookshelf, chest, floor_plant, floor_plant, sofa, television, armchair",
+        0.8,
+    ),
+    "office": (
+        Furnisher._office,
+        "bookshelf, bookshelf, workplace, table with chairs, reading corner, sideboard, floor_plant, sofa",
+        0.5,
+    ),
+    "children": (
+        Furnisher._children,
+        "bookshelf, chest, wardrobe, armchair, chest with lamp, workplace, floor_plant, bookshelf",
+        6.0,
+    ),
+}
+"""For each kind of room: what makes it, what may be added (once a
+mention), and how many toys lie about at medium clutter."""
 
 
 def draw_room_kinds(rng: np.random.Generator, areas_m2: list[float]) -> list[str]:
-    """A kind for each room: the first kinds once each, then repeats; bathrooms go to small rooms."""
+    """A kind for each room, each once before any twice; bathrooms are small, living rooms large."""
     first = ["living", "bedroom", "bathroom", "dining", "office", "children"]
     more = ["bedroom", "office", "living", "children", "dining"]
     wanted = first[: len(areas_m2)] + [more[k % len(more)] for k in range(max(0, len(areas_m2) - len(first)))]

@@ -104,15 +104,15 @@ def basin(rng: np.random.Generator, style: Style) -> Piece:
             )
         ]
         parts.append((loft(column), CERAMIC))
-    y = rear + 0.05
+    tap_y = rear + 0.05
     tap = [
-        [0, y, height - 0.02],
-        [0, y, height + 0.13],
-        [0, y + 0.05, height + 0.17],
-        [0, y + 0.12, height + 0.14],
+        [0, tap_y, height - 0.02],
+        [0, tap_y, height + 0.13],
+        [0, tap_y + 0.05, height + 0.17],
+        [0, tap_y + 0.12, height + 0.14],
     ]
     parts.append((tube(tap, 0.013), CHROME))
-    parts.append((box((0.02, 0.06, 0.012), (0, y + 0.005, height + 0.165), bevel_m=0.004), CHROME))
+    parts.append((box((0.02, 0.06, 0.012), (0, tap_y + 0.005, height + 0.165), bevel_m=0.004), CHROME))
     return piece("basin", parts)
 
 

@@ -34,7 +34,7 @@ def _bed(rng: np.random.Generator, style: Style, *, width: float, pillows: int) 
     parts: list[tuple[Mesh, Finish]] = [
         (box((width + 0.06, length + 0.04, frame_height), (0, 0, frame_low), bevel_m=0.015), frame),
         (
-            cushion((width - 0.01, length - 0.02, mattress), (0, 0, top - mattress), round_m=0.05, steps=2),
+            cushion((width - 0.01, length - 0.02, mattress), (0, 0, top - mattress), round_m=0.05),
             _SHEET,
         ),
     ]
@@ -61,21 +61,24 @@ def _bed(rng: np.random.Generator, style: Style, *, width: float, pillows: int) 
         (cushion((width + 0.03, 0.5, 0.035), (0, front - 0.42, top + 0.028), round_m=0.015), style.accent)
     )
     for pillow in range(pillows):
-        x = (pillow - (pillows - 1) / 2) * width * 0.48
+        place = (pillow - (pillows - 1) / 2) * width * 0.48
         soft = cushion(
-            (min(0.68, width * 0.45 + 0.15), 0.42, 0.15), (0, 0, -0.075), round_m=0.07, puff_m=0.02, steps=2
+            (min(0.68, width * 0.45 + 0.15), 0.42, 0.15), (0, 0, -0.075), round_m=0.07, puff_m=0.02
         )
         soft = soft.rotated(rotation_x(-0.32 + rng.uniform(-0.05, 0.05))).turned(rng.uniform(-0.06, 0.06))
         parts.append(
-            (soft.moved(x, -front + 0.30, top + 0.10), _SHEET if pillow or pillows == 1 else style.bedding)
+            (
+                soft.moved(place, -front + 0.30, top + 0.10),
+                _SHEET if pillow or pillows == 1 else style.bedding,
+            )
         )
     return piece("bed", parts)
 
 
 def _duvet(rng: np.random.Generator, width: float, length: float, top: float) -> Mesh:
     """A quilt over the mattress: flat on top, bent down at sides and foot, with shallow folds."""
-    across = np.linspace(-1, 1, 13)
-    along = np.linspace(0, 1, 12)
+    across = np.linspace(-1, 1, 11)
+    along = np.linspace(0, 1, 9)
     reach, drop = width / 2 + 0.03, 0.24
     half_span = reach + drop
     x_arc = across * half_span
@@ -89,9 +92,7 @@ def _duvet(rng: np.random.Generator, width: float, length: float, top: float) ->
     y = np.minimum(start + y_arc, foot + 0.02)
     grid_x, grid_y = np.meshgrid(x, y)
     down = (over_side[None, :] ** 3 + over_foot[:, None] ** 3) ** (1 / 3)
-    folds = (
-        rng.normal(0, 0.008, (12, 13)) + 0.012 * np.sin(np.linspace(0, 9, 13) + rng.uniform(0, 6))[None, :]
-    )
+    folds = rng.normal(0, 0.008, (9, 11)) + 0.012 * np.sin(np.linspace(0, 9, 11) + rng.uniform(0, 6))[None, :]
     grid_z = top + 0.045 - down + np.where(down > 0, 0, folds)
     points = np.stack([grid_x, grid_y, grid_z], axis=2)
     return sheet(points, thickness_m=0.02)

@@ -45,8 +45,8 @@ def dining_chair(rng: np.random.Generator, style: Style) -> Piece:
     else:
         parts.append((on_back(box((width - leg, 0.02, 0.08), (0, 0, -0.04)), back - 0.05), style.wood))
         for k in range(4):
-            x = (k - 1.5) * (width - 0.1) / 4
-            bar = box((0.025, 0.014, back - seat - 0.08), (x, 0, -(back - seat - 0.08) / 2), bevel_m=0.003)
+            at = (k - 1.5) * (width - 0.1) / 4
+            bar = box((0.025, 0.014, back - seat - 0.08), (at, 0, -(back - seat - 0.08) / 2), bevel_m=0.003)
             parts.append((on_back(bar, (back + seat) / 2 - 0.03), style.wood))
     parts.append((box((0.02, depth - leg, 0.03), (width / 2 - leg / 2, 0, seat * 0.45)), style.wood))
     parts.append((box((0.02, depth - leg, 0.03), (-width / 2 + leg / 2, 0, seat * 0.45)), style.wood))

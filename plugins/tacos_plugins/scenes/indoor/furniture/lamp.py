@@ -60,7 +60,7 @@ def _lamp(rng: np.random.Generator, stand: list[tuple[Mesh, Finish]], height: fl
     centre = height - half
     shade = disc_stack([(r, centre + z) for r, z in profile], sides=16)
     cloth = Finish("linen", (0.85, 0.80, 0.70), roughness=0.9)
-    return piece("lamp", [*stand, (shade, cloth)])
+    return replace(piece("lamp", [*stand, (shade, cloth)]), can_light=True)
 
 
 def switched_on(lamp: Piece, flux_lm: float, temperature_k: float) -> Piece:
@@ -75,7 +75,7 @@ def switched_on(lamp: Piece, flux_lm: float, temperature_k: float) -> Piece:
     reach = float(np.linalg.norm(shade.vertices_m - centre, axis=1).max()) + _CLEARANCE_M
     flux = flux_lm * white_at(temperature_k)
     glow = emitter_luminance_cd_m2(flux, _area_m2(shade))
-    light = Light(centre, flux, radius_m=reach)
+    light = Light(centre.astype(np.float32), flux.astype(np.float32), radius_m=reach)
     lit = replace(cloth, emission_cd_m2=(float(glow[0]), float(glow[1]), float(glow[2])))
     return replace(lamp, parts=(*lamp.parts[:-1], (shade, lit)), lights=(light,))
 

@@ -18,13 +18,13 @@ _GREENS = ((0.30, 0.55, 0.22), (0.20, 0.42, 0.18), (0.45, 0.60, 0.25), (0.25, 0.
 def floor_plant(rng: np.random.Generator, style: Style) -> Piece:
     """A large plant for a corner: broad leaves on stems, a palm, or upright blades."""
     return _plant(
-        rng, height=rng.uniform(0.9, 1.6), pot=rng.uniform(0.15, 0.2), leaves=int(rng.integers(18, 30))
+        rng, height=rng.uniform(0.9, 1.6), pot=rng.uniform(0.15, 0.2), leaves=int(rng.integers(16, 26))
     )
 
 
 def small_plant(rng: np.random.Generator, style: Style) -> Piece:
     """A plant for a table or a sill."""
-    return _plant(rng, height=rng.uniform(0.22, 0.36), pot=rng.uniform(0.06, 0.08), leaves=14)
+    return _plant(rng, height=rng.uniform(0.22, 0.36), pot=rng.uniform(0.06, 0.08), leaves=11)
 
 
 def _plant(rng: np.random.Generator, *, height: float, pot: float, leaves: int) -> Piece:
@@ -43,7 +43,7 @@ def _plant(rng: np.random.Generator, *, height: float, pot: float, leaves: int) 
         Finish("plaster", (0.48, 0.24, 0.15), roughness=0.9),
         Finish("wicker", texture_size_m=0.2, roughness=0.9),
     ][int(rng.integers(3))]
-    earth = disc_stack([(pot * 0.88, pot_height * 0.80), (pot * 0.87, pot_height * 0.9)], sides=14)
+    earth = disc_stack([(pot * 0.88, pot_height * 0.80), (pot * 0.87, pot_height * 0.9)], sides=12)
     green = Finish(
         "foliage",
         _GREENS[int(rng.integers(len(_GREENS)))],
@@ -71,11 +71,11 @@ def _plant(rng: np.random.Generator, *, height: float, pot: float, leaves: int) 
                 rng.uniform(0.7, 1.3),
             )
             base = np.array([crown * 0.10 * (1.2 - rise), 0, pot_height * 0.9 + crown * (0.15 + 0.7 * rise)])
-            stem_top = base + [0.01, 0, 0.01]
+            stem_top = base + np.array([0.01, 0, 0.01])
             stems.append(
-                tube([[0.01, 0, pot_height * 0.85], stem_top], 0.004 + 0.003 * crown, sides=4).rotated(
-                    rotation_z(turn)
-                )
+                tube(
+                    np.stack([[0.01, 0, pot_height * 0.85], stem_top]), 0.004 + 0.003 * crown, sides=3
+                ).rotated(rotation_z(turn))
             )
         foliage.append(_leaf(length, width, lean, curl=0.9).moved(*base).rotated(rotation_z(turn)))
     if kind == "palm":
@@ -86,7 +86,7 @@ def _plant(rng: np.random.Generator, *, height: float, pot: float, leaves: int) 
         ]
         stems.append(tube(trunk, [0.03 * crown + 0.01, 0.025 * crown + 0.006, 0.01], sides=6))
     parts: list[tuple[Mesh, Finish]] = [
-        (disc_stack(profile, sides=16), vessel),
+        (disc_stack(profile, sides=12), vessel),
         (earth, SOIL),
         (merged(foliage), green),
     ]
@@ -97,14 +97,14 @@ def _plant(rng: np.random.Generator, *, height: float, pot: float, leaves: int) 
 
 def _leaf(length: float, width: float, lean_rad: float, *, curl: float) -> Mesh:
     """A leaf that starts at the origin, rises leaning towards +x, and bends over by `curl` [rad]."""
-    along = np.linspace(0, 1, 5)
+    along = np.linspace(0, 1, 4)
     angle = lean_rad + curl * along
-    step = length / 4
+    step = length / 3
     x = np.concatenate([[0], np.cumsum(np.sin(angle[:-1]) * step)])
     z = np.concatenate([[0], np.cumsum(np.cos(angle[:-1]) * step)])
-    half = width * np.array([0.12, 0.42, 0.5, 0.36, 0.02])
+    half = width * np.array([0.14, 0.48, 0.44, 0.02])
     side = np.array([-1.0, 0.0, 1.0])
-    points = np.empty((3, 5, 3))
+    points = np.empty((3, 4, 3))
     points[..., 0] = x - 0.15 * np.abs(side)[:, None] * half * np.cos(angle)
     points[..., 1] = side[:, None] * half
     points[..., 2] = z + 0.3 * np.abs(side)[:, None] * half * np.sin(angle)

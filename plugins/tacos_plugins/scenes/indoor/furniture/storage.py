@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
-from tacos_plugins.scenes.indoor.finishes import CHROME, STEEL, Finish, Style
-from tacos_plugins.scenes.indoor.mesh import Mesh, merged
+from tacos_plugins.scenes.indoor.finishes import (
+    CHROME,
+    DARK_GLASS,
+    GREY_PLASTIC,
+    STEEL,
+    WHITE_LACQUER,
+    Finish,
+    Style,
+)
+from tacos_plugins.scenes.indoor.mesh import Mesh, merged, rotation_x
 from tacos_plugins.scenes.indoor.piece import BACKGROUND, Piece, piece
 from tacos_plugins.scenes.indoor.shapes import box, disc_stack, slab, tube
 from tacos_plugins.scenes.indoor.textures.printed import SPINE_M, SPINES
@@ -23,13 +34,11 @@ def bookshelf(rng: np.random.Generator, style: Style) -> Piece:
         (slab((width - 2 * board, 0.008, height - 0.06), (0, -depth / 2 + 0.004, 0.05)), style.wood),
     ]
     for x in (-1, 1):
-        parts.append(
-            (box((board, depth, height), (x * (width - board) / 2, 0, 0), bevel_m=0.003), style.wood)
-        )
+        parts.append((slab((board, depth, height), (x * (width - board) / 2, 0, 0)), style.wood))
     spacing = (height - 0.06 - board) / shelves
     for shelf in range(shelves + 1):
         low = 0.06 + shelf * spacing
-        parts.append((box((width - 2 * board, depth - 0.005, board), (0, 0, low), bevel_m=0.003), style.wood))
+        parts.append((slab((width - 2 * board, depth - 0.005, board), (0, 0, low)), style.wood))
         if shelf < shelves:
             inner = width - 2 * board - 0.01
             parts += _shelf_contents(rng, style, inner, depth, low + board, spacing - board)
@@ -58,7 +67,7 @@ def _shelf_contents(
             continue
         thick = SPINE_M * rng.choice([0.7, 1.0, 1.0, 1.4])
         tall, deep = room * rng.uniform(0.6, 0.93), depth * rng.uniform(0.6, 0.75)
-        volume = slab((thick - 0.001, deep, tall), (x + thick / 2, depth / 2 - 0.03 - deep / 2, low))
+        volume = _book((thick - 0.001, deep, tall), (x + thick / 2, depth / 2 - 0.03 - deep / 2, low))
         # Each book shows one spine of the texture, whatever its place on the shelf.
         spine = (int(rng.integers(SPINES)) + 0.5) * SPINE_M
         u = spine + np.clip(
@@ -70,6 +79,13 @@ def _shelf_contents(
     if books:
         found.append((merged(books), _BOOKS))
     return found
+
+
+def _book(size_m: tuple[float, float, float], at_m: tuple[float, float, float]) -> Mesh:
+    """A book without the two faces that its shelf hides (8 triangles)."""
+    full = slab(size_m, at_m)
+    facing = full.normals[full.triangles[:, 0]]
+    return replace(full, triangles=full.triangles[(facing[:, 1] > -0.5) & (facing[:, 2] > -0.5)])
 
 
 def wardrobe(rng: np.random.Generator, style: Style) -> Piece:
@@ -125,6 +141,44 @@ def kitchen_unit(rng: np.random.Generator, style: Style) -> Piece:
         )
     )
     return piece(BACKGROUND, parts)
+
+
+def fridge(rng: np.random.Generator, style: Style) -> Piece:
+    """A fridge with a freezer below."""
+    skin = WHITE_LACQUER if rng.uniform() < 0.5 else STEEL
+    height, split = rng.uniform(1.7, 1.9), 0.62
+    parts: list[tuple[Mesh, Finish]] = [(box((0.6, 0.58, height), (0, -0.02, 0), bevel_m=0.01), skin)]
+    for low, high in ((0.05, split - 0.005), (split + 0.005, height - 0.01)):
+        parts.append((box((0.595, 0.05, high - low), (0, 0.295, low), bevel_m=0.014), skin))
+        parts.append((box((0.02, 0.03, 0.3), (0.25, 0.33, max(low, high - 0.75)), bevel_m=0.006), STEEL))
+    return piece(BACKGROUND, parts)
+
+
+def washing_machine(rng: np.random.Generator, style: Style) -> Piece:
+    """A washing machine with a porthole."""
+    parts: list[tuple[Mesh, Finish]] = [(box((0.6, 0.58, 0.85), bevel_m=0.012), WHITE_LACQUER)]
+    upright = rotation_x(-math.pi / 2)
+    ring = disc_stack([(0.19, 0), (0.19, 0.03), (0.15, 0.035), (0.145, 0.01)], sides=24).rotated(upright)
+    glass = disc_stack([(0.146, 0), (0.12, 0.012), (0.05, 0.02)], sides=24).rotated(upright)
+    parts.append((ring.moved(0, 0.29, 0.42), STEEL))
+    parts.append((glass.moved(0, 0.29, 0.42), DARK_GLASS))
+    parts.append((box((0.18, 0.01, 0.07), (-0.18, 0.292, 0.75), bevel_m=0.003), GREY_PLASTIC))
+    knob = disc_stack([(0.035, 0), (0.032, 0.02)], sides=14).rotated(upright)
+    parts.append((knob.moved(0.1, 0.29, 0.785), STEEL))
+    return piece(BACKGROUND, parts)
+
+
+def laundry_basket(rng: np.random.Generator, style: Style) -> Piece:
+    """A round wicker basket with a lid."""
+    height, radius = rng.uniform(0.5, 0.65), rng.uniform(0.2, 0.26)
+    profile = [
+        (radius * 0.85, 0),
+        (radius, height),
+        (radius * 1.03, height),
+        (radius * 1.03, height + 0.03),
+        (0.03, height + 0.06),
+    ]
+    return piece(BACKGROUND, [(disc_stack(profile, sides=20), Finish("wicker", roughness=0.9))])
 
 
 def _cupboard(

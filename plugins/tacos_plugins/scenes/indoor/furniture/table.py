@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from tacos_plugins.scenes.indoor.finishes import Finish, Style
@@ -73,7 +75,7 @@ def _four_legs(
             foot, head = x * (width / 2 - 0.08), x * (width / 2 - 0.16)
             y = depth / 2 - 0.07
             path = [[foot, -y, 0.0], [head, -y, height - top], [head, y, height - top], [foot, y, 0.0]]
-            for start, end in zip(path[:-1], path[1:], strict=True):
+            for start, end in pairwise(path):
                 parts.append((tube([start, end], 0.016), style.metal))
         return piece("table", parts)
     parts += _legs(rng, style, width, depth, height - top, thick)

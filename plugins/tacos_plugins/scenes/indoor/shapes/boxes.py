@@ -10,6 +10,9 @@ from tacos_plugins.scenes.indoor.mesh import Floats, Indices, Mesh, shaded
 
 Size = tuple[float, float, float]
 
+_THIN_BEVEL_M = 0.02
+"""Bevels below this are too thin for a seam of the texture to be seen in them [m]."""
+
 
 def box(size_m: Size, at_m: Size = (0.0, 0.0, 0.0), *, bevel_m: float = 0.006) -> Mesh:
     """A box with bevelled edges (44 triangles), standing on the point `at_m` below its middle [m]."""
@@ -19,7 +22,8 @@ def box(size_m: Size, at_m: Size = (0.0, 0.0, 0.0), *, bevel_m: float = 0.006) -
     # Each corner has three vertices; the one of axis k lies on the face across k.
     corner = signs[:, None, :] * (half - inset)
     on_face = np.eye(3)[None] * signs[:, None, :] * inset
-    return shaded((corner + on_face).reshape(-1, 3) + _centre(size_m, at_m), triangles)
+    points = (corner + on_face).reshape(-1, 3) + _centre(size_m, at_m)
+    return shaded(points, triangles, whole_bevels=inset < _THIN_BEVEL_M)
 
 
 def slab(size_m: Size, at_m: Size = (0.0, 0.0, 0.0)) -> Mesh:
@@ -100,7 +104,7 @@ def _plain_box() -> tuple[Floats, Indices]:
 
 @lru_cache(maxsize=8)
 def _cube_grid(steps: int, split: bool) -> tuple[Floats, Indices]:
-    """Points of a cube's surface with `steps` rings beyond 1, inside of it one cell or four, and triangles."""
+    """Points of a cube's surface with `steps` rings beyond 1 and one cell or four inside, and triangles."""
     rim = np.linspace(0, 1, steps + 1)[1:]
     line = np.concatenate([-1 - rim[::-1], [-1, 0, 1] if split else [-1, 1], 1 + rim])
     count = len(line)

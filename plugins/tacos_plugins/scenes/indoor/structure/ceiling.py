@@ -8,7 +8,7 @@ import numpy as np
 
 from tacos_framework.lighting import emitter_luminance_cd_m2, white_at
 from tacos_framework.values import Light
-from tacos_plugins.scenes.indoor.finishes import WHITE_LACQUER, Finish, Style
+from tacos_plugins.scenes.indoor.finishes import CHROME, WHITE_LACQUER, Finish
 from tacos_plugins.scenes.indoor.floor_plan import Rect
 from tacos_plugins.scenes.indoor.piece import BACKGROUND, Piece
 from tacos_plugins.scenes.indoor.shapes import box, disc_stack, extruded
@@ -22,7 +22,6 @@ def ceiling_lights(
     rng: np.random.Generator,
     room: Rect,
     ceiling_height_m: float,
-    style: Style,
     count: int,
     flux_lm: float,
     temperature_k: float,
@@ -30,7 +29,8 @@ def ceiling_lights(
     """`count` equal fittings along the middle of a room that together send out `flux_lm` [lm]."""
     width, depth = room.size
     along_x = width >= depth
-    made = _panel(rng, style, along_x) if rng.uniform() < 0.5 else _disc(rng, style)
+    rim = CHROME if rng.uniform() < 0.3 else WHITE_LACQUER
+    made = _panel(rng, rim, along_x) if rng.uniform() < 0.5 else _disc(rng, rim)
     flux = flux_lm / count * white_at(temperature_k)
     fitting = _lit(*made, flux)
     low = ceiling_height_m - _DROP_M
@@ -43,23 +43,21 @@ def ceiling_lights(
     return found
 
 
-def _panel(rng: np.random.Generator, style: Style, along_x: bool) -> tuple[Piece, tuple[float, float]]:
+def _panel(rng: np.random.Generator, rim: Finish, along_x: bool) -> tuple[Piece, tuple[float, float]]:
     length, breadth = (0.6, 0.6) if rng.uniform() < 0.5 else (1.2, 0.3)
     size = (length, breadth) if along_x else (breadth, length)
     body = box((size[0] + 0.05, size[1] + 0.05, _DROP_M - 0.005), (0, 0, 0.005), bevel_m=0.006)
     glow = box((size[0], size[1], 0.02), (0, 0, 0), bevel_m=0.002)
-    return Piece(
-        BACKGROUND, ((body, style.metal if rng.uniform() < 0.3 else WHITE_LACQUER), (glow, _DIFFUSER))
-    ), size
+    return Piece(BACKGROUND, ((body, rim), (glow, _DIFFUSER))), size
 
 
-def _disc(rng: np.random.Generator, style: Style) -> tuple[Piece, tuple[float, float]]:
+def _disc(rng: np.random.Generator, rim: Finish) -> tuple[Piece, tuple[float, float]]:
     radius = rng.uniform(0.2, 0.3)
     body = disc_stack([(radius + 0.02, 0.012), (radius + 0.025, 0.02), (radius + 0.025, _DROP_M)], sides=24)
     turn = np.arange(24) * 2 * np.pi / 24
     glow = extruded(radius * np.column_stack([np.cos(turn), np.sin(turn)]), 0.03)
     edge = float(np.sqrt(np.pi)) * radius  # the square of equal area
-    return Piece(BACKGROUND, ((body, style.metal), (glow, _DIFFUSER))), (edge, edge)
+    return Piece(BACKGROUND, ((body, rim), (glow, _DIFFUSER))), (edge, edge)
 
 
 _DIFFUSER = Finish("", (0.85, 0.85, 0.85), roughness=0.9)

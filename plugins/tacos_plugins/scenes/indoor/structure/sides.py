@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -137,6 +138,6 @@ def _breaks(fixed: list[float], low: float, high: float, step_m: float) -> Float
     kept = sorted({round(min(max(value, low), high), 6) for value in fixed})
     cuts = [
         np.linspace(start, end, max(1, round((end - start) / step_m)) + 1)[:-1]
-        for start, end in zip(kept[:-1], kept[1:], strict=True)
+        for start, end in pairwise(kept)
     ]
     return np.concatenate([*cuts, [kept[-1]]])

@@ -116,12 +116,12 @@ def window(rng: np.random.Generator, side: Side, drawn: Window, style: Style) ->
 
 
 def _curtain(rng: np.random.Generator, start: float, end: float, bottom: float, top: float) -> Mesh:
-    columns = max(9, round((end - start) / 0.028))
+    columns = max(9, round((end - start) / 0.036))
     x = np.linspace(end, start, columns)
-    phase = np.cumsum(rng.uniform(0.8, 1.5, columns)) * 0.95
-    rows = np.linspace(bottom, top, 4)
+    phase = np.cumsum(rng.uniform(0.8, 1.5, columns)) * 1.2
+    rows = np.linspace(bottom, top, 3)
     gather = 0.03 * (1.15 - 0.35 * (rows - bottom) / (top - bottom))
-    points = np.empty((4, columns, 3))
+    points = np.empty((3, columns, 3))
     points[..., 0] = x
     points[..., 1] = 0.1 + gather[:, None] * np.sin(phase)[None, :]
     points[..., 2] = rows[:, None]

@@ -115,7 +115,7 @@ def rug(rng: np.random.Generator, size: int) -> Texture:
     inks = np.array(
         [[0.55, 0.16, 0.13], [0.16, 0.20, 0.34], [0.80, 0.70, 0.52], [0.25, 0.30, 0.24], [0.87, 0.83, 0.76]]
     )
-    inks = np.clip(inks[rng.permutation(5)] * rng.uniform(0.85, 1.15, 3), 0, 1)
+    inks = np.clip(inks[rng.permutation(5)] * rng.uniform(0.93, 1.07, 3), 0, 1)
     cells = int(rng.choice([2, 4]))
     knots = 128
     grid = np.arange(size) * knots // size

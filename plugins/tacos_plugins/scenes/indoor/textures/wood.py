@@ -30,7 +30,7 @@ def _figure(rng: np.random.Generator, size: int, *, rings: float) -> NDArray[np.
 
 def board(rng: np.random.Generator, size: int) -> Texture:
     """Planed wood, 0.8 m of it; pale, so that a material's base colour can stain it."""
-    figure = _figure(rng, size, rings=rng.integers(7, 14))
+    figure = _figure(rng, size, rings=float(rng.integers(7, 14)))
     return texture(blend(_PALE, _DARK, figure), 0.8, height_m=-figure * 2e-4)
 
 
@@ -55,7 +55,7 @@ def _laid(
     gap = 1 - smoothstep(edge_texels, 0.4, 1.8)
     colour = blend(_PALE, _DARK, np.clip(0.85 * grain + shade[board_of] + wear - 0.15 * scratches, 0, 1))
     colour *= 1 + warm[board_of][..., None] * np.array([1.0, 0.0, -1.5])
-    colour *= (1 - 0.62 * gap)[..., None]
+    colour *= (1 - 0.45 * gap)[..., None]
     return texture(colour, size_m, height_m=-gap * 6e-4 - grain * 8e-5)
 
 

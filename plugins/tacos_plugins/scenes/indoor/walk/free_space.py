@@ -7,13 +7,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from tacos_plugins.scenes.indoor.building import Building
+from tacos_plugins.scenes.indoor.floor_plan import Rect
 
 CELL_M = 0.1
-CLEARANCE_M = 0.30
+CLEARANCE_M = 0.35
 """The middle of the agent stays this far from walls and furniture [m]."""
 _COMFORT_M = 0.7
 """Beyond this distance from things, a path is not penalised [m]."""
@@ -28,9 +29,9 @@ class FreeSpace:
         x = (np.arange(shape[0]) + 0.5) * CELL_M
         y = (np.arange(shape[1]) + 0.5) * CELL_M
 
-        def cells(rect, grow=0.0):  # type: ignore[no-untyped-def]
-            r = rect.grown(grow)
-            return ((x > r.x0) & (x < r.x1))[:, None] & ((y > r.y0) & (y < r.y1))[None, :]
+        def cells(rect: Rect, grow_m: float = 0.0) -> NDArray[np.bool_]:
+            r = rect.grown(grow_m)
+            return np.asarray(((x > r.x0) & (x < r.x1))[:, None] & ((y > r.y0) & (y < r.y1))[None, :])
 
         free = np.zeros(shape, bool)
         for room in range(len(plan.cells)):
@@ -41,13 +42,14 @@ class FreeSpace:
             free &= ~cells(rect, CELL_M / 2)
         padded = np.pad(free, 1)
         self.clearance_m: NDArray[np.float64] = ndimage.distance_transform_edt(padded)[1:-1, 1:-1] * CELL_M
-        self._allowed = self.clearance_m >= CLEARANCE_M
+        label, _ = ndimage.label(self.clearance_m >= CLEARANCE_M, structure=np.ones((3, 3)))
+        self._allowed = label == np.bincount(label[label > 0]).argmax()  # pockets cannot be reached
         self._index = np.full(shape, -1)
         self._index[self._allowed] = np.arange(int(self._allowed.sum()))
         self._cells = np.argwhere(self._allowed)
         self._graph = self._build_graph()
 
-    def _build_graph(self) -> coo_array:
+    def _build_graph(self) -> csr_array:
         penalty = (
             1 + 3 * np.clip(1 - (self.clearance_m - CLEARANCE_M) / (_COMFORT_M - CLEARANCE_M), 0, 1) ** 2
         )
@@ -78,10 +80,10 @@ class FreeSpace:
             When there is no way.
         """
         start, end = self.nearest(start_m), self.nearest(end_m)
-        _, before = dijkstra(self._graph, directed=False, indices=start, return_predecessors=True)
+        _, before = dijkstra(self._graph, directed=False, indices=np.array([start]), return_predecessors=True)
         cells = [end]
         while cells[-1] != start:
-            previous = int(before[cells[-1]])
+            previous = int(before[0, cells[-1]])
             if previous < 0:
                 raise ValueError(f"no way from {start_m} to {end_m}")
             cells.append(previous)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 
 from tacos_plugins.scenes.indoor.building import Building
 from tacos_plugins.scenes.indoor.floor_plan import FloorPlan
@@ -16,7 +17,13 @@ STEP_M = 0.05
 """Distance between points of a path [m]."""
 _STRAIGHT_M = 0.45
 """The path runs straight through the middle of a door this far to either side of it [m]."""
-_SMOOTHING_STEPS = 300
+_FIXED_M = 0.18
+"""Only this much of it is kept from being rounded off [m]."""
+_REACHES = (16, 10, 6)
+"""Points a path is bent over, from coarse to fine smoothing [1]."""
+_SMOOTHING_STEPS = 150
+_ROUNDING_M = 0.2
+"""Where the band leans on something it has a kink, rounded at last over this length [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,27 +85,34 @@ def draw_route(rng: np.random.Generator, building: Building, free: FreeSpace) ->
         door = plan.doors[index]
         onward = door.direction if door.rooms[0] == room else -door.direction
         before, after = door.position_m - _STRAIGHT_M * onward, door.position_m + _STRAIGHT_M * onward
-        _append(legs, fixed, _resampled(free.path(here, before)), keep=False)
+        _append(legs, fixed, _resampled(free.path(here, before)), keep=None)
         straight = _resampled(np.stack([before, door.position_m, after]))
         count = sum(len(leg) for leg in legs)
-        _append(legs, fixed, straight, keep=True)
+        _append(legs, fixed, straight, keep=np.linalg.norm(straight - door.position_m, axis=1) <= _FIXED_M)
         crossed.append((count + len(straight) // 2 - 1, index))
         room = door.rooms[1] if door.rooms[0] == room else door.rooms[0]
         here = after
         if room not in seen:
             seen.add(room)
-            there = _somewhere(rng, plan, room, free, here)
-            _append(legs, fixed, _resampled(free.path(here, there)), keep=False)
-            here = there
+            for _ in range(2):  # a loop rather than a dead end
+                there = _somewhere(rng, plan, room, free, here)
+                leg = _resampled(free.path(here, there))
+                _append(legs, fixed, leg, keep=np.arange(len(leg)) == len(leg) - 1)
+                here = there
     points = _smoothed(np.concatenate(legs), np.concatenate(fixed), free)
     return Route(points, tuple(crossed))
 
 
 def _append(
-    legs: list[NDArray[np.float64]], fixed: list[NDArray[np.bool_]], leg: NDArray[np.float64], *, keep: bool
+    legs: list[NDArray[np.float64]],
+    fixed: list[NDArray[np.bool_]],
+    leg: NDArray[np.float64],
+    *,
+    keep: NDArray[np.bool_] | None,
 ) -> None:
+    """Add a leg that starts where the last one ended; `keep` marks the points not to be moved."""
     legs.append(leg[1:])
-    fixed.append(np.full(len(leg) - 1, keep))
+    fixed.append(np.zeros(len(leg) - 1, bool) if keep is None else keep[1:])
 
 
 def _somewhere(
@@ -123,12 +137,14 @@ def _smoothed(
     points = points_m.copy()
     moves = ~fixed
     moves[[0, -1]] = False
-    reach = 6
-    for _ in range(_SMOOTHING_STEPS):
+    for reach in np.repeat(_REACHES, _SMOOTHING_STEPS).tolist():
+        if len(points) <= 2 * reach:
+            continue
         target = points.copy()
         target[reach:-reach] = (points[: -2 * reach] + points[2 * reach :]) / 2
         target[1:-1] = 0.5 * target[1:-1] + 0.25 * (points[:-2] + points[2:])
         wanted = points + 0.5 * (target - points)
         allowed = moves & (free.clearance_at(wanted) >= CLEARANCE_M)
         points[allowed] = wanted[allowed]
-    return points
+    rounded = gaussian_filter1d(points, _ROUNDING_M / STEP_M, axis=0, mode="nearest")
+    return np.asarray(rounded)
