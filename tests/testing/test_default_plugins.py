@@ -4,11 +4,15 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tacos_framework.testing import (
     EffectConformance,
     ExecutorConformance,
     OptimizerConformance,
+    RendererConformance,
     RigConformance,
+    SceneConformance,
     SensorConformance,
     TaskConformance,
 )
@@ -17,13 +21,30 @@ from tacos_plugins.executors.local import LocalExecutor
 from tacos_plugins.executors.process import ProcessExecutor
 from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.random_search import RandomSearch
+from tacos_plugins.renderers.analytic import AnalyticRenderer
+from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.rigs.stereo import StereoRig
+from tacos_plugins.scenes.indoor.scene import IndoorScene
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
 from tacos_plugins.tasks.orb_features import OrbFeatures
 
 SENSOR = {"name": "test", "width_px": 640, "height_px": 480, "pixel_um": 3.0}
+
+
+class TestIndoorScene(SceneConformance):
+    component = IndoorScene
+    config = {"size_m": (11.0, 5.5), "frames": 8, "clutter": 0.0}
+
+
+@pytest.mark.gl
+class TestModernglRenderer(RendererConformance):
+    component = ModernglRenderer
+
+
+class TestAnalyticRenderer(RendererConformance):
+    component = AnalyticRenderer
 
 
 class TestMonocularRig(RigConformance):
