@@ -74,7 +74,10 @@ class AnalyticRenderer:
 
 
 def first_hits(
-    corners_m: NDArray[np.float64], origin_m: NDArray[np.float64], directions: NDArray[np.float64], near: float
+    corners_m: NDArray[np.float64],
+    origin_m: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    near: float,
 ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
     """What rays from one point meet first.
 
@@ -149,7 +152,9 @@ class _Surfaces:
         self.object_id = np.repeat([part.object_id for part in parts], counts)
         self.corners_m = self._vertices[self._triangles].astype(np.float64)
 
-    def luminance_cd_m2(self, triangle: NDArray[np.intp], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    def luminance_cd_m2(
+        self, triangle: NDArray[np.intp], weights: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """(N, 3) luminance of points on triangles [cd/m2]."""
         corners = self._triangles[triangle]
 
@@ -173,7 +178,9 @@ class _Surfaces:
         return luminance
 
 
-def irradiance_lux(light: Light, point_m: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
+def irradiance_lux(
+    light: Light, point_m: NDArray[np.float64], normal: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """(N, 3) irradiance of points by an area light without shadows [lux].
 
     A rectangle is integrated with Gauss-Legendre quadrature, a sphere is taken as its centre.

@@ -20,6 +20,9 @@ LEAST_LENGTH_M = 0.25
 LEAST_FILL = 0.2
 """Flat surfaces that cover less of their rectangle are lit per vertex [1]."""
 
+MOST_TEXELS = 1 << 20
+"""Larger worlds get a coarser light map."""
+
 _PADDING_TEXELS = 1
 _INSET_M = 0.01
 
@@ -95,7 +98,7 @@ def find_charts(mesh: FlatMesh, texel_m: float) -> Charts:
     Parameters
     ----------
     texel_m
-        Greatest distance of texels [m].
+        Greatest distance of texels, kept to where the map does not grow beyond `MOST_TEXELS` [m].
     """
     corners = mesh.corners_m.astype(np.float64)
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -124,6 +127,7 @@ def find_charts(mesh: FlatMesh, texel_m: float) -> Charts:
     chosen = np.flatnonzero(worthy)
     number = np.full(len(leader), -1, dtype=np.int32)
     number[chosen] = np.arange(len(chosen))
+    texel_m = max(texel_m, float(np.sqrt(extent[chosen].prod(axis=1).sum() / MOST_TEXELS)))
     size = np.maximum(np.ceil(extent[chosen] / texel_m).astype(np.int32) + 1, 2)
     place, map_size = pack_shelves(size + 2 * _PADDING_TEXELS)
     height = np.einsum("ij,ij->i", group_normal, corners[leader].mean(axis=1))[chosen]

@@ -35,13 +35,13 @@ class LightAtPoints:
     towards
         (N, 3) float32 mean direction it comes from, weighted by irradiance on a plane that faces each
         direction; its length is 1 for a single point-like source and 0 for light from everywhere alike [1].
-    unshadowed_share
-        (N,) float32: irradiance over that without shadows of the lights that reach the point at all [1].
+    unshadowed_lux
+        (N,) float32 mean channel of the irradiance there would be without shadows [lux].
     """
 
     irradiance_lux: NDArray[np.float32]
     towards: NDArray[np.float32]
-    unshadowed_share: NDArray[np.float32]
+    unshadowed_lux: NDArray[np.float32]
 
 
 def direct_light(
@@ -64,7 +64,7 @@ def direct_light(
     count = len(point_m)
     irradiance = np.zeros((count, 3), np.float32)
     towards = np.zeros((count, 3), np.float32)
-    share = np.ones(count, np.float32)
+    unshadowed_lux = np.zeros(count, np.float32)
     for block in _blocks(count):
         points, normals = point_m[block], normal[block]
         unshadowed = np.zeros((len(points), len(lights)), np.float32)
@@ -80,9 +80,8 @@ def direct_light(
         colour = flux / np.maximum(flux.mean(axis=1, keepdims=True), 1e-20)
         irradiance[block] = arriving @ colour
         towards[block] = _mean_direction(lights, points, normals, arriving)
-        reached = np.where(visible > 0, unshadowed, 0).sum(axis=1)
-        share[block] = np.where(reached > 0, arriving.sum(axis=1) / np.maximum(reached, 1e-20), 0)
-    return LightAtPoints(irradiance, towards, share)
+        unshadowed_lux[block] = unshadowed.sum(axis=1)
+    return LightAtPoints(irradiance, towards, unshadowed_lux)
 
 
 def _blocks(count: int) -> Iterator[slice]:
@@ -146,7 +145,9 @@ def _grid_on(light: Light, per_edge: int) -> NDArray[np.float32]:
         z = 1 - (2 * np.arange(count) + 1) / count
         turn = np.pi * (3 - np.sqrt(5)) * np.arange(count)
         ring = np.sqrt(1 - z * z)
-        return (light.radius_m * np.column_stack([ring * np.cos(turn), ring * np.sin(turn), z])).astype(np.float32)
+        return (light.radius_m * np.column_stack([ring * np.cos(turn), ring * np.sin(turn), z])).astype(
+            np.float32
+        )
     place = (2 * np.arange(per_edge) + 1) / per_edge - 1
     if per_edge == _PROBES:
         place = place * 1.8  # near the corners: a penumbra must not slip between the probes

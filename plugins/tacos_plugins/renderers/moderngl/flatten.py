@@ -14,7 +14,7 @@ CHUNK_TRIANGLES = 128
 """Most triangles in a chunk: fewer cull better, more cost fewer draw commands (measured on llvmpipe)."""
 
 LARGE_TRIANGLE_M = 1.5
-"""Triangles longer than this get chunks of their own, so that a wall does not blow up a chair's bounds [m]."""
+"""Triangles longer than this get chunks of their own, so that walls do not widen the bounds of chairs [m]."""
 
 MATTE_ROUGHNESS = 0.8
 """Dielectrics at least this rough are purely Lambertian: no highlight, no reflection [1]."""

@@ -152,9 +152,7 @@ class GpuWorld:
             names = [name for name in layout.names or () if name in program]
             if names:
                 content.append((buffer, _format(layout, program), *names))
-        return self._context.vertex_array(
-            program, content, index_buffer=self.indices, index_element_size=4
-        )
+        return self._context.vertex_array(program, content, index_buffer=self.indices, index_element_size=4)
 
 
 def _format(layout: np.dtype[np.void], program: moderngl.Program) -> str:

@@ -37,7 +37,7 @@ class SurfaceLight:
     luminance_cd_m2
         (N, 3) float32 reflected luminance for a texture of reflectance 1, base colour included [cd/m2].
     unshadowed_share
-        (N,) float32 share of the direct light that shadows leave [1].
+        (N,) float32 share of all light that shadows leave [1].
     bend
         (N, 2) float32 relative change of that luminance per unit of tilt of the normal along the tangent and
         the bitangent [1].
@@ -122,7 +122,9 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
     )
 
 
-def _split_vertices(mesh: FlatMesh, chart_of_triangle: NDArray[np.int32]) -> tuple[FlatMesh, NDArray[np.int32]]:
+def _split_vertices(
+    mesh: FlatMesh, chart_of_triangle: NDArray[np.int32]
+) -> tuple[FlatMesh, NDArray[np.int32]]:
     """Give every chart vertices of its own, in the order in which triangles use them."""
     charts = int(chart_of_triangle.max(initial=-1)) + 2
     key = mesh.triangles.astype(np.int64) * charts + (chart_of_triangle[:, None] + 1)
@@ -241,12 +243,14 @@ def _reflect(
     weight = direct.irradiance_lux.mean(axis=1, keepdims=True)
     other = indirect_lux.mean(axis=1, keepdims=True)
     towards = (weight * direct.towards + other * 0.5 * normal) / np.maximum(weight + other, 1e-20)
+    bright = (direct.unshadowed_lux[:, None] + other)[:, 0]
+    share = np.where(bright > 0, (weight + other)[:, 0] / np.maximum(bright, 1e-20), 1)
     upright = np.einsum("ij,ij->i", towards, normal)
     level = 1 - np.linalg.norm(towards, axis=1) + upright
     bend = np.einsum("nij,nj->ni", frame, towards) / np.maximum(level, 0.2)[:, None]
     return SurfaceLight(
         luminance_cd_m2=(base[material] * irradiance / np.pi).astype(np.float32),
-        unshadowed_share=direct.unshadowed_share,
+        unshadowed_share=share.astype(np.float32),
         bend=bend.astype(np.float32),
     )
 

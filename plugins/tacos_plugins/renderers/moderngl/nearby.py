@@ -53,7 +53,9 @@ def cosine_hemisphere(count: int) -> NDArray[np.float32]:
     squared = (np.arange(count) + 0.5) / count
     turn = np.pi * (3 - np.sqrt(5)) * np.arange(count)
     ring = np.sqrt(squared)
-    return np.column_stack([ring * np.cos(turn), ring * np.sin(turn), np.sqrt(1 - squared)]).astype(np.float32)
+    return np.column_stack([ring * np.cos(turn), ring * np.sin(turn), np.sqrt(1 - squared)]).astype(
+        np.float32
+    )
 
 
 def around(axis: NDArray[np.float32], pattern: NDArray[np.float32]) -> NDArray[np.float32]:

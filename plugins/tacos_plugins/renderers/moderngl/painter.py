@@ -17,6 +17,8 @@ from tacos_plugins.renderers.moderngl.targets import Targets
 from tacos_plugins.renderers.moderngl.textures import ANISOTROPY
 
 _UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_boxes", "probes")
+
+
 class Programs:
     """The compiled shaders of a context."""
 

@@ -97,8 +97,8 @@ def look_around(place_m: NDArray[np.float64], lights: Sequence[Light], view: Fac
     forward, left, back, right, up, down = reach
     return Probe(
         position_m=place_m,
-        lower_m=place_m - [back, right, down],
-        upper_m=place_m + [forward, left, up],
+        lower_m=place_m - np.array([back, right, down]),
+        upper_m=place_m + np.array([forward, left, up]),
         faces_cd_m2=faces,
     )
 

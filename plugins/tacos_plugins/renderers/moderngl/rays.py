@@ -57,9 +57,7 @@ class RayTracer:
         )
         return hit != -1
 
-    def first_hits(
-        self, origin_m: NDArray[np.float32], direction: NDArray[np.float32], reach: float
-    ) -> Hits:
+    def first_hits(self, origin_m: NDArray[np.float32], direction: NDArray[np.float32], reach: float) -> Hits:
         """What (N, 3) rays meet first, no farther than `reach` lengths of their direction."""
         count = len(origin_m)
         if self._empty or count == 0:

@@ -47,7 +47,7 @@ class ModernglRenderer:
         )
         near_m: float = setting(0.05, help="Surfaces nearer than this are not drawn.", unit="m", gt=0)
         light_texel_m: float = setting(
-            0.04, help="Distance of light map texels on large flat surfaces.", unit="m", ge=0.005
+            0.05, help="Distance of light map texels on large flat surfaces.", unit="m", ge=0.005
         )
 
     reads: ClassVar[frozenset[str]] = frozenset(

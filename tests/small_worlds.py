@@ -1,0 +1,130 @@
+"""Worlds and episodes small enough to check by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import count
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tacos_framework.values import Camera, Episode, Light, Material, Object, Part, Rig, Trajectory, World
+
+_keys = count()
+
+
+def matte(reflectance: float = 1.0, **figures: object) -> Material:
+    """A grey Lambertian material."""
+    return Material("matte", np.full(3, reflectance), **{"roughness": 1.0, **figures})
+
+
+def quad(
+    centre_m: ArrayLike, half_u_m: ArrayLike, half_v_m: ArrayLike, material: int = 0, object_id: int = 0
+) -> Part:
+    """A rectangle that faces along u x v."""
+    centre, u, v = (np.asarray(each, np.float64) for each in (centre_m, half_u_m, half_v_m))
+    corners = np.array([centre - u - v, centre + u - v, centre + u + v, centre - u + v])
+    normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
+    lu, lv = np.linalg.norm(u), np.linalg.norm(v)
+    uv = np.array([[-lu, -lv], [lu, -lv], [lu, lv], [-lu, lv]])
+    return Part(corners, np.tile(normal, (4, 1)), uv, [[0, 1, 2], [0, 2, 3]], material, object_id)
+
+
+def disc(
+    centre_m: ArrayLike, u: ArrayLike, v: ArrayLike, radius_m: float, material: int = 0, object_id: int = 0
+) -> Part:
+    """A disc of 64 triangles spanned by unit vectors, facing along u x v."""
+    centre, u, v = (np.asarray(each, np.float64) for each in (centre_m, u, v))
+    turn = np.arange(64) / 64 * 2 * np.pi
+    rim = centre + radius_m * (np.cos(turn)[:, None] * u + np.sin(turn)[:, None] * v)
+    vertices = np.vstack([rim, centre])
+    triangles = [[64, i, (i + 1) % 64] for i in range(64)]
+    return Part(vertices, np.tile(np.cross(u, v), (65, 1)), np.zeros((65, 2)), triangles, material, object_id)
+
+
+def box(lower_m: ArrayLike, upper_m: ArrayLike, material: int = 0, object_id: int = 0) -> list[Part]:
+    """The six sides of a box, facing outwards; a room is a box of negative size, facing inwards."""
+    lower, upper = np.asarray(lower_m, np.float64), np.asarray(upper_m, np.float64)
+    centre, half = (lower + upper) / 2, (upper - lower) / 2
+    sides = []
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            u, v = np.zeros(3), np.zeros(3)
+            u[(axis + 1) % 3] = half[(axis + 1) % 3]
+            v[(axis + 2) % 3] = half[(axis + 2) % 3] * sign
+            middle = centre.copy()
+            middle[axis] += sign * half[axis]
+            sides.append(quad(middle, u, v, material, object_id))
+    return sides
+
+
+def room(lower_m: ArrayLike, upper_m: ArrayLike, material: int = 0) -> list[Part]:
+    """Floor, ceiling and walls of a room, facing inwards."""
+    inwards = []
+    for side in box(lower_m, upper_m, material):
+        inwards.append(Part(side.vertices_m, -side.normals, side.uv_m, side.triangles[:, ::-1], material, 0))
+    return inwards
+
+
+def world(
+    parts: Sequence[Part],
+    materials: Sequence[Material] = (),
+    lights: Sequence[Light] = (),
+    *,
+    indirect_lux: float | None = 0.0,
+    ambient_cd_m2: float = 0.0,
+) -> World:
+    """A world with as many objects as its parts name, each time with a key of its own."""
+    things = 1 + max((part.object_id for part in parts), default=0)
+    indirect = None
+    if indirect_lux is not None:
+        indirect = tuple(np.full((len(part.vertices_m), 3), indirect_lux, np.float32) for part in parts)
+    return World(
+        key=f"small-{next(_keys)}",
+        parts=tuple(parts),
+        materials=tuple(materials) or (matte(),),
+        objects=tuple(Object(f"thing {i}", "thing" if i else "background") for i in range(things)),
+        class_names=("background", "thing"),
+        lights=tuple(lights),
+        indirect_lux=indirect,
+        ambient_cd_m2=np.full(3, ambient_cd_m2),
+    )
+
+
+def pose(eye_m: ArrayLike, towards: ArrayLike = (1.0, 0.0, 0.0)) -> NDArray[np.float64]:
+    """(4, 4) pose of an agent at a place, facing a direction, upright."""
+    forward = np.asarray(towards, np.float64) / np.linalg.norm(towards)
+    left = np.cross([0.0, 0.0, 1.0], forward)
+    left /= np.linalg.norm(left)
+    placed = np.eye(4)
+    placed[:3, :3] = np.stack([forward, left, np.cross(forward, left)], axis=1)
+    placed[:3, 3] = eye_m
+    return placed
+
+
+def standing(place: World, at: NDArray[np.float64] | None = None, frames: int = 1) -> Episode:
+    """An agent that stays where it is."""
+    poses = (pose((0.0, 0.0, 0.0)) if at is None else at)[None]
+    return Episode(place, Trajectory([0.0], poses), np.arange(frames) * 0.1, np.zeros(frames))
+
+
+def moving(place: World, start: NDArray[np.float64], end: NDArray[np.float64], frames: int = 1) -> Episode:
+    """An agent that goes from pose to pose within a second; the frames lie around its middle."""
+    times = 0.5 + 0.1 * (np.arange(frames) - (frames - 1) / 2)
+    return Episode(place, Trajectory([0.0, 1.0], np.stack([start, end])), times, np.zeros(frames))
+
+
+def camera(width_px: int = 64, height_px: int = 48, focal_px: float = 60.0, **more: object) -> Camera:
+    """A camera with a focal length in pixels, level and straight ahead unless told otherwise."""
+    from tacos_framework.camera.geometry import agent_from_camera
+
+    more.setdefault("agent_from_camera", agent_from_camera((0.0, 0.0, 0.0), 0.0))
+    more.setdefault("name", "camera")
+    return Camera(
+        width_px=width_px, height_px=height_px, pixel_um=2.0, focal_length_mm=focal_px * 2e-3, **more
+    )
+
+
+def rig(*cameras: Camera) -> Rig:
+    """A rig of cameras."""
+    return Rig(cameras)
