@@ -44,7 +44,9 @@ class AffineNoise:
     Examples
     --------
     >>> sensor = AffineNoise(AffineNoise.Config(calibration="flea3_imx172"))
-    >>> frames = sensor.expose(capture, exposure=exposure, rng=rng, effects=effects)  # doctest: +SKIP
+    >>> white_wall_cd_m2 = 0.8 * 20 / np.pi  # reflectance 0.8 at 20 lux
+    >>> round(white_wall_cd_m2 * sensor.dn_per_luminance(Exposure(0.030, f_number=2.0, gain_db=5.0)))
+    200
     """
 
     class Config(Settings):
