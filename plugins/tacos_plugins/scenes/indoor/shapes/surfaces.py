@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tacos_plugins.scenes.indoor.mesh import Floats, Mesh, merged, shaded
+from tacos_plugins.scenes.indoor.mesh import Floats, Indices, Mesh, merged, shaded
 
 
 def panel(
@@ -83,7 +83,7 @@ def _arc_length(points_m: Floats, *, axis: int) -> Floats:
     return np.cumsum(np.concatenate([lead, steps], axis=axis), axis=axis)
 
 
-def _grid_triangles(rows: int, columns: int):  # type: ignore[no-untyped-def]
+def _grid_triangles(rows: int, columns: int) -> Indices:
     index = np.arange(rows * columns).reshape(rows, columns)
     a, b = index[:-1, :-1].reshape(-1), index[:-1, 1:].reshape(-1)
     c, d = index[1:, 1:].reshape(-1), index[1:, :-1].reshape(-1)

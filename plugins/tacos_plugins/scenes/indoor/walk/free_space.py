@@ -95,14 +95,21 @@ class FreeSpace:
         rng: np.random.Generator,
         low_m: NDArray[np.float64],
         high_m: NDArray[np.float64],
-        away_m: NDArray[np.float64],
+        here_m: NDArray[np.float64],
+        heading: NDArray[np.float64],
     ) -> NDArray[np.float64]:
-        """A point with room around it inside a rectangle, rather far from the (2,) point `away_m`."""
+        """A point with room around it inside a rectangle, rather far from `here_m` and rather ahead.
+
+        `heading` is the (2,) direction in which one comes to `here_m`, or zero where there is none.
+        """
         centres = (self._cells + 0.5) * CELL_M
         inside = np.all((centres > low_m) & (centres < high_m), axis=1)
         cells = self._cells[inside]
         room = self.clearance_m[cells[:, 0], cells[:, 1]]
-        weight = np.clip(room - CLEARANCE_M, 0.02, 0.5) * np.linalg.norm(centres[inside] - away_m, axis=1)
+        onward = centres[inside] - here_m
+        distance = np.linalg.norm(onward, axis=1)
+        ahead = (onward @ heading) / np.maximum(distance, 1e-9)
+        weight = np.clip(room - CLEARANCE_M, 0.02, 0.5) * distance * (1.05 + ahead) ** 2
         return np.asarray(centres[inside][rng.choice(len(cells), p=weight / weight.sum())])
 
     def clearance_at(self, points_m: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -76,7 +76,7 @@ def draw_route(rng: np.random.Generator, building: Building, free: FreeSpace) ->
     """A smooth path through all rooms, with a detour inside each room on the first visit."""
     plan = building.plan
     room, doors = draw_tour(rng, plan)
-    here = _somewhere(rng, plan, room, free, np.array(plan.clear(room).centre))
+    here = _somewhere(rng, plan, room, free, np.array(plan.clear(room).centre), np.zeros(2))
     legs: list[NDArray[np.float64]] = [here[None]]
     fixed: list[NDArray[np.bool_]] = [np.zeros(1, bool)]
     crossed: list[tuple[int, int]] = []
@@ -95,9 +95,10 @@ def draw_route(rng: np.random.Generator, building: Building, free: FreeSpace) ->
         if room not in seen:
             seen.add(room)
             for _ in range(2):  # a loop rather than a dead end
-                there = _somewhere(rng, plan, room, free, here)
+                there = _somewhere(rng, plan, room, free, here, onward)
                 leg = _resampled(free.path(here, there))
                 _append(legs, fixed, leg, keep=np.arange(len(leg)) == len(leg) - 1)
+                onward = (leg[-1] - leg[-9]) / np.linalg.norm(leg[-1] - leg[-9]) if len(leg) > 9 else onward
                 here = there
     points = _smoothed(np.concatenate(legs), np.concatenate(fixed), free)
     return Route(points, tuple(crossed))
@@ -116,10 +117,17 @@ def _append(
 
 
 def _somewhere(
-    rng: np.random.Generator, plan: FloorPlan, room: int, free: FreeSpace, away_m: NDArray[np.float64]
+    rng: np.random.Generator,
+    plan: FloorPlan,
+    room: int,
+    free: FreeSpace,
+    here_m: NDArray[np.float64],
+    heading: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     inner = plan.clear(room).grown(-0.5)
-    return free.random_point(rng, np.array([inner.x0, inner.y0]), np.array([inner.x1, inner.y1]), away_m)
+    return free.random_point(
+        rng, np.array([inner.x0, inner.y0]), np.array([inner.x1, inner.y1]), here_m, heading
+    )
 
 
 def _resampled(points_m: NDArray[np.float64]) -> NDArray[np.float64]:
