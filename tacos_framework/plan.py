@@ -24,7 +24,7 @@ from tacos_framework.fitness import Constraint, Fitness, Term
 from tacos_framework.graph import Graph, Node, signature_of, wiring_faults
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Between, Choose, FromCatalog, NodeUse, Recipe, Scenario, Use, Weighted
-from tacos_framework.settings import Path, Settings, check
+from tacos_framework.settings import Path, Settings, check, with_paths_from
 
 
 @dataclass(frozen=True)
@@ -180,6 +180,8 @@ class _Checker:
         return None if cls is None else self._configured(cls, use.use, use.settings, path)
 
     def _configured(self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path) -> Part | None:
+        if self.recipe.folder is not None:
+            settings = with_paths_from(self.recipe.folder, cls.Config, settings)
         config, faults, _ = check(
             cls.Config, dict(settings), lambda below: self.recipe.where((*path, *below))
         )

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from pathlib import Path as FilePath
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, JsonValue, Tag, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from tacos_framework.errors import Fault, did_you_mean
@@ -26,7 +27,7 @@ class Settings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
 
 
-def setting(default: Any = ..., *, help: str, unit: str = "1", **bounds: Any) -> Any:
+def setting(default: Any = ..., *, help: str, unit: str = "1", is_path: bool = False, **bounds: Any) -> Any:
     """Declare one setting.
 
     Parameters
@@ -37,10 +38,26 @@ def setting(default: Any = ..., *, help: str, unit: str = "1", **bounds: Any) ->
         One sentence that says what the setting does.
     unit
         Its unit (``"m"``, ``"deg"``); ``"1"`` for a plain number, a name or a switch.
+    is_path
+        Whether text given for it may be a path; a recipe's relative paths start from its own folder.
     bounds
         pydantic's ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``, ``alias``.
     """
-    return Field(default, description=help, json_schema_extra={"unit": unit}, **bounds)
+    extra: dict[str, JsonValue] = {"unit": unit, "path": True} if is_path else {"unit": unit}
+    return Field(default, description=help, json_schema_extra=extra, **bounds)
+
+
+def with_paths_from(folder: FilePath, config: type[Settings], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings, with relative paths to what exists below `folder` made to start there."""
+    found = dict(settings)
+    for name, field in config.model_fields.items():
+        extra = field.json_schema_extra
+        value = settings.get(name)
+        if isinstance(extra, dict) and extra.get("path") and isinstance(value, str) and value:
+            path = folder / value
+            if path.exists():
+                found[name] = str(path)
+    return found
 
 
 Checked = TypeVar("Checked")

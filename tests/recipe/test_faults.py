@@ -165,3 +165,17 @@ def test_python_recipes_get_dotted_places(toys):
     data["constraints"] = {"hfov": {"max": 3}}
     with pytest.raises(UserError, match=r"recipe\.constraints\.hfov"):
         make_plan(Recipe.model_validate(data), toys)
+
+
+def test_relative_paths_start_from_the_folder_of_the_recipe(toys, tmp_path, monkeypatch):
+    from tacos_framework.recipe import read_recipe
+    from tacos_framework.shipped import shipped_folder
+
+    (tmp_path / "mine").mkdir()
+    shipped = shipped_folder("catalogs") / "noise" / "flea3_imx172.yaml"
+    (tmp_path / "mine" / "own.yaml").write_text(shipped.read_text())
+    (tmp_path / "mine" / "r.yaml").write_text(RIGHT.replace("flea3_imx172", "own.yaml"))
+    monkeypatch.chdir(tmp_path)
+    recipe, faults = read_recipe(tmp_path / "mine" / "r.yaml")
+    config = make_plan(recipe, toys, faults).nodes["frames"].config
+    assert config.calibration == str(tmp_path / "mine" / "own.yaml")

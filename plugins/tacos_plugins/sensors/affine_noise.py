@@ -53,7 +53,9 @@ class AffineNoise:
         """Settings of the sensor."""
 
         calibration: str | Calibration = setting(
-            "flea3_imx172", help="Noise calibration: a name in the catalogs, a file, or its numbers."
+            "flea3_imx172",
+            help="Noise calibration: a name in the catalogs, a file, or its numbers.",
+            is_path=True,
         )
         responsivity_dn_per_lux_s: float | None = setting(
             None,
