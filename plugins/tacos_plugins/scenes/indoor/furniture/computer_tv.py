@@ -35,7 +35,7 @@ def computer(rng: np.random.Generator, style: Style) -> Piece:
     """A monitor with keyboard and mouse, or a laptop; its picture is that of a page, not a light."""
     picture = Finish("desktop", variant=int(rng.integers(2)), roughness=0.25)
     if rng.uniform() < 0.3:
-        return _laptop(picture)
+        return _laptop(picture, width=rng.uniform(0.31, 0.38))
     width = rng.uniform(0.54, 0.66)
     height = width * 0.58
     low = rng.uniform(0.1, 0.14)
@@ -53,8 +53,8 @@ def computer(rng: np.random.Generator, style: Style) -> Piece:
     return piece("computer_tv", parts)
 
 
-def _laptop(picture: Finish) -> Piece:
-    width, depth = 0.34, 0.24
+def _laptop(picture: Finish, *, width: float) -> Piece:
+    depth = 0.7 * width
     lid = box((width, 0.01, depth), (0, 0, 0), bevel_m=0.003)
     screen = _screen(width - 0.02, depth - 0.02, y=0.0055, z=0.01)
     tilt = rotation_x(math.radians(16))

@@ -10,6 +10,8 @@ from tacos_plugins.scenes.indoor.mesh import Floats, Indices, Mesh, shaded
 
 Size = tuple[float, float, float]
 
+_ROUND_DEG = 80.0
+"""Faces that differ by less shade into each other: bevels with their faces, but not face with face [deg]."""
 _THIN_BEVEL_M = 0.02
 """Bevels below this are too thin for a seam of the texture to be seen in them [m]."""
 
@@ -23,7 +25,7 @@ def box(size_m: Size, at_m: Size = (0.0, 0.0, 0.0), *, bevel_m: float = 0.006) -
     corner = signs[:, None, :] * (half - inset)
     on_face = np.eye(3)[None] * signs[:, None, :] * inset
     points = (corner + on_face).reshape(-1, 3) + _centre(size_m, at_m)
-    return shaded(points, triangles, whole_bevels=inset < _THIN_BEVEL_M)
+    return shaded(points, triangles, crease_deg=_ROUND_DEG, whole_bevels=inset < _THIN_BEVEL_M)
 
 
 def slab(size_m: Size, at_m: Size = (0.0, 0.0, 0.0)) -> Mesh:
@@ -47,7 +49,7 @@ def cushion(
     points = inner + rim / np.maximum(length, 1e-9) * radius
     across = (1 - (points[:, 0] / half[0]) ** 2) * (1 - (points[:, 1] / half[1]) ** 2)
     points[:, 2] += puff_m * np.sign(grid[:, 2]) * np.clip(across, 0, None) * (np.abs(grid[:, 2]) > 1)
-    return shaded(points + _centre(size_m, at_m), triangles)
+    return shaded(points + _centre(size_m, at_m), triangles, crease_deg=_ROUND_DEG)
 
 
 def _centre(size_m: Size, at_m: Size) -> Floats:

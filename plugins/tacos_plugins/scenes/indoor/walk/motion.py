@@ -14,9 +14,11 @@ from tacos_plugins.scenes.indoor.walk.route import Route
 
 KEY_RATE_HZ = 20.0
 """Poses per second of a trajectory [Hz]."""
-MAX_YAW_RATE_DEG_S = 70.0
+MAX_YAW_RATE_DEG_S = 60.0
 """The agent slows down in bends to turn no faster than this [deg/s]."""
-_YAW_SMOOTHING_S = 0.45
+_YAW_SMOOTHING_S = 0.35
+_HEADING_POINTS = 6
+"""Points of the path over which heading and speed are smoothed [1]."""
 _STEP_LENGTH_M = 0.7
 _BOB_M = 0.012
 _SWAY_M = 0.012
@@ -48,14 +50,12 @@ class Walk:
 
 def draw_walk(rng: np.random.Generator, route: Route, *, speed_m_s: float, camera_height_m: float) -> Walk:
     """Walk along a route: slower in bends, the head turned along the way, now and then looking around."""
-    time_at_point = _schedule(route.points_m, speed_m_s)
+    time_at_point, heading_at_point = _schedule(route.points_m, speed_m_s)
     time_s = np.arange(0, time_at_point[-1], 1 / KEY_RATE_HZ)
     x = np.interp(time_s, time_at_point, route.points_m[:, 0])
     y = np.interp(time_s, time_at_point, route.points_m[:, 1])
-    smooth = 0.25 * KEY_RATE_HZ
-    dx = np.gradient(gaussian_filter1d(x, smooth, mode="nearest"))
-    dy = np.gradient(gaussian_filter1d(y, smooth, mode="nearest"))
-    heading = gaussian_filter1d(np.unwrap(np.arctan2(dy, dx)), _YAW_SMOOTHING_S * KEY_RATE_HZ, mode="nearest")
+    heading = np.interp(time_s, time_at_point, heading_at_point)
+    heading = gaussian_filter1d(heading, _YAW_SMOOTHING_S * KEY_RATE_HZ, mode="nearest")
     yaw = heading + _looking_around(rng, time_s, np.array([time_at_point[k] for k, _ in route.door_at]))
 
     stride = (
@@ -76,15 +76,18 @@ def draw_walk(rng: np.random.Generator, route: Route, *, speed_m_s: float, camer
     return Walk(time_s, poses, crossings)
 
 
-def _schedule(points_m: NDArray[np.float64], speed_m_s: float) -> NDArray[np.float64]:
-    """(N,) time at each point [s], so slow in bends that the yaw rate stays in its limit."""
-    steps = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
-    heading = np.unwrap(np.arctan2(*np.diff(points_m, axis=0).T[::-1]))
-    turn = np.abs(np.gradient(gaussian_filter1d(heading, 5, mode="nearest")))
-    slowest = turn / math.radians(MAX_YAW_RATE_DEG_S)
-    duration = np.maximum(steps / speed_m_s, slowest)
-    duration = np.maximum(gaussian_filter1d(duration, 6, mode="nearest"), steps / speed_m_s)
-    return np.concatenate([[0], np.cumsum(np.maximum(duration, 1e-6))])
+def _schedule(
+    points_m: NDArray[np.float64], speed_m_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(N,) time [s] and heading [rad] at each point, slow in bends to keep the limit of the yaw rate."""
+    steps = np.diff(points_m, axis=0)
+    along = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+    heading = gaussian_filter1d(np.concatenate([along, along[-1:]]), _HEADING_POINTS, mode="nearest")
+    at_speed = np.linalg.norm(steps, axis=1) / speed_m_s
+    at_yaw_rate = np.abs(np.diff(heading)) / math.radians(MAX_YAW_RATE_DEG_S)
+    needed = np.maximum(at_speed, at_yaw_rate)
+    eased = np.maximum(gaussian_filter1d(needed, _HEADING_POINTS, mode="nearest"), needed)
+    return np.concatenate([[0], np.cumsum(np.maximum(eased, 1e-6))]), heading
 
 
 def _looking_around(
