@@ -208,6 +208,11 @@ class Optimizer(Protocol):
 
     Config: ClassVar[type[Settings]]
 
+    @property
+    def expected_candidates(self) -> int | None:
+        """How many candidates it will ask for in all, for progress bars; None when it cannot tell."""
+        ...
+
     def ask(self) -> list[Any]:
         """The next candidates, snapped to the space; never empty before `stop` gives a reason."""
         ...

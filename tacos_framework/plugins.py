@@ -221,7 +221,9 @@ def contract_faults(component: Component, cls: type[Any]) -> list[str]:
     ]
     if not (isinstance(config := getattr(cls, "Config", None), type) and issubclass(config, Settings)):
         faults.append(f"{cls.__name__}.Config is not a tacos_framework.settings.Settings class")
-    attributes = set(PROTOCOLS[component.kind].__annotations__) - {"Config"}
+    protocol = PROTOCOLS[component.kind]
+    properties = {name for name, member in vars(protocol).items() if isinstance(member, property)}
+    attributes = (set(protocol.__annotations__) | properties) - {"Config"}
     faults += [
         f"{cls.__name__} has no class attribute {name}"
         for name in sorted(attributes)

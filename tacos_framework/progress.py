@@ -10,12 +10,12 @@ from tacos_framework.simulation import Evaluation
 class Progress(Protocol):
     """Listens to a study. The command line draws a bar; library users may pass their own."""
 
-    def phase(self, title: str, evaluations: int | None) -> None:
-        """A part of the study begins: a search, or the test; with how many evaluations it will take."""
+    def phase(self, title: str, candidates: int | None) -> None:
+        """A part of the study begins: a search, or the test; with how many candidates it will take."""
         ...
 
     def evaluated(self, evaluation: Evaluation) -> None:
-        """One candidate was evaluated."""
+        """One candidate was evaluated, or its evaluation taken from an earlier, equal one."""
         ...
 
     def best(self, best: Evaluation | None) -> None:
@@ -26,7 +26,7 @@ class Progress(Protocol):
 class Silent:
     """Tells nothing."""
 
-    def phase(self, title: str, evaluations: int | None) -> None:
+    def phase(self, title: str, candidates: int | None) -> None:
         """Ignore it."""
 
     def evaluated(self, evaluation: Evaluation) -> None:

@@ -58,6 +58,7 @@ class Search:
     budget: int | None
     states: dict[str, State] = field(default_factory=dict)
     generation: int = 0
+    told: int = 0
     evaluations: int = 0
     images: int = 0
     stopped: str | None = None
@@ -95,13 +96,12 @@ class Search:
         """Whether fitness compares across generations: same episodes, same weights."""
         return self.plan.recipe.study.renew_episodes == "never" and not self._training
 
-    def expected_evaluations(self) -> int | None:
-        """How many evaluations the whole search will take, if that can be told."""
+    def expected_candidates(self) -> int | None:
+        """How many candidates are still to come, elites counted each time, if that can be told."""
         if self.optimizer is None:
             return 1
-        planned = getattr(self.optimizer, "expected_evaluations", None)
-        known = [n for n in (planned, self.budget) if n is not None]
-        return min(known) if known else None
+        known = [n for n in (self.optimizer.expected_candidates, self.budget) if n is not None]
+        return max(0, min(known) - self.told) if known else None
 
     # one generation ---------------------------------------------------------------------------------------
 
@@ -183,13 +183,14 @@ class Search:
             if key in fresh and key not in given:
                 evaluations.append(fresh[key])
             else:
-                evaluations.append(
-                    replace(fresh.get(key) or self.cache[key], cached=True, images=0, seconds={})
-                )
+                known = replace(fresh.get(key) or self.cache[key], cached=True, images=0, seconds={})
+                evaluations.append(known)
+                on_evaluated(known)
             given.add(key)
         return evaluations
 
     def _remember(self, evaluations: Sequence[Evaluation]) -> None:
+        self.told += len(evaluations)
         for evaluation in evaluations:
             self.evaluations += not evaluation.cached
             self.images += evaluation.images
@@ -230,6 +231,7 @@ class Search:
         """All that is needed to go on, as JSON values; states of tasks are kept apart."""
         return {
             "generation": self.generation,
+            "told": self.told,
             "evaluations": self.evaluations,
             "images": self.images,
             "stopped": self.stopped,
@@ -243,6 +245,7 @@ class Search:
     def restore(self, state: Mapping[str, Any], states: dict[str, State]) -> None:
         """Go on from a `state`."""
         self.generation = state["generation"]
+        self.told = state["told"]
         self.evaluations = state["evaluations"]
         self.images = state["images"]
         self.stopped = state["stopped"]

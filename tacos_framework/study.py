@@ -171,7 +171,7 @@ class Study:
         if search.decided:
             return
         title = "Designing" if search.name == DESIGNED else f"Fitting {search.name}"
-        self._progress.phase(title, search.expected_evaluations())
+        self._progress.phase(title, search.expected_candidates())
         while not search.stopped:
             began = time.monotonic()
             evaluations = search.step(self._executor, self._evaluate, self._count)
@@ -187,7 +187,7 @@ class Study:
     def _count(self, evaluation: Evaluation) -> None:
         for node, seconds in evaluation.seconds.items():
             self._seconds_by_node[node] = self._seconds_by_node.get(node, 0.0) + seconds
-        if evaluation.failed:
+        if evaluation.failed and not evaluation.cached:
             log.info("failed: %s: %s", dict(evaluation.values), evaluation.failed)
             self._hook.tacos_candidate_failed(candidate=evaluation.values, reason=evaluation.failed)
         self._progress.evaluated(evaluation)

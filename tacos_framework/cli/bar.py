@@ -50,10 +50,10 @@ class _Live:
         self._task: TaskID | None = None
         self._best: float | None = None
 
-    def phase(self, title: str, evaluations: int | None) -> None:
+    def phase(self, title: str, candidates: int | None) -> None:
         self._finish()
         self._best = None
-        self._task = self._bars.add_task(title, total=evaluations, best="-")
+        self._task = self._bars.add_task(title, total=candidates, best="-")
 
     def _finish(self) -> None:
         """Elites that are taken from the cache leave a bar short of its estimate."""
@@ -78,10 +78,10 @@ class _Lines:
         self._console = console
         self._title, self._done = "", 0
 
-    def phase(self, title: str, evaluations: int | None) -> None:
+    def phase(self, title: str, candidates: int | None) -> None:
         self._title, self._done = title, 0
         self._console.print(
-            title if evaluations is None else f"{title}: {evaluations} evaluations", highlight=False
+            title if candidates is None else f"{title}: {candidates} candidates", highlight=False
         )
 
     def evaluated(self, evaluation: Evaluation) -> None:

@@ -61,7 +61,7 @@ def difference(
 
 
 def half_width(values: Sequence[float]) -> float | None:
-    """Half the width of Student's interval of `CONFIDENCE` around the mean; None for fewer than two values."""
+    """Half the width of Student's interval of `CONFIDENCE` around the mean; None below two values."""
     if len(values) < 2:
         return None
     from scipy.special import stdtrit

@@ -108,6 +108,11 @@ class Genetic:
         self._told = 0
         self._population = self._first_generation()
 
+    @property
+    def expected_candidates(self) -> int:
+        """All generations of the whole population."""
+        return self.config.population * self.config.generations
+
     def ask(self) -> list[Candidate]:
         """The generation to evaluate, elites first; the same one until it is told."""
         return list(self._population)

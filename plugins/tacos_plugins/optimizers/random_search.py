@@ -41,6 +41,11 @@ class RandomSearch:
         self._evaluated = 0
         self._asked = self._draw()
 
+    @property
+    def expected_candidates(self) -> int:
+        """All evaluations."""
+        return self.config.evaluations
+
     def ask(self) -> list[Candidate]:
         """The next batch; the same one until it is told."""
         return list(self._asked)
