@@ -83,9 +83,7 @@ class SurfaceKind(IntFlag):
     TEXTURED = 2
     BUMPY = 4  # with a normal map
     GLOSSY = 8  # reflects specularly, or emits
-
-
-ALL_KINDS: tuple[SurfaceKind, ...] = tuple(SurfaceKind(bits) for bits in range(16))
+    CLOSED = 16  # encloses a volume, so that its back is never seen
 
 
 def kind_of(material: Material) -> SurfaceKind:

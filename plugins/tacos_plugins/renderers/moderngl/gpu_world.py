@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import frustum_planes
 from tacos_framework.values import World
-from tacos_plugins.renderers.moderngl.flatten import ALL_KINDS, SurfaceKind
+from tacos_plugins.renderers.moderngl.culling import Culling
+from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh
 from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
 from tacos_plugins.renderers.moderngl.probes import Probe
@@ -36,23 +35,7 @@ SURFACE_VERTEX = np.dtype(
 GLOSS_VERTEX = np.dtype(
     [("in_normal", "f4", 3), ("in_tangent", "f4", 4), ("in_share", "f4"), ("in_gloss", "i4", 2)]
 )
-TRUTH_VERTEX = np.dtype([("in_position", "f4", 3), ("in_object", "i4")])
-
-
-@dataclass(frozen=True, eq=False)
-class Visible:
-    """Draw commands of the chunks inside a camera's frustum, nearest first.
-
-    Parameters
-    ----------
-    commands
-        (N, 5) uint32: index count, instances, first index, base vertex, base instance; kind after kind.
-    of_kind
-        (kinds,) how many commands each `SurfaceKind` has.
-    """
-
-    commands: NDArray[np.uint32]
-    of_kind: NDArray[np.intp]
+TRUTH_VERTEX = np.dtype([("in_position", "f4", 3), ("in_surface", "i4")])
 
 
 class GpuWorld:
@@ -68,13 +51,15 @@ class GpuWorld:
 
     def __init__(self, context: moderngl.Context, world: World, lit: LitMesh):
         self._context = context
-        self._chunks = lit.chunks
+        self.culling = Culling(lit.chunks, lit.mesh.triangles, lit.surface)
+        self.object_of_surface = np.zeros(int(lit.surface.max(initial=0)) + 1, np.int32)
+        self.object_of_surface[lit.surface] = lit.mesh.object_id
         self._lower_m, self._upper_m = _bounds(lit.mesh.position_m)
         self.ambient_cd_m2 = world.ambient_cd_m2
         self.levels, level_of_material = roughness_levels(world.materials)
         self._probe_of_vertex = np.zeros(len(lit.mesh.position_m), np.int32)
         self._lit = lit
-        self.kinds = [SurfaceKind(int(bits)) for bits in np.unique(lit.chunks.kind)]
+        self.kinds = [SurfaceKind(bits) for bits in np.unique(lit.chunks.kind).tolist()]
         self.surface = _buffer(context, _surface_vertices(world, lit))
         self.gloss = _buffer(context, _gloss_vertices(lit, self._probe_of_vertex))
         self.truth = _buffer(context, _truth_vertices(lit))
@@ -119,23 +104,6 @@ class GpuWorld:
         """A depth beyond everything that can be seen from an optical centre [m]."""
         farthest = np.maximum(np.abs(self._lower_m - eye_m), np.abs(self._upper_m - eye_m))
         return 1.01 * float(np.linalg.norm(farthest)) + 1.0
-
-    def visible(self, clip_from_world: NDArray[np.float64], eye_m: NDArray[np.float64]) -> Visible:
-        """What a camera can see."""
-        chunks = self._chunks
-        planes = frustum_planes(clip_from_world)
-        # The corner of each box that lies farthest along each plane's normal decides.
-        farthest = np.where(planes[:, None, :3] > 0, chunks.upper_m, chunks.lower_m)
-        inside = np.einsum("pj,pcj->pc", planes[:, :3], farthest) + planes[:, 3:] >= 0
-        seen = np.flatnonzero(inside.all(axis=0))
-        nearest = np.clip(eye_m, chunks.lower_m[seen], chunks.upper_m[seen])
-        distance = np.linalg.norm(nearest - eye_m, axis=1)
-        seen = seen[np.lexsort((distance, chunks.kind[seen]))]
-        commands = np.zeros((len(seen), 5), np.uint32)
-        commands[:, 0] = 3 * chunks.count[seen]
-        commands[:, 1] = 1
-        commands[:, 2] = 3 * chunks.first[seen]
-        return Visible(commands, np.bincount(chunks.kind[seen], minlength=len(ALL_KINDS)))
 
     def release(self) -> None:
         """Give all memory of the GPU back."""
@@ -194,7 +162,7 @@ def _gloss_vertices(lit: LitMesh, probe_of_vertex: NDArray[np.int32]) -> NDArray
 def _truth_vertices(lit: LitMesh) -> NDArray[np.void]:
     vertices = np.zeros(len(lit.mesh.position_m), TRUTH_VERTEX)
     vertices["in_position"] = lit.mesh.position_m
-    vertices["in_object"] = lit.mesh.object_id
+    vertices["in_surface"] = lit.surface
     return vertices
 
 

@@ -20,6 +20,7 @@ from tacos_plugins.renderers.moderngl.flatten import (
 )
 from tacos_plugins.renderers.moderngl.nearby import near_occlusion
 from tacos_plugins.renderers.moderngl.rays import RayTracer
+from tacos_plugins.renderers.moderngl.surfaces import closed_parts, smooth_surfaces
 from tacos_plugins.renderers.moderngl.tangents import tangent_frames
 
 LIFT_M = 2e-3
@@ -60,6 +61,8 @@ class LitMesh:
         (V, 2, 3) float32 tangent and bitangent at each vertex [1].
     chunks
         Runs of triangles that can be culled.
+    surface
+        (V,) int32 the smooth surface each vertex belongs to, from 1.
     vertex_light
         Light per vertex; nothing for vertices on the light map.
     map_coordinates
@@ -75,6 +78,7 @@ class LitMesh:
     mesh: FlatMesh
     frames: NDArray[np.float32]
     chunks: Chunks
+    surface: NDArray[np.int32]
     vertex_light: SurfaceLight
     map_coordinates: NDArray[np.float32]
     light_map: NDArray[np.float32]
@@ -96,6 +100,7 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
     charts = find_charts(mesh, texel_m)
     kind = np.array([kind_of(m) for m in world.materials], np.int32)[mesh.material[mesh.triangles[:, 0]]]
     kind |= np.where(charts.of_triangle >= 0, SurfaceKind.MAPPED, 0).astype(np.int32)
+    kind |= np.where(closed_parts(mesh)[mesh.part], SurfaceKind.CLOSED, 0).astype(np.int32)
     order, chunks = cut_into_chunks(mesh, kind)
     mesh = replace(mesh, triangles=mesh.triangles[order], part=mesh.part[order])
     charts = replace(charts, of_triangle=charts.of_triangle[order])
@@ -114,6 +119,7 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
         mesh=mesh,
         frames=frames,
         chunks=chunks,
+        surface=smooth_surfaces(mesh),
         vertex_light=_light_vertices(world, mesh, frames, ~on_map, tracer),
         map_coordinates=coordinates,
         light_map=light_map,

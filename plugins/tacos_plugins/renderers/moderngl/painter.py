@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +12,10 @@ from tacos_framework.camera.geometry import invert_pose, projection_matrix
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
-from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld, Visible
+from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
 from tacos_plugins.renderers.moderngl.programs import compile_program
-from tacos_plugins.renderers.moderngl.targets import Targets
-from tacos_plugins.renderers.moderngl.textures import ANISOTROPY
+from tacos_plugins.renderers.moderngl.targets import Target
 
 _UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_boxes", "probes")
 
@@ -23,22 +24,38 @@ class Programs:
     """The compiled shaders of a context."""
 
     def __init__(self, context: moderngl.Context):
-        self.hardware_filter = not describe_gl().is_software and context.max_anisotropy > 1
-        extra = ("FILTER_IN_HARDWARE",) if self.hardware_filter else ()
+        filters = not describe_gl().is_software and context.max_anisotropy > 1
+        self._extra = ("FILTER_IN_HARDWARE",) if filters else ()
         self.truth = compile_program(context, "truth.vert", "truth.frag")
-        self._context, self._extra = context, extra
+        self.context = context
         self._surface: dict[SurfaceKind, moderngl.Program] = {}
 
     def surface(self, kind: SurfaceKind) -> moderngl.Program:
         """The program that draws a kind of surface, compiled on first use."""
+        kind &= ~SurfaceKind.CLOSED  # a matter of drawing, not of shading
         if kind not in self._surface:
             defines = tuple(flag.name for flag in SurfaceKind if flag in kind and flag.name)
-            program = compile_program(self._context, "surface.vert", "surface.frag", defines + self._extra)
+            program = compile_program(self.context, "surface.vert", "surface.frag", defines + self._extra)
             for unit, name in enumerate(_UNITS):
                 if name in program:
                     program[name] = unit
             self._surface[kind] = program
         return self._surface[kind]
+
+
+@dataclass(frozen=True, eq=False)
+class Viewpoint:
+    """A camera at a place: its pose both ways, and the projection of the world into its clip space."""
+
+    camera: Camera
+    world_from_camera: NDArray[np.float64]
+    camera_from_world: NDArray[np.float64]
+    clip_from_world: NDArray[np.float64]
+
+    @property
+    def eye_m(self) -> NDArray[np.float64]:
+        """(3,) optical centre [m]."""
+        return self.world_from_camera[:3, 3]
 
 
 class Painter:
@@ -54,43 +71,60 @@ class Painter:
 
     def __init__(self, programs: Programs, world: GpuWorld):
         self.world = world
-        self._programs = programs
+        self._context, self._programs = programs.context, programs
         self._surfaces = {kind: world.surface_arrays(programs.surface(kind)) for kind in world.kinds}
         self._truth = world.truth_arrays(programs.truth)
-        if programs.hardware_filter:
-            for name in ("colours", "normals"):
-                world.textures[name].anisotropy = ANISOTROPY
 
-    def colour(
-        self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float, targets: Targets
-    ) -> None:
-        """Draw luminance into the colour target [cd/m2]."""
-        clip, visible = self._look(camera, world_from_camera, near_m)
-        targets.colour.use()
-        targets.colour.clear(*map(float, self.world.ambient_cd_m2), 1.0, depth=1.0)
+    def colour(self, view: Viewpoint, target: Target, seen: NDArray[np.float32] | None = None) -> None:
+        """Draw luminance into a target of 4 channels [cd/m2].
+
+        Parameters
+        ----------
+        seen
+            An image of the surfaces in view, as `truth` draws; chunks without them are left out.
+        """
+        world = self.world
+        target.framebuffer.use()
+        target.framebuffer.clear(color=(*map(float, world.ambient_cd_m2), 1.0), depth=1.0)
         for unit, name in enumerate(_UNITS):
-            self.world.textures[name].use(unit)
-        first = 0
-        for kind, arrays in self._surfaces.items():
-            count = int(visible.of_kind[kind])
+            world.textures[name].use(unit)
+        chunk = world.culling.in_frustum(view.clip_from_world)
+        if seen is not None:
+            chunk = world.culling.with_surfaces(chunk, seen)
+        every_bit = ~SurfaceKind(0)
+        draws = world.culling.draw_list(chunk, view.eye_m, every_bit)
+        for bits, first, count in draws.groups:
+            kind = SurfaceKind(bits)
             program = self._programs.surface(kind)
-            program["clip_from_world"].write(_columns(clip))
+            _write(program, "clip_from_world", _columns(view.clip_from_world))
             if SurfaceKind.GLOSSY in kind:
-                self._set_rays(program, camera, world_from_camera)
-            self._draw(arrays, visible, first, count)
-            first += count
+                self._set_rays(program, view)
+            self._draw(self._surfaces[kind], kind, draws.commands[first : first + count])
 
-    def truth(
-        self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float, targets: Targets
-    ) -> None:
-        """Draw depth [m] and object id into the truth target."""
-        clip, visible = self._look(camera, world_from_camera, near_m)
-        targets.truth.use()
-        targets.truth.clear(np.inf, 0.0, 0.0, 0.0, depth=1.0)
+    def truth(self, view: Viewpoint, target: Target) -> None:
+        """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
+        target.framebuffer.use()
+        target.framebuffer.clear(color=(np.inf, 0.0, 0.0, 0.0), depth=1.0)
         program = self._programs.truth
-        program["clip_from_world"].write(_columns(clip))
-        program["depth_from_world"].write(invert_pose(world_from_camera)[2].astype("f4").tobytes())
-        self._draw(self._truth, visible, 0, len(visible.commands))
+        _write(program, "clip_from_world", _columns(view.clip_from_world))
+        _write(program, "depth_from_world", view.camera_from_world[2].astype("f4").tobytes())
+        chunk = self.world.culling.in_frustum(view.clip_from_world)
+        draws = self.world.culling.draw_list(chunk, view.eye_m, SurfaceKind.CLOSED)
+        for bits, first, count in draws.groups:
+            self._draw(self._truth, SurfaceKind(bits), draws.commands[first : first + count])
+
+    def viewpoint(
+        self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float
+    ) -> Viewpoint:
+        """A camera in this world."""
+        far_m = max(self.world.far_m(world_from_camera[:3, 3]), 2 * near_m)
+        camera_from_world = invert_pose(world_from_camera)
+        return Viewpoint(
+            camera=camera,
+            world_from_camera=world_from_camera,
+            camera_from_world=camera_from_world,
+            clip_from_world=projection_matrix(camera, near_m, far_m) @ camera_from_world,
+        )
 
     def release(self) -> None:
         """Give the world and all that belongs to it back."""
@@ -98,34 +132,34 @@ class Painter:
             arrays.release()
         self.world.release()
 
-    def _look(
-        self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float
-    ) -> tuple[NDArray[np.float64], Visible]:
-        eye = world_from_camera[:3, 3]
-        projection = projection_matrix(camera, near_m, max(self.world.far_m(eye), 2 * near_m))
-        clip = projection @ invert_pose(world_from_camera)
-        return clip, self.world.visible(clip, eye)
-
-    def _draw(self, arrays: moderngl.VertexArray, visible: Visible, first: int, count: int) -> None:
-        if count == 0:
-            return
-        self.world.commands.orphan()
-        self.world.commands.write(visible.commands[first : first + count].tobytes())
-        arrays.render_indirect(self.world.commands, moderngl.TRIANGLES, count)
-
-    def _set_rays(
-        self, program: moderngl.Program, camera: Camera, world_from_camera: NDArray[np.float64]
+    def _draw(
+        self, arrays: moderngl.VertexArray, kind: SurfaceKind, commands: NDArray[np.uint32]
     ) -> None:
-        rotation = world_from_camera[:3, :3]
+        if SurfaceKind.CLOSED in kind:
+            self._context.enable(moderngl.CULL_FACE)
+        else:
+            self._context.disable(moderngl.CULL_FACE)
+        self.world.commands.orphan()
+        self.world.commands.write(commands.tobytes())
+        arrays.render_indirect(self.world.commands, moderngl.TRIANGLES, len(commands))
+
+    def _set_rays(self, program: moderngl.Program, view: Viewpoint) -> None:
+        camera, rotation = view.camera, view.world_from_camera[:3, :3]
         step = 1 / camera.focal_length_px
         # Window coordinates of a pixel centre are half a pixel above its index.
         corner = [-(camera.centre_px[0] + 0.5) * step, -(camera.centre_px[1] + 0.5) * step, 1.0]
         program["ray_x"] = (*map(float, rotation[:, 0] * step), 0.0)
         program["ray_y"] = (*map(float, rotation[:, 1] * step), 0.0)
         program["ray_origin"] = (*map(float, rotation @ corner), 0.0)
-        program["eye"] = tuple(map(float, world_from_camera[:3, 3]))
+        program["eye"] = tuple(map(float, view.eye_m))
         program["probe_scale"] = PROBE_SCALE
         program["probe_levels"] = len(self.world.levels)
+
+
+def _write(program: moderngl.Program, name: str, value: bytes) -> None:
+    uniform = program[name]
+    assert isinstance(uniform, moderngl.Uniform)
+    uniform.write(value)
 
 
 def _columns(matrix: NDArray[np.float64]) -> bytes:

@@ -1,32 +1,18 @@
-"""The component: streams an episode's frames through the GPU."""
+"""The component: takes the pictures of an episode."""
 
 from __future__ import annotations
 
-import logging
-from collections import OrderedDict
-from functools import lru_cache
-from time import perf_counter
-from typing import ClassVar
+from typing import ClassVar, Literal
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.geometry import world_from_camera
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View, World
-from tacos_plugins.renderers.moderngl.context import gl_context
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
-from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
-from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh, light_world
-from tacos_plugins.renderers.moderngl.painter import Painter, Programs
-from tacos_plugins.renderers.moderngl.probes import FACE_PX, look_around, nearest_visible, probe_places
-from tacos_plugins.renderers.moderngl.targets import TargetPool
-
-log = logging.getLogger(__name__)
-
-_WORLDS_KEPT = 2
-_PROBE_NEAR_M = 0.02
+from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View
+from tacos_plugins.renderers.moderngl.device import Device, device
+from tacos_plugins.renderers.moderngl.painter import Painter
+from tacos_plugins.renderers.moderngl.pictures import EdgeBlending, Multisampling, Photographer
 
 
 class ModernglRenderer:
@@ -36,12 +22,25 @@ class ModernglRenderer:
     plus, where they are metallic or smoother than roughness 0.8, GGX highlights and reflections. A
     dielectric of roughness 0.8 or more is exactly Lambertian: reflectance r under illuminance E has the
     luminance ``E r / pi``.
+
+    Examples
+    --------
+    Frames in batches, memory flat in their number::
+
+        renderer = ModernglRenderer(ModernglRenderer.Config())
+        for start in range(0, len(episode), 8):
+            capture = renderer.capture(episode[start : start + 8], rig=rig, exposure=exposure)
     """
 
     class Config(Settings):
         """Settings of `renderer.moderngl`."""
 
-        samples: int = setting(4, help="Colour samples per pixel against aliasing; 1 is none.", ge=1, le=16)
+        antialiasing: Literal["auto", "multisampling", "edges", "none"] = setting(
+            "auto",
+            help="How colour is averaged over a pixel: several samples (multisampling), one sample blended "
+            "where surfaces meet (edges), or not at all; auto is multisampling on GPUs and edges in software.",
+        )
+        samples: int = setting(8, help="Colour samples per pixel for multisampling.", ge=2, le=32)
         motion_samples: int = setting(
             1, help="Poses averaged over the exposure for motion blur; 1 is none.", ge=1, le=256
         )
@@ -67,113 +66,53 @@ class ModernglRenderer:
         self._config = config
 
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
-        """One view per camera of the rig for every frame of the batch."""
-        device = _device()
-        painter = device.painter(episode.world, self._config.light_texel_m)
+        """One view per camera of the rig for every frame of the batch.
+
+        Raises
+        ------
+        UserError
+            When there is no OpenGL, saying what to install.
+        """
+        used = device()
+        painter = used.painter(episode.world, self._config.light_texel_m)
         return Capture(
-            episode,
-            tuple(self._view(device, painter, episode, camera, exposure) for camera in rig.cameras),
+            episode, tuple(self._view(used, painter, episode, camera, exposure) for camera in rig.cameras)
         )
 
     def _view(
-        self, device: _Device, painter: Painter, episode: Episode, camera: Camera, exposure: Exposure
+        self, used: Device, painter: Painter, episode: Episode, camera: Camera, exposure: Exposure
     ) -> View:
-        size = (camera.width_px, camera.height_px)
-        shape = (len(episode), camera.height_px, camera.width_px)
-        targets = device.targets.get(size, min(self._config.samples, device.context.max_samples))
-        near_m = self._config.near_m
+        photographer = self._photographer(used, camera)
         poses = world_from_camera(episode.trajectory.at(episode.time_s), camera.agent_from_camera)
+        shape = (len(episode), camera.height_px, camera.width_px)
         luminance = np.empty((*shape, 3), np.float32)
         depth = np.empty(shape, np.float32)
         object_id = np.empty(shape, np.int32)
-        truth = np.empty((*shape[1:], 2), np.float32)
-        glimpse = np.empty((*shape[1:], 3), np.float32)
         for frame, pose in enumerate(poses):
-            painter.truth(camera, pose, near_m, targets)
-            targets.read_truth(truth)
-            depth[frame], object_id[frame] = truth[..., 0], truth[..., 1]
-            moments = self._poses_during(episode, frame, camera, exposure)
-            for number, moment in enumerate(moments):
-                painter.colour(camera, moment, near_m, targets)
-                targets.read_colour(glimpse)
-                if number:
-                    luminance[frame] += glimpse
-                else:
-                    luminance[frame] = glimpse
-            luminance[frame] *= np.float32(1 / len(moments))
+            picture = photographer.take(painter, pose)
+            luminance[frame], depth[frame] = picture.luminance_cd_m2, picture.depth_m
+            object_id[frame] = painter.world.object_of_surface[picture.surface.astype(np.int32)]
+            if self._config.motion_samples > 1:
+                luminance[frame] = 0.0
+                for moment in self._poses_during(episode.time_s[frame], episode, camera, exposure):
+                    luminance[frame] += photographer.take(painter, moment).luminance_cd_m2
+                luminance[frame] *= np.float32(1 / self._config.motion_samples)
         return View(camera, poses, luminance, depth, object_id)
 
+    def _photographer(self, used: Device, camera: Camera) -> Photographer:
+        config = self._config
+        method = config.antialiasing
+        if method == "auto":
+            method = "edges" if used.is_software else "multisampling"
+        if method == "edges":
+            return EdgeBlending(used.targets, camera, config.near_m)
+        samples = min(config.samples, used.most_samples) if method == "multisampling" else 1
+        return Multisampling(used.targets, camera, config.near_m, samples)
+
     def _poses_during(
-        self, episode: Episode, frame: int, camera: Camera, exposure: Exposure
+        self, middle_s: float, episode: Episode, camera: Camera, exposure: Exposure
     ) -> NDArray[np.float64]:
         """(M, 4, 4) camera poses spread evenly over a frame's exposure [m]."""
         count = self._config.motion_samples
-        offsets = ((np.arange(count) + 0.5) / count - 0.5) * exposure.time_s
-        agent = episode.trajectory.at(episode.time_s[frame] + offsets)
-        return world_from_camera(agent, camera.agent_from_camera)
-
-
-class _Device:
-    """What lives as long as the process: shaders, framebuffers and the worlds used last."""
-
-    def __init__(self, context: moderngl.Context):
-        self.context = context
-        self.targets = TargetPool(context)
-        self._programs = Programs(context)
-        self._painters: OrderedDict[tuple[str, float], Painter] = OrderedDict()
-
-    def painter(self, world: World, texel_m: float) -> Painter:
-        """The painter of a world, lit and uploaded on first use."""
-        key = (world.key, texel_m)
-        if key not in self._painters:
-            while len(self._painters) >= _WORLDS_KEPT:
-                self._painters.popitem(last=False)[1].release()
-            start = perf_counter()
-            self._painters[key] = self._prepare(world, texel_m)
-            log.info("lit and uploaded %d triangles in %.1f s", world.triangle_count, perf_counter() - start)
-        self._painters.move_to_end(key)
-        return self._painters[key]
-
-    def _prepare(self, world: World, texel_m: float) -> Painter:
-        lit = light_world(world, _indirect_lux(world), texel_m)
-        painter = Painter(self._programs, GpuWorld(self.context, world, lit))
-        if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
-            self._add_probes(painter, world, lit)
-        return painter
-
-    def _add_probes(self, painter: Painter, world: World, lit: LitMesh) -> None:
-        targets = self.targets.get((FACE_PX, FACE_PX), 1)
-
-        def view(
-            camera: Camera, pose: NDArray[np.float64]
-        ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-            luminance = np.empty((FACE_PX, FACE_PX, 3), np.float32)
-            truth = np.empty((FACE_PX, FACE_PX, 2), np.float32)
-            painter.colour(camera, pose, _PROBE_NEAR_M, targets)
-            targets.read_colour(luminance)
-            painter.truth(camera, pose, _PROBE_NEAR_M, targets)
-            targets.read_truth(truth)
-            return luminance, truth[..., 0]
-
-        places = probe_places(world, lit.tracer)
-        probes = [look_around(place, world.lights, view) for place in places]
-        above = lit.mesh.position_m + np.float32(0.05) * lit.mesh.normal
-        painter.world.set_probes(probes, nearest_visible(places, above, lit.tracer))
-
-
-@lru_cache(maxsize=1)
-def _device_of(context: moderngl.Context) -> _Device:
-    context.enable(moderngl.DEPTH_TEST)
-    return _Device(context)
-
-
-def _device() -> _Device:
-    return _device_of(gl_context())
-
-
-def _indirect_lux(world: World) -> tuple[NDArray[np.float32], ...]:
-    if world.indirect_lux is not None:
-        return world.indirect_lux
-    from tacos_framework.lighting import bake_indirect  # traces rays: only where it is needed
-
-    return bake_indirect(world)
+        offsets_s = ((np.arange(count) + 0.5) / count - 0.5) * exposure.time_s
+        return world_from_camera(episode.trajectory.at(middle_s + offsets_s), camera.agent_from_camera)

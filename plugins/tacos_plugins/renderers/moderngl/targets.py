@@ -8,13 +8,11 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-_KEPT = 4
+_KEPT = 8
 
 
-class Targets:
-    """What one size of image is rendered into.
-
-    Colour has several samples per pixel, averaged in linear light; truth has one, at the pixel centre.
+class Target:
+    """What one size of image is rendered into: floats with depth test, one or several samples a pixel.
 
     Parameters
     ----------
@@ -22,34 +20,36 @@ class Targets:
         The context.
     size
         Width and height [px].
+    channels
+        2 or 4 floats per pixel [1].
     samples
-        Samples per pixel of the colour target [1].
+        Samples per pixel; 1 lies at the pixel centre [1].
     """
 
-    def __init__(self, context: moderngl.Context, size: tuple[int, int], samples: int):
+    def __init__(self, context: moderngl.Context, size: tuple[int, int], channels: int, samples: int):
         self._context = context
-        self.size = size
-        self.colour = context.framebuffer(
-            context.renderbuffer(size, 4, samples=samples, dtype="f4"),
-            context.depth_renderbuffer(size, samples=samples),
+        several = samples if samples > 1 else 0
+        self.framebuffer = context.framebuffer(
+            context.renderbuffer(size, channels, samples=several, dtype="f4"),
+            context.depth_renderbuffer(size, samples=several),
         )
-        self._resolved = context.framebuffer(context.renderbuffer(size, 4, dtype="f4"))
-        self.truth = context.framebuffer(
-            context.renderbuffer(size, 2, dtype="f4"), context.depth_renderbuffer(size)
-        )
+        self._resolved = None
+        if several:
+            self._resolved = context.framebuffer(context.renderbuffer(size, channels, dtype="f4"))
 
-    def read_colour(self, into: NDArray[np.float32]) -> None:
-        """Average the samples and read (H, W, 3) float32 luminance [cd/m2]."""
-        self._context.copy_framebuffer(self._resolved, self.colour)
-        self._resolved.read_into(into, components=3, dtype="f4")
-
-    def read_truth(self, into: NDArray[np.float32]) -> None:
-        """Read (H, W, 2) float32: depth [m] and object id."""
-        self.truth.read_into(into, components=2, dtype="f4")
+    def read(self, into: NDArray[np.float32]) -> None:
+        """Read (H, W, channels) float32, averaging the samples of each pixel; `into` may have fewer channels."""
+        source = self.framebuffer
+        if self._resolved is not None:
+            self._context.copy_framebuffer(self._resolved, self.framebuffer)
+            source = self._resolved
+        source.read_into(into, components=into.shape[2], dtype="f4")
 
     def release(self) -> None:
         """Give the memory back."""
-        for framebuffer in (self.colour, self._resolved, self.truth):
+        for framebuffer in (self.framebuffer, self._resolved):
+            if framebuffer is None:
+                continue
             for attachment in (*framebuffer.color_attachments, framebuffer.depth_attachment):
                 if attachment is not None:
                     attachment.release()
@@ -57,18 +57,18 @@ class Targets:
 
 
 class TargetPool:
-    """Targets by size; the least recently used are released."""
+    """Targets by size, channels and samples; the least recently used are released."""
 
     def __init__(self, context: moderngl.Context):
         self._context = context
-        self._targets: OrderedDict[tuple[int, int, int], Targets] = OrderedDict()
+        self._targets: OrderedDict[tuple[int, int, int, int], Target] = OrderedDict()
 
-    def get(self, size: tuple[int, int], samples: int) -> Targets:
-        """The targets of a size, made on first use."""
-        key = (*size, samples)
+    def get(self, size: tuple[int, int], channels: int, samples: int = 1) -> Target:
+        """The target, made on first use."""
+        key = (*size, channels, samples)
         if key not in self._targets:
             while len(self._targets) >= _KEPT:
                 self._targets.popitem(last=False)[1].release()
-            self._targets[key] = Targets(self._context, size, samples)
+            self._targets[key] = Target(self._context, size, channels, samples)
         self._targets.move_to_end(key)
         return self._targets[key]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Material
-from tacos_plugins.renderers.moderngl.context import write_level
+from tacos_plugins.renderers.moderngl.context import describe_gl, write_level
 
 GREATEST_TEXTURE_PX = 1024
 """Larger textures are reduced to this edge [px]."""
@@ -111,5 +111,9 @@ def _upload(context: moderngl.Context, levels: Sequence[NDArray[np.uint8]]) -> m
     texture.build_mipmaps()  # makes room for the levels
     for number, level in enumerate(levels[1:], start=1):
         write_level(texture, number, level)
-    texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    in_software = describe_gl().is_software  # where blending two levels costs half as much again per pixel
+    between_levels = moderngl.LINEAR_MIPMAP_NEAREST if in_software else moderngl.LINEAR_MIPMAP_LINEAR
+    texture.filter = (between_levels, moderngl.LINEAR)
+    if not in_software and context.max_anisotropy > 1:
+        texture.anisotropy = min(ANISOTROPY, context.max_anisotropy)
     return texture

@@ -1,10 +1,10 @@
 #version 330
 
 in float depth_m;
-flat in float object_id;
+flat in float surface;
 
 out vec2 truth;
 
 void main() {
-    truth = vec2(depth_m, object_id);
+    truth = vec2(depth_m, surface);
 }

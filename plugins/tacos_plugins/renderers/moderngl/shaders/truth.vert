@@ -1,18 +1,18 @@
 #version 330
-// Truth at pixel centres: distance along the optical axis, and whose surface it is.
+// Truth: distance along the optical axis, and which smooth surface is seen.
 
 uniform mat4 clip_from_world;
 uniform vec4 depth_from_world; // third row of camera_from_world
 
 in vec3 in_position;
-in int in_object;
+in int in_surface;
 
 out float depth_m;
-flat out float object_id;
+flat out float surface;
 
 void main() {
     vec4 world = vec4(in_position, 1.0);
     gl_Position = clip_from_world * world;
     depth_m = dot(depth_from_world, world);
-    object_id = float(in_object);
+    surface = float(in_surface); // exact up to 2^24
 }

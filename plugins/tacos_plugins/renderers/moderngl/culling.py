@@ -1,0 +1,85 @@
+"""What of a world a camera may see: chunks inside its frustum, as draw commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.geometry import frustum_planes
+from tacos_plugins.renderers.moderngl.flatten import Chunks, SurfaceKind
+
+
+@dataclass(frozen=True, eq=False)
+class DrawList:
+    """Indirect draw commands, group after group.
+
+    Parameters
+    ----------
+    commands
+        (N, 5) uint32: index count, instances, first index, base vertex, base instance.
+    groups
+        The group's number (bits of `SurfaceKind`), its first command and its number of commands.
+    """
+
+    commands: NDArray[np.uint32]
+    groups: tuple[tuple[int, int, int], ...]
+
+
+class Culling:
+    """The chunks of a world and the surfaces in them.
+
+    Parameters
+    ----------
+    chunks
+        The chunks.
+    triangles
+        (T, 3) int32 vertices of the triangles in the order of the chunks.
+    surface
+        (V,) int32 smooth surface of each vertex, from 1.
+    """
+
+    def __init__(self, chunks: Chunks, triangles: NDArray[np.int32], surface: NDArray[np.int32]):
+        self._chunks = chunks
+        chunk = np.repeat(np.arange(len(chunks.first)), chunks.count)
+        surfaces = int(surface.max(initial=0)) + 1
+        pairs = np.unique(chunk * surfaces + surface[triangles[:, 0]])
+        in_chunk, self._surface_in_chunk = np.divmod(pairs, surfaces)
+        self._first_pair = np.searchsorted(in_chunk, np.arange(len(chunks.first)))
+        self._surfaces = surfaces
+
+    def in_frustum(self, clip_from_world: NDArray[np.float64]) -> NDArray[np.intp]:
+        """The chunks whose bounding boxes reach into what a projection keeps."""
+        chunks, planes = self._chunks, frustum_planes(clip_from_world)
+        # The corner of each box that lies farthest along each plane's normal decides.
+        farthest = np.where(planes[:, None, :3] > 0, chunks.upper_m, chunks.lower_m)
+        inside = np.einsum("pj,pcj->pc", planes[:, :3], farthest) + planes[:, 3:] >= 0
+        return np.flatnonzero(inside.all(axis=0))
+
+    def with_surfaces(
+        self, chunk: NDArray[np.intp], surface_seen: NDArray[np.float32]
+    ) -> NDArray[np.intp]:
+        """Those chunks that hold any of the surfaces in an image of surface numbers."""
+        if len(chunk) == 0:
+            return chunk
+        count = np.bincount(surface_seen.reshape(-1).astype(np.int64), minlength=self._surfaces)
+        seen = np.logical_or.reduceat(count[self._surface_in_chunk] > 0, self._first_pair)
+        return chunk[seen[chunk]]
+
+    def draw_list(
+        self, chunk: NDArray[np.intp], eye_m: NDArray[np.float64], group_bits: SurfaceKind
+    ) -> DrawList:
+        """Commands for chunks, grouped by the given bits of their kind, nearest first within a group."""
+        chunks = self._chunks
+        nearest = np.clip(eye_m, chunks.lower_m[chunk], chunks.upper_m[chunk])
+        group = chunks.kind[chunk] & int(group_bits)
+        ordered = np.lexsort((np.linalg.norm(nearest - eye_m, axis=1), group))
+        chunk, group = chunk[ordered], group[ordered]
+        commands = np.zeros((len(chunk), 5), np.uint32)
+        commands[:, 0] = 3 * chunks.count[chunk]
+        commands[:, 1] = 1
+        commands[:, 2] = 3 * chunks.first[chunk]
+        numbers, first, count = np.unique(group, return_index=True, return_counts=True)
+        groups = zip(numbers.tolist(), first.tolist(), count.tolist(), strict=True)
+        return DrawList(commands, tuple(groups))

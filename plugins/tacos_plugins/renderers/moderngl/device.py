@@ -1,0 +1,104 @@
+"""What lives as long as the process: shaders, framebuffers, and the worlds used last."""
+
+from __future__ import annotations
+
+import logging
+from collections import OrderedDict
+from functools import lru_cache
+from time import perf_counter
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import Camera, World
+from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
+from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
+from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
+from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh, light_world
+from tacos_plugins.renderers.moderngl.painter import Painter, Programs
+from tacos_plugins.renderers.moderngl.pictures import Multisampling
+from tacos_plugins.renderers.moderngl.probes import look_around, nearest_visible, probe_places
+from tacos_plugins.renderers.moderngl.targets import TargetPool
+
+log = logging.getLogger(__name__)
+
+_WORLDS_KEPT = 2
+_PROBE_NEAR_M = 0.02
+
+
+class Device:
+    """Renders worlds with one context, each lit and uploaded on first use.
+
+    Parameters
+    ----------
+    context
+        The context of this process.
+    """
+
+    def __init__(self, context: moderngl.Context):
+        context.enable(moderngl.DEPTH_TEST)
+        context.front_face = "cw"  # images are rendered first row first, which mirrors windings
+        self.targets = TargetPool(context)
+        self.is_software = describe_gl().is_software
+        self.most_samples = context.max_samples
+        self._context = context
+        self._programs = Programs(context)
+        self._painters: OrderedDict[tuple[str, float], Painter] = OrderedDict()
+
+    def painter(self, world: World, texel_m: float) -> Painter:
+        """The painter of a world.
+
+        Parameters
+        ----------
+        texel_m
+            Distance of light map texels [m].
+        """
+        key = (world.key, texel_m)
+        if key not in self._painters:
+            while len(self._painters) >= _WORLDS_KEPT:
+                self._painters.popitem(last=False)[1].release()
+            start = perf_counter()
+            self._painters[key] = self._prepare(world, texel_m)
+            log.info("lit and uploaded %d triangles in %.1f s", world.triangle_count, perf_counter() - start)
+        self._painters.move_to_end(key)
+        return self._painters[key]
+
+    def _prepare(self, world: World, texel_m: float) -> Painter:
+        lit = light_world(world, _indirect_lux(world), texel_m)
+        painter = Painter(self._programs, GpuWorld(self._context, world, lit))
+        if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
+            self._add_probes(painter, world, lit)
+        return painter
+
+    def _add_probes(self, painter: Painter, world: World, lit: LitMesh) -> None:
+        """Let glossy surfaces mirror what is around them; metals would be black otherwise."""
+
+        def view(
+            camera: Camera, pose: NDArray[np.float64]
+        ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+            picture = Multisampling(self.targets, camera, _PROBE_NEAR_M, samples=1).take(painter, pose)
+            return picture.luminance_cd_m2, picture.depth_m
+
+        places = probe_places(world, lit.tracer)
+        probes = [look_around(place, world.lights, view) for place in places]
+        above = lit.mesh.position_m + np.float32(0.05) * lit.mesh.normal
+        painter.world.set_probes(probes, nearest_visible(places, above, lit.tracer))
+
+
+def device() -> Device:
+    """The device of this process, made on first use; raises as `gl_context` does."""
+    return _device_of(gl_context())
+
+
+@lru_cache(maxsize=1)
+def _device_of(context: moderngl.Context) -> Device:
+    return Device(context)
+
+
+def _indirect_lux(world: World) -> tuple[NDArray[np.float32], ...]:
+    if world.indirect_lux is not None:
+        return world.indirect_lux
+    from tacos_framework.lighting import bake_indirect  # traces rays: only where it is needed
+
+    return bake_indirect(world)

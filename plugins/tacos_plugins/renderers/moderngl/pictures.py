@@ -1,0 +1,125 @@
+"""One picture of a world through one camera: colour without aliasing, depth and surfaces at pixel centres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import Camera
+from tacos_plugins.renderers.moderngl.coverage import blend_edges
+from tacos_plugins.renderers.moderngl.painter import Painter
+from tacos_plugins.renderers.moderngl.targets import TargetPool
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What is seen from one pose. The arrays are overwritten by the next picture.
+
+    Parameters
+    ----------
+    luminance_cd_m2
+        (H, W, 3) float32, averaged over each pixel [cd/m2].
+    depth_m
+        (H, W) float32 at pixel centres, infinite for nothing [m].
+    surface
+        (H, W) float32 number of the smooth surface at pixel centres, 0 for nothing.
+    """
+
+    luminance_cd_m2: NDArray[np.float32]
+    depth_m: NDArray[np.float32]
+    surface: NDArray[np.float32]
+
+
+class Photographer(Protocol):
+    """Takes pictures with one camera."""
+
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
+        """The picture from a pose."""
+        ...
+
+
+class Multisampling:
+    """Averages several samples of colour per pixel: for GPUs, which do it at little cost.
+
+    Parameters
+    ----------
+    targets
+        Where to render.
+    camera, near_m
+        The camera, and the least depth it sees [m].
+    samples
+        Samples per pixel [1].
+    """
+
+    def __init__(self, targets: TargetPool, camera: Camera, near_m: float, samples: int):
+        self._targets, self._camera, self._near_m, self._samples = targets, camera, near_m, samples
+        size = (camera.height_px, camera.width_px)
+        self._luminance = np.empty((*size, 3), np.float32)
+        self._truth = np.empty((*size, 2), np.float32)
+
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
+        """The picture from a pose."""
+        view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
+        size = (self._camera.width_px, self._camera.height_px)
+        truth = self._targets.get(size, channels=2)
+        painter.truth(view, truth)
+        truth.read(self._truth)
+        colour = self._targets.get(size, channels=4, samples=self._samples)
+        painter.colour(view, colour)
+        colour.read(self._luminance)
+        return Picture(self._luminance, self._truth[..., 0], self._truth[..., 1])
+
+
+class EdgeBlending:
+    """Shades each pixel once and blends where surfaces meet: for software OpenGL (see `coverage`).
+
+    Parameters
+    ----------
+    targets
+        Where to render.
+    camera, near_m
+        The camera, and the least depth it sees [m].
+    """
+
+    def __init__(self, targets: TargetPool, camera: Camera, near_m: float):
+        self._targets, self._camera, self._near_m = targets, camera, near_m
+        self._half_pixels = half_pixel_camera(camera)
+        self._luminance = np.empty((camera.height_px, camera.width_px, 3), np.float32)
+        self._truth = np.empty((self._half_pixels.height_px, self._half_pixels.width_px, 2), np.float32)
+
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
+        """The picture from a pose."""
+        fine = self._half_pixels
+        truth = self._targets.get((fine.width_px, fine.height_px), channels=2)
+        painter.truth(painter.viewpoint(fine, world_from_camera, self._near_m), truth)
+        truth.read(self._truth)
+        surface = np.ascontiguousarray(self._truth[..., 1])
+
+        view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
+        colour = self._targets.get((self._camera.width_px, self._camera.height_px), channels=4)
+        painter.colour(view, colour, seen=surface)
+        colour.read(self._luminance)
+        blend_edges(self._luminance, surface)
+        return Picture(self._luminance, self._truth[1::2, 1::2, 0], surface[1::2, 1::2])
+
+
+def half_pixel_camera(camera: Camera) -> Camera:
+    """The same view at every half pixel: row 2 y + 1 and column 2 x + 1 are the centre of pixel (x, y).
+
+    Examples
+    --------
+    >>> fine = half_pixel_camera(Camera("c", 4, 3, pixel_um=2.0, focal_length_mm=1.0))
+    >>> fine.width_px, fine.height_px, fine.centre_px, fine.focal_length_px
+    (9, 7, (4.0, 3.0), 1000.0)
+    """
+    cx, cy = camera.centre_px
+    return replace(
+        camera,
+        width_px=2 * camera.width_px + 1,
+        height_px=2 * camera.height_px + 1,
+        binning=camera.binning / 2,
+        principal_point_px=(2 * cx + 1, 2 * cy + 1),
+    )
