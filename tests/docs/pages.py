@@ -70,3 +70,11 @@ def commands(block: Block) -> list[str]:
     if block.language == "console":
         return [line.removeprefix("$ ") for line in lines if line.startswith("$ ")]
     return lines if block.language == "sh" else []
+
+
+def write_file(block: Block, folder: Path) -> None:
+    """Write a block that stands for a file."""
+    assert block.title is not None, f"{block} stands for no file"
+    path = folder / block.title
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(block.text, "utf-8")

@@ -18,7 +18,7 @@ from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import parse_recipe
 from tacos_framework.yaml_reader import read_yaml
-from tests.docs.pages import PAGES, ROOT, Block, anchors, blocks, commands, links
+from tests.docs.pages import PAGES, ROOT, Block, anchors, blocks, commands, links, write_file
 
 LANGUAGES = {"python", "yaml", "toml", "json", "sh", "console", "text", "csv"}
 COMPONENT = re.compile(rf"`((?:{'|'.join(KINDS)})\.[a-z][a-z0-9-]*)`")
@@ -96,7 +96,9 @@ def test_python_runs_and_prints_what_the_page_says(page: Path, tmp_path: Path) -
     script, printed = [], []
     previous = None
     for block in blocks(page):
-        if block.language == "python":
+        if block.title is not None:
+            write_file(block, tmp_path)
+        elif block.language == "python":
             script.append(block.text)
         elif block.language == "text" and previous is not None and previous.language == "python":
             printed.append(block.text)

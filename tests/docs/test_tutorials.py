@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import ROOT, blocks, commands
+from tests.docs.pages import ROOT, blocks, commands, write_file
 
 REFUSED = "# refused"
 """Ends a command of the docs that is meant to fail with status 2."""
@@ -90,9 +90,7 @@ def follow(page: Path, reader: Reader) -> dict[str, str]:
     printed = {}
     for block in blocks(page):
         if block.title is not None:
-            path = reader.folder / block.title
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(block.text, "utf-8")
+            write_file(block, reader.folder)
         for line in commands(block):
             printed[line] = reader.expect(line)
     return printed
