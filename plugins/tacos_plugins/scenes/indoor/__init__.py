@@ -1,0 +1,1 @@
+"""Procedural furnished rooms, and a walk through them."""
