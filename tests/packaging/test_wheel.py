@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+PACKAGES = ("tacos_framework", "plugins/tacos_plugins")
 
 
 @pytest.fixture(scope="module")
@@ -43,10 +44,14 @@ def files_in(*folders: str) -> set[str]:
 
 
 def test_every_file_of_the_packages_is_there(wheel: zipfile.ZipFile) -> None:
-    expected = {
-        path.removeprefix("plugins/") for path in files_in("tacos_framework", "plugins/tacos_plugins")
-    }
+    expected = {path.removeprefix("plugins/") for path in files_in(*PACKAGES)}
     assert expected <= set(wheel.namelist())
+
+
+def test_every_folder_of_modules_is_a_package() -> None:
+    """Without ``__init__.py`` a folder is imported all the same, but the layer checks do not see it."""
+    folders = {(ROOT / path).parent for path in files_in(*PACKAGES) if path.endswith(".py")}
+    assert [str(folder) for folder in folders if not (folder / "__init__.py").is_file()] == []
 
 
 def test_recipes_and_catalogs_lie_inside_the_framework(wheel: zipfile.ZipFile) -> None:
