@@ -6,6 +6,7 @@ import ctypes
 import logging
 import os
 from dataclasses import dataclass
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -109,9 +110,8 @@ def _create_context() -> tuple[moderngl.Context, str]:
     reasons = []
     for libgl, libegl in _LIBRARIES:
         try:
-            context = moderngl.create_context(
-                require=OPENGL_VERSION, standalone=True, backend="egl", libgl=libgl, libegl=libegl
-            )
+            settings: dict[str, Any] = {"backend": "egl", "libgl": libgl, "libegl": libegl}
+            context = moderngl.create_context(require=OPENGL_VERSION, standalone=True, **settings)
         # moderngl and glcontext raise bare Exception for every failure to load or to create.
         except Exception as error:  # noqa: BLE001
             reasons.append(f"{libegl}: {error}")

@@ -9,11 +9,8 @@ I3D 2011); the mean over the pixel is the trapezoidal rule.
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-
-_AROUND = np.ones((3, 3), np.uint8)
 
 # Places around a pixel centre, in half pixels, and their weights in the mean.
 _PLACES = np.array([(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx])
@@ -43,9 +40,8 @@ def blend_edges(colour: NDArray[np.float32], surface: NDArray[np.float32]) -> No
     >>> colour[..., 0].tolist()
     [[0.0, 6.0]]
     """
-    height, width = colour.shape[:2]
-    several = cv2.dilate(surface, _AROUND)[1::2, 1::2] != cv2.erode(surface, _AROUND)[1::2, 1::2]
-    pixel = np.flatnonzero(several)
+    width = colour.shape[1]
+    pixel = np.flatnonzero(_sees_several(surface))
     if len(pixel) == 0:
         return
     row, column = np.divmod(pixel, width)
@@ -61,8 +57,16 @@ def blend_edges(colour: NDArray[np.float32], surface: NDArray[np.float32]) -> No
     sees_same = centres[framed[:, None, None] + neighbours] == seen[..., None]  # (K, 8, 3)
     first = sees_same.argmax(axis=2)
     sees_other = seen != centres[framed][:, None]
-    moves = sees_other & sees_same.any(axis=2)
+    moves = sees_other & (sees_same[..., 0] | sees_same[..., 1] | sees_same[..., 2])
     source = pixel[:, None] + np.where(moves, offsets[np.arange(8), first], 0)
 
     flat = colour.reshape(-1, 3)
     flat[pixel] = np.einsum("kpc,p->kc", flat[source], _WEIGHTS) + _OWN_WEIGHT * flat[pixel]
+
+
+def _sees_several(surface: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """(H, W) whether the nine places of a pixel see more than one surface."""
+    changes = surface[:, 1:] != surface[:, :-1]
+    in_row = changes[:, 0::2] | changes[:, 1::2]  # (2 H + 1, W) along any of the pixel's rows
+    in_column = surface[1:, 1::2] != surface[:-1, 1::2]  # (2 H, W) along its middle column
+    return in_row[0:-2:2] | in_row[1::2] | in_row[2::2] | in_column[0::2] | in_column[1::2]

@@ -57,9 +57,7 @@ class Culling:
         inside = np.einsum("pj,pcj->pc", planes[:, :3], farthest) + planes[:, 3:] >= 0
         return np.flatnonzero(inside.all(axis=0))
 
-    def with_surfaces(
-        self, chunk: NDArray[np.intp], surface_seen: NDArray[np.float32]
-    ) -> NDArray[np.intp]:
+    def with_surfaces(self, chunk: NDArray[np.intp], surface_seen: NDArray[np.float32]) -> NDArray[np.intp]:
         """Those chunks that hold any of the surfaces in an image of surface numbers."""
         if len(chunk) == 0:
             return chunk

@@ -113,7 +113,7 @@ def _quadrature(light: Light) -> list[tuple[NDArray[np.float32], float]]:
         return [(np.zeros(3, np.float32), 1.0)]
     nodes, weights = np.polynomial.legendre.leggauss(3)
     return [
-        (a * light.half_u_m + b * light.half_v_m, float(wa * wb / 4))
+        ((a * light.half_u_m + b * light.half_v_m).astype(np.float32), float(wa * wb / 4))
         for a, wa in zip(nodes, weights, strict=True)
         for b, wb in zip(nodes, weights, strict=True)
     ]
@@ -165,9 +165,9 @@ def _mean_direction(
     total = np.zeros_like(point_m)
     length = np.zeros(len(point_m), np.float32)
     for index, light in enumerate(lights):
-        to = light.position_m - point_m
+        to = (light.position_m - point_m).astype(np.float32)
         to /= np.maximum(np.linalg.norm(to, axis=1, keepdims=True), 1e-6)
         facing = arriving[:, index] / np.maximum(np.einsum("ij,ij->i", to, normal), 0.05)
         total += facing[:, None] * to
         length += facing
-    return total / np.maximum(length, 1e-20)[:, None]
+    return (total / np.maximum(length, 1e-20)[:, None]).astype(np.float32)

@@ -65,7 +65,7 @@ class GpuWorld:
         self.truth = _buffer(context, _truth_vertices(lit))
         self.indices = _buffer(context, lit.mesh.triangles)
         self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
-        self.textures = {
+        self.textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "colours": colour_stack(context, world.materials),
             "normals": normal_stack(context, world.materials),
             "light_map": _map(context, lit.light_map),

@@ -10,7 +10,7 @@ from tacos_plugins.renderers.moderngl.rays import RayTracer
 REACH_M = 0.5
 """How far away things still darken the indirect light of a point [m]."""
 
-_RAYS = 32
+_RAYS = 24
 _BURIED_SHARE = 0.3  # of rays that meet backs: such a point lies inside something
 _BLOCK = 1 << 14
 

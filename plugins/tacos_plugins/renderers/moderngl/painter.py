@@ -84,8 +84,9 @@ class Painter:
             An image of the surfaces in view, as `truth` draws; chunks without them are left out.
         """
         world = self.world
+        red, green, blue = map(float, world.ambient_cd_m2)
         target.framebuffer.use()
-        target.framebuffer.clear(color=(*map(float, world.ambient_cd_m2), 1.0), depth=1.0)
+        target.framebuffer.clear(color=(red, green, blue, 1.0), depth=1.0)
         for unit, name in enumerate(_UNITS):
             world.textures[name].use(unit)
         chunk = world.culling.in_frustum(view.clip_from_world)
@@ -113,9 +114,7 @@ class Painter:
         for bits, first, count in draws.groups:
             self._draw(self._truth, SurfaceKind(bits), draws.commands[first : first + count])
 
-    def viewpoint(
-        self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float
-    ) -> Viewpoint:
+    def viewpoint(self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float) -> Viewpoint:
         """A camera in this world."""
         far_m = max(self.world.far_m(world_from_camera[:3, 3]), 2 * near_m)
         camera_from_world = invert_pose(world_from_camera)
@@ -132,9 +131,7 @@ class Painter:
             arrays.release()
         self.world.release()
 
-    def _draw(
-        self, arrays: moderngl.VertexArray, kind: SurfaceKind, commands: NDArray[np.uint32]
-    ) -> None:
+    def _draw(self, arrays: moderngl.VertexArray, kind: SurfaceKind, commands: NDArray[np.uint32]) -> None:
         if SurfaceKind.CLOSED in kind:
             self._context.enable(moderngl.CULL_FACE)
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -69,7 +70,7 @@ def probe_places(world: World, tracer: RayTracer) -> NDArray[np.float64]:
     chosen: list[NDArray[np.float64]] = []
     for light_m in highest_first:
         start = (light_m - [0.0, 0.0, 0.1]).astype(np.float32)[None]
-        down = tracer.first_hits(start, np.float32([[0, 0, -1]]), _BEYOND_M)
+        down = tracer.first_hits(start, np.array([[0, 0, -1]], np.float32), _BEYOND_M)
         drop = float(down.distance[0]) if down.triangle[0] >= 0 else 1.0
         place = light_m - [0.0, 0.0, 0.1 + drop / 2]
         near = [other for other in chosen if np.linalg.norm(other - place) < APART_M]
@@ -123,7 +124,7 @@ def paint_light(
     """
     to_light = light.position_m - place_m
     if light.normal is None:
-        area = np.pi * light.radius_m**2
+        area = math.pi * light.radius_m**2
         along = rays @ to_light / np.einsum("...j,...j->...", rays, rays)
         miss = np.linalg.norm(along[..., None] * rays - to_light, axis=-1)
         hit = (along > 0) & (miss <= light.radius_m)
@@ -132,24 +133,21 @@ def paint_light(
         towards = rays @ light.normal
         along = (to_light @ light.normal) / np.where(np.abs(towards) > 1e-9, towards, 1e-9)
         across = along[..., None] * rays - to_light
-        u2, v2 = light.half_u_m @ light.half_u_m, light.half_v_m @ light.half_v_m
+        u2, v2 = float(light.half_u_m @ light.half_u_m), float(light.half_v_m @ light.half_v_m)
         inside = (np.abs(across @ light.half_u_m) <= u2) & (np.abs(across @ light.half_v_m) <= v2)
         hit = (along > 0) & (towards < 0) & inside
-        cosine = max(float(-to_light @ light.normal) / np.linalg.norm(to_light), 0.0)
-        area = 4 * float(np.sqrt(u2 * v2)) * cosine
+        cosine = max(float(-to_light @ light.normal) / float(np.linalg.norm(to_light)), 0.0)
+        area = 4 * math.sqrt(u2 * v2) * cosine
         intensity = light.flux_lm / np.pi * cosine
     if not hit.any() or area <= 0:
         return
     # Whole pixels never cover exactly the light's solid angle: scale so that its illuminance is kept.
     pixel_sr = (2 / len(luminance)) ** 2 / np.linalg.norm(rays[hit], axis=-1) ** 3
     covered_sr, true_sr = float(pixel_sr.sum()), area / float(to_light @ to_light)
-    whole = hit.sum() == _inner(hit).sum()  # a light cut by the face's edge keeps its luminance
-    factor = true_sr / covered_sr if whole else 1.0
+    # A light cut by the face's edge keeps its luminance.
+    cut = hit[0].any() or hit[-1].any() or hit[:, 0].any() or hit[:, -1].any()
+    factor = 1.0 if cut else true_sr / covered_sr
     luminance[hit & (along < depth_m + _ON_SURFACE_M)] = (intensity / area * factor).astype(np.float32)
-
-
-def _inner(hit: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    return hit[1:-1, 1:-1]
 
 
 def nearest_visible(

@@ -38,7 +38,7 @@ class ModernglRenderer:
         antialiasing: Literal["auto", "multisampling", "edges", "none"] = setting(
             "auto",
             help="How colour is averaged over a pixel: several samples (multisampling), one sample blended "
-            "where surfaces meet (edges), or not at all; auto is multisampling on GPUs and edges in software.",
+            "where surfaces meet (edges), or none; auto is multisampling on GPUs and edges in software.",
         )
         samples: int = setting(8, help="Colour samples per pixel for multisampling.", ge=2, le=32)
         motion_samples: int = setting(
@@ -46,7 +46,7 @@ class ModernglRenderer:
         )
         near_m: float = setting(0.05, help="Surfaces nearer than this are not drawn.", unit="m", gt=0)
         light_texel_m: float = setting(
-            0.05, help="Distance of light map texels on large flat surfaces.", unit="m", ge=0.005
+            0.06, help="Distance of light map texels on large flat surfaces.", unit="m", ge=0.005
         )
 
     reads: ClassVar[frozenset[str]] = frozenset(

@@ -35,7 +35,7 @@ def smooth_surfaces(mesh: FlatMesh) -> NDArray[np.int32]:
 
 
 def closed_parts(mesh: FlatMesh) -> NDArray[np.bool_]:
-    """(parts,) whether each part's triangles enclose a volume, so that their backs are never seen from outside.
+    """(parts,) whether each part encloses a volume, so that its back is never seen from outside.
 
     True where every edge is run along as often in one direction as in the other, and the enclosed volume is
     positive: a room that faces inwards is not closed in this sense.

@@ -38,7 +38,7 @@ class Target:
             self._resolved = context.framebuffer(context.renderbuffer(size, channels, dtype="f4"))
 
     def read(self, into: NDArray[np.float32]) -> None:
-        """Read (H, W, channels) float32, averaging the samples of each pixel; `into` may have fewer channels."""
+        """Read (H, W, channels) float32 into an array, which may have fewer channels, samples averaged."""
         source = self.framebuffer
         if self._resolved is not None:
             self._context.copy_framebuffer(self._resolved, self.framebuffer)

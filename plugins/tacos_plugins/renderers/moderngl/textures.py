@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import cv2
 import moderngl
@@ -39,22 +39,21 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
     in linear light and encoded then, so that distant surfaces keep their mean reflectance.
     """
     images = [material.texture for material in materials if material.texture is not None]
-    edge = common_edge(images)
-    linear = np.ones((len(images) + 1, edge, edge, 4), np.float32)
-    for layer, image in zip(linear[1:], images, strict=True):
-        layer[..., :3] = _resized(linear_from_srgb(image), edge)
-    levels = [np.rint(np.sqrt(level) * 255).astype(np.uint8) for level in mean_pyramid(linear)]
-    return _upload(context, levels)
+
+    def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
+        return [np.rint(np.sqrt(level) * 255).astype(np.uint8) for level in pyramid(linear_from_srgb(image))]
+
+    return _stack(context, np.full((1, 1, 3), 255, np.uint8), images, levels)
 
 
 def normal_stack(context: moderngl.Context, materials: Sequence[Material]) -> moderngl.TextureArray:
     """One layer per material that has a normal map, after a flat layer 0."""
     images = [material.normal_map for material in materials if material.normal_map is not None]
-    edge = common_edge(images)
-    tilt = np.full((len(images) + 1, edge, edge, 4), 128, np.float32)
-    for layer, image in zip(tilt[1:], images, strict=True):
-        layer[..., :3] = _resized(image, edge)
-    return _upload(context, [np.rint(level).astype(np.uint8) for level in mean_pyramid(tilt)])
+
+    def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
+        return [np.rint(level).astype(np.uint8) for level in pyramid(image.astype(np.float32))]
+
+    return _stack(context, np.full((1, 1, 3), 128, np.uint8), images, levels)
 
 
 def texture_layers(materials: Sequence[Material]) -> NDArray[np.int32]:
@@ -77,31 +76,40 @@ def material_table(materials: Sequence[Material], level: NDArray[np.int32]) -> N
     return table
 
 
-def mean_pyramid(stack: NDArray[np.float32]) -> list[NDArray[np.float32]]:
-    """Levels of (layers, T, T, channels) images, each the means of two by two texels of the one before.
+def pyramid(image: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+    """An image of (T, T, channels) and its means over two by two texels, down to a single one.
 
     Examples
     --------
-    >>> [level.ravel().tolist() for level in mean_pyramid(np.float32([[[[0], [1]], [[2], [5]]]]))]
+    >>> [level.ravel().tolist() for level in pyramid(np.float32([[[0], [1]], [[2], [5]]]))]
     [[0.0, 1.0, 2.0, 5.0], [2.0]]
     """
-    levels = [stack]
-    while (edge := levels[-1].shape[1] // 2) >= 1:
-        layers, _, _, channels = stack.shape
-        levels.append(levels[-1].reshape(layers, edge, 2, edge, 2, channels).mean(axis=(2, 4)))
+    levels = [image]
+    while (edge := len(levels[-1]) // 2) >= 1:
+        levels.append(levels[-1].reshape(edge, 2, edge, 2, -1).mean(axis=(1, 3)))
     return levels
 
 
-def common_edge(images: Sequence[NDArray[np.uint8]]) -> int:
-    """The edge all layers of a stack get [px]."""
-    return min(max((len(image) for image in images), default=1), GREATEST_TEXTURE_PX)
-
-
-def _resized(image: NDArray[np.generic], edge: int) -> NDArray[np.generic]:
-    if len(image) == edge:
-        return image
-    shrinks = len(image) > edge
-    return cv2.resize(image, (edge, edge), interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
+def _stack(
+    context: moderngl.Context,
+    first: NDArray[np.uint8],
+    images: Sequence[NDArray[np.uint8]],
+    levels_of: Callable[[NDArray[np.uint8]], list[NDArray[np.uint8]]],
+) -> moderngl.TextureArray:
+    """Stack `first` and `images`, all scaled to the edge of the largest, each with its own mipmap levels."""
+    edge = min(max((len(image) for image in images), default=1), GREATEST_TEXTURE_PX)
+    depth = edge.bit_length()
+    stacked = [np.full((len(images) + 1, edge >> n, edge >> n, 4), 255, np.uint8) for n in range(depth)]
+    for layer, image in enumerate((first, *images)):
+        levels = levels_of(image)
+        # Smaller images are spread over the missing finer levels, larger ones leave theirs out.
+        for number, place in enumerate(reversed(stacked)):
+            size = place.shape[1]
+            level = levels[max(len(levels) - 1 - number, 0)]
+            if len(level) != size:
+                level = cv2.resize(level, (size, size), interpolation=cv2.INTER_LINEAR).astype(np.uint8)
+            place[layer, ..., :3] = level
+    return _upload(context, stacked)
 
 
 def _upload(context: moderngl.Context, levels: Sequence[NDArray[np.uint8]]) -> moderngl.TextureArray:

@@ -1,0 +1,91 @@
+"""Frames per second of `renderer.moderngl` on a furnished indoor world, and whether its memory stays flat.
+
+LP_NUM_THREADS=1 OMP_NUM_THREADS=1 python benchmarks/renderer_speed.py --size 640x480 --frames 100
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import time
+
+import numpy as np
+
+from tacos_framework.camera.geometry import agent_from_camera
+from tacos_framework.values import Camera, Exposure, Rig
+from tacos_plugins.renderers.moderngl.context import describe_gl
+from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
+from tacos_plugins.scenes.indoor.scene import IndoorScene
+
+
+def main() -> None:
+    """Print the figures."""
+    arguments = parse_arguments()
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    scene = IndoorScene(IndoorScene.Config())
+    episode = scene.episode(rng=np.random.default_rng(arguments.seed), illumination_lux=20.0)
+    width_px, height_px = arguments.size
+    camera = Camera(
+        name="benchmark",
+        width_px=width_px,
+        height_px=height_px,
+        pixel_um=3840.0 / width_px,
+        focal_length_mm=2.4,
+        agent_from_camera=agent_from_camera((0.0, 0.0, 0.0), pitch_deg=-10.0),
+    )
+    rig, exposure = Rig((camera,)), Exposure()
+    renderer = ModernglRenderer(
+        ModernglRenderer.Config(antialiasing=arguments.antialiasing, motion_samples=arguments.motion_samples)
+    )
+    # Spread over the whole trip, so that all rooms count.
+    frames = np.linspace(0, len(episode) - 1, arguments.frames).astype(int)
+
+    start = time.perf_counter()
+    renderer.capture(episode[:1], rig=rig, exposure=exposure)
+    prepared_s = time.perf_counter() - start
+    for frame in frames[:: max(len(frames) // 8, 1)]:  # compiles the shaders every room needs
+        renderer.capture(episode[frame : frame + 1], rig=rig, exposure=exposure)
+
+    before = resident_bytes()
+    start, start_cpu = time.perf_counter(), time.process_time()
+    for frame in frames:
+        renderer.capture(episode[frame : frame + 1], rig=rig, exposure=exposure)
+    seconds, cpu_seconds = time.perf_counter() - start, time.process_time() - start_cpu
+
+    print(f"renderer          {describe_gl()}")
+    print(f"world             {episode.world.triangle_count} triangles, {len(episode.world.lights)} lights")
+    print(f"images            {width_px} x {height_px}, {len(frames)} frames of colour, depth and ids")
+    print(f"preparing         {prepared_s:.1f} s")
+    print(f"speed             {len(frames) / seconds:.1f} frames/s")
+    print(f"processor time    {1e3 * cpu_seconds / len(frames):.1f} ms per frame")
+    print(f"memory            {before / 1e6:.0f} MB, grown by {(resident_bytes() - before) / 1e6:.1f} MB")
+
+
+def parse_arguments() -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--size", type=parse_size, default=(640, 480), help="image size, WIDTHxHEIGHT [px]")
+    parser.add_argument("--frames", type=int, default=100, help="number of frames")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the world")
+    parser.add_argument("--antialiasing", default="auto", help="auto, multisampling, edges or none")
+    parser.add_argument("--motion-samples", type=int, default=1, help="poses per exposure")
+    return parser.parse_args()
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """(640, 480) of "640x480"."""
+    width, _, height = text.partition("x")
+    try:
+        return int(width), int(height)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form 640x480") from None
+
+
+def resident_bytes() -> int:
+    """Memory this process holds [bytes]; Linux only."""
+    with open("/proc/self/statm") as statm:
+        return int(statm.read().split()[1]) * 4096
+
+
+if __name__ == "__main__":
+    main()
