@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tacos_plugins.scenes.indoor.building import MAX_LIGHTS, Building
+from tacos_plugins.scenes.indoor.building import MAX_LIGHTS, Building, draw_building
 from tacos_plugins.scenes.indoor.furnishing.arrangement import Arrangement, Member
-from tacos_plugins.scenes.indoor.furnishing.catalogue import FURNITURE_CLASSES
+from tacos_plugins.scenes.indoor.furnishing.catalogue import FURNITURE_CLASSES, Catalogue
 from tacos_plugins.scenes.indoor.furnishing.rooms import draw_room_kinds
 
 
@@ -64,6 +64,28 @@ def test_every_door_has_one_threshold_low_and_across_the_opening(buildings: list
             assert 0.02 < high[2] - low[2] < 0.05
             assert high[1 - door.axis] - low[1 - door.axis] == pytest.approx(door.width_m, abs=0.01)
             assert high[door.axis] - low[door.axis] < 0.3
+
+
+def triangles(building: Building) -> int:
+    pieces = [*building.background, *building.thresholds, *(m.piece for m in building.furniture)]
+    return sum(len(mesh.triangles) for thing in pieces for mesh, _ in thing.parts)
+
+
+def test_triangles_stay_in_their_budget(buildings: list[Building]) -> None:
+    assert max(map(triangles, buildings)) < 85_000
+
+
+@pytest.mark.parametrize("size_m", [(30.0, 12.0), (24.0, 24.0), (5.0, 5.0)])
+def test_large_cluttered_floors_keep_the_budget_too(size_m: tuple[float, float]) -> None:
+    crowded = draw_building(
+        np.random.default_rng(107),
+        size_m=size_m,
+        ceiling_height_m=4.0,
+        min_room_m=4.0,
+        clutter=1.0,
+        catalogue=Catalogue(),
+    )
+    assert triangles(crowded) <= 100_000
 
 
 def test_all_ten_classes_appear(buildings: list[Building]) -> None:

@@ -122,8 +122,11 @@ class RoomFloor:
 
     def filled(self) -> float:
         """Share of the floor that furniture takes [1]."""
-        width, depth = self.clear.size
-        return sum(rect.size[0] * rect.size[1] for rect in self.taken) / (width * depth)
+        return sum(rect.size[0] * rect.size[1] for rect in self.taken) / self.area_m2()
+
+    def area_m2(self) -> float:
+        """Area of the floor [m2]."""
+        return self.clear.size[0] * self.clear.size[1]
 
     def triangle_count(self) -> int:
         """Triangles of all that was placed."""

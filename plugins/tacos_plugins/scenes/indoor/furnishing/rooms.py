@@ -19,6 +19,10 @@ from tacos_plugins.scenes.indoor.piece import Piece
 LAMP_FLUX_LM = 450.0
 """Luminous flux of a lamp beside the ceiling lights, before calibration [lm]."""
 LAMP_TEMPERATURE_K = 4300.0
+_LARGE_M2 = 45.0
+"""Larger rooms get twice as much beyond what makes them."""
+_TOY_TRIANGLES = 400
+"""Kept back for each toy while furniture is added."""
 _FILLED = 0.26
 """Share of the floor that furniture takes in a furnished room [1]."""
 
@@ -57,12 +61,16 @@ class Furnisher:
         """Furnish the room as a kind of :data:`ROOM_KINDS`, and switch on its lamps."""
         essential, more, toys = ROOM_KINDS[kind]
         essential(self)
-        for name in self.rng.permutation(more.split(", ")).tolist():
-            if self.floor.filled() > _FILLED or self.floor.triangle_count() > self.triangles:
+        toy_count = int(self.rng.poisson(toys * 2 * self.clutter))
+        for_furniture = self.triangles - min(toy_count * _TOY_TRIANGLES, self.triangles // 3)
+        rounds = 2 if self.floor.area_m2() > _LARGE_M2 else 1
+        for name in self.rng.permutation(more.split(", ") * rounds).tolist():
+            if self.floor.filled() > _FILLED or self.floor.triangle_count() > for_furniture:
                 break
             _PLACE[name](self)
-        for _ in range(self.rng.poisson(toys * 2 * self.clutter)):
-            self._toy()
+        for _ in range(toy_count):
+            if self.floor.triangle_count() < 1.1 * self.triangles:
+                self._toy()
         self.floor.replace_pieces(self._switched)
 
     def make(self, kind: str) -> Piece:

@@ -24,7 +24,7 @@ def _plastic(rng: np.random.Generator) -> Finish:
 
 
 def _sphere(radius: float, at: tuple[float, float, float], sides: int = 12) -> Mesh:
-    angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 9)[1:-1]
+    angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, sides // 2 + 2)[1:-1]
     return disc_stack([(radius * math.cos(a), radius * math.sin(a)) for a in angle], at, sides=sides)
 
 

@@ -13,6 +13,7 @@ from tacos_plugins.scenes.indoor.shapes import box, panel, sheet, tube
 from tacos_plugins.scenes.indoor.structure.sides import Opening, Side
 
 _RECESS_M = 0.14
+_CURTAIN_LINE_M = 0.12
 CURTAIN_M = 0.2
 """How far curtains and sills reach into the room [m]."""
 
@@ -89,7 +90,7 @@ def window(rng: np.random.Generator, side: Side, drawn: Window, style: Style) ->
         (box((width, 0.05, bar), (middle, pane_at + 0.015, head - bar), bevel_m=0.005), WHITE_LACQUER),
         (
             box(
-                (width + 0.1, _RECESS_M + 0.06, 0.03), (middle, deep / 2 + 0.06, sill - 0.005), bevel_m=0.008
+                (width + 0.1, _RECESS_M + 0.05, 0.03), (middle, deep / 2 + 0.025, sill - 0.005), bevel_m=0.008
             ),
             WHITE_LACQUER,
         ),
@@ -107,9 +108,9 @@ def window(rng: np.random.Generator, side: Side, drawn: Window, style: Style) ->
         ):
             parts.append((_curtain(rng, start, end, bottom, top), style.curtain))
         rod = [
-            [low - 0.44, 0.1, top + 0.01],
-            [middle, 0.1, top + 0.01],
-            [hole.high_m + 0.44, 0.1, top + 0.01],
+            [low - 0.44, _CURTAIN_LINE_M, top + 0.01],
+            [middle, _CURTAIN_LINE_M, top + 0.01],
+            [hole.high_m + 0.44, _CURTAIN_LINE_M, top + 0.01],
         ]
         parts.append((tube(rod, 0.014, sides=6), style.metal))
     return Piece(BACKGROUND, tuple((side.place_mesh(mesh), finish) for mesh, finish in parts))
@@ -123,7 +124,7 @@ def _curtain(rng: np.random.Generator, start: float, end: float, bottom: float, 
     gather = 0.03 * (1.15 - 0.35 * (rows - bottom) / (top - bottom))
     points = np.empty((3, columns, 3))
     points[..., 0] = x
-    points[..., 1] = 0.1 + gather[:, None] * np.sin(phase)[None, :]
+    points[..., 1] = _CURTAIN_LINE_M + gather[:, None] * np.sin(phase)[None, :]
     points[..., 2] = rows[:, None]
     return sheet(points, thickness_m=0.002)
 

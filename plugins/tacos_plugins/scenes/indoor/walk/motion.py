@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-from tacos_plugins.scenes.indoor.walk.route import Route
+from tacos_plugins.scenes.indoor.walk.route import STEP_M, Route
 
 KEY_RATE_HZ = 20.0
 """Poses per second of a trajectory [Hz]."""
@@ -59,7 +59,10 @@ def draw_walk(rng: np.random.Generator, route: Route, *, speed_m_s: float, camer
     yaw = heading + _looking_around(rng, time_s, np.array([time_at_point[k] for k, _ in route.door_at]))
 
     stride = (
-        2 * math.pi * np.interp(time_s, time_at_point, np.arange(len(time_at_point)) * 0.05) / _STEP_LENGTH_M
+        2
+        * math.pi
+        * np.interp(time_s, time_at_point, np.arange(len(time_at_point)) * STEP_M)
+        / _STEP_LENGTH_M
     )
     z = camera_height_m + _BOB_M * np.sin(stride) + _drift(rng, len(time_s), 0.008)
     sway = _SWAY_M * np.sin(stride / 2)

@@ -76,63 +76,84 @@ def draw_route(rng: np.random.Generator, building: Building, free: FreeSpace) ->
     """A smooth path through all rooms, with a detour inside each room on the first visit."""
     plan = building.plan
     room, doors = draw_tour(rng, plan)
-    here = _somewhere(rng, plan, room, free, np.array(plan.clear(room).centre), np.zeros(2))
-    legs: list[NDArray[np.float64]] = [here[None]]
-    fixed: list[NDArray[np.bool_]] = [np.zeros(1, bool)]
-    crossed: list[tuple[int, int]] = []
+    way = _Way(rng, plan, free, room)
+    if not doors:
+        way.wander(room, 3)
     seen = {room}
     for index in doors:
-        door = plan.doors[index]
-        onward = door.direction if door.rooms[0] == room else -door.direction
-        before, after = door.position_m - _STRAIGHT_M * onward, door.position_m + _STRAIGHT_M * onward
-        _append(legs, fixed, _resampled(free.path(here, before)), keep=None)
-        straight = _resampled(np.stack([before, door.position_m, after]))
-        count = sum(len(leg) for leg in legs)
-        _append(legs, fixed, straight, keep=np.linalg.norm(straight - door.position_m, axis=1) <= _FIXED_M)
-        crossed.append((count + len(straight) // 2 - 1, index))
-        room = door.rooms[1] if door.rooms[0] == room else door.rooms[0]
-        here = after
+        room = way.through(index, room)
         if room not in seen:
             seen.add(room)
-            for _ in range(2):  # a loop rather than a dead end
-                there = _somewhere(rng, plan, room, free, here, onward)
-                leg = _resampled(free.path(here, there))
-                _append(legs, fixed, leg, keep=np.arange(len(leg)) == len(leg) - 1)
-                onward = (leg[-1] - leg[-9]) / np.linalg.norm(leg[-1] - leg[-9]) if len(leg) > 9 else onward
-                here = there
-    points = _smoothed(np.concatenate(legs), np.concatenate(fixed), free)
-    return Route(points, tuple(crossed))
+            way.wander(room, 2)  # a loop rather than a dead end
+    points = _smoothed(np.concatenate(way.legs), np.concatenate(way.fixed), free)
+    even = _resampled(points)
+    # Points of `even` lie evenly over the length of `points`.
+    share = _arc_m(points) / _arc_m(points)[-1]
+    return Route(even, tuple((round(share[at] * (len(even) - 1)), door) for at, door in way.crossed))
 
 
-def _append(
-    legs: list[NDArray[np.float64]],
-    fixed: list[NDArray[np.bool_]],
-    leg: NDArray[np.float64],
-    *,
-    keep: NDArray[np.bool_] | None,
-) -> None:
-    """Add a leg that starts where the last one ended; `keep` marks the points not to be moved."""
-    legs.append(leg[1:])
-    fixed.append(np.zeros(len(leg) - 1, bool) if keep is None else keep[1:])
+class _Way:
+    """A path being laid, leg by leg.
+
+    Attributes
+    ----------
+    legs
+        (N, 2) points of each leg [m].
+    fixed
+        (N,) for each leg, the points that smoothing must not move.
+    crossed
+        (index of the point in a doorway, index of the door).
+    """
+
+    def __init__(self, rng: np.random.Generator, plan: FloorPlan, free: FreeSpace, room: int) -> None:
+        self._rng, self._plan, self._free = rng, plan, free
+        self._heading = np.zeros(2)
+        self._here = np.array(plan.clear(room).centre)
+        self._here = self._somewhere(room)
+        self.legs: list[NDArray[np.float64]] = [self._here[None]]
+        self.fixed: list[NDArray[np.bool_]] = [np.zeros(1, bool)]
+        self.crossed: list[tuple[int, int]] = []
+
+    def through(self, index: int, room: int) -> int:
+        """Walk out of a room through the middle of a door; the room behind it."""
+        door = self._plan.doors[index]
+        onward = door.direction if door.rooms[0] == room else -door.direction
+        before, after = door.position_m - _STRAIGHT_M * onward, door.position_m + _STRAIGHT_M * onward
+        approach = _resampled(self._free.path(self._here, before))
+        self._add(approach, np.zeros(len(approach), bool))
+        straight = _resampled(np.stack([before, door.position_m, after]))
+        self.crossed.append((sum(map(len, self.legs)) + len(straight) // 2 - 1, index))
+        self._add(straight, np.linalg.norm(straight - door.position_m, axis=1) <= _FIXED_M)
+        self._heading = onward
+        return door.rooms[1] if door.rooms[0] == room else door.rooms[0]
+
+    def wander(self, room: int, places: int) -> None:
+        """Walk to some places inside a room."""
+        for _ in range(places):
+            leg = _resampled(self._free.path(self._here, self._somewhere(room)))
+            self._add(leg, np.arange(len(leg)) == len(leg) - 1)
+            onward = leg[-1] - leg[max(0, len(leg) - 9)]
+            self._heading = onward / max(float(np.linalg.norm(onward)), 1e-9)
+
+    def _add(self, leg: NDArray[np.float64], fixed: NDArray[np.bool_]) -> None:
+        """Add a leg that starts where the last one ended."""
+        self.legs.append(leg[1:])
+        self.fixed.append(fixed[1:])
+        self._here = leg[-1]
+
+    def _somewhere(self, room: int) -> NDArray[np.float64]:
+        inner = self._plan.clear(room).grown(-0.5)
+        low, high = np.array([inner.x0, inner.y0]), np.array([inner.x1, inner.y1])
+        return self._free.random_point(self._rng, low, high, self._here, self._heading)
 
 
-def _somewhere(
-    rng: np.random.Generator,
-    plan: FloorPlan,
-    room: int,
-    free: FreeSpace,
-    here_m: NDArray[np.float64],
-    heading: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    inner = plan.clear(room).grown(-0.5)
-    return free.random_point(
-        rng, np.array([inner.x0, inner.y0]), np.array([inner.x1, inner.y1]), here_m, heading
-    )
+def _arc_m(points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N,) length of the path up to each point [m]."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points_m, axis=0), axis=1))])
 
 
 def _resampled(points_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    steps = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
-    at = np.concatenate([[0], np.cumsum(steps)])
+    at = _arc_m(points_m)
     count = max(2, round(at[-1] / STEP_M) + 1)
     wanted = np.linspace(0, at[-1], count)
     return np.column_stack([np.interp(wanted, at, points_m[:, axis]) for axis in (0, 1)])
