@@ -20,6 +20,12 @@ _OWN_WEIGHT = np.float32(4 / 16)
 # (8 places, 3 candidates, 2): the neighbouring pixels that share each place, nearer ones first.
 _SHARED_BY = np.array([[(dy, 0), (0, dx), (dy, dx)] for dy, dx in _PLACES])
 
+# Offsets in pixels that follow strips along rows and columns, nearest first.
+_REACH = sorted(
+    ((dy, dx) for dy in range(-5, 6) for dx in range(-5, 6) if min(abs(dy), abs(dx)) < 2 and (dy or dx)),
+    key=lambda offset: offset[0] ** 2 + offset[1] ** 2,
+)
+
 
 def blend_edges(colour: NDArray[np.float32], surface: NDArray[np.float32]) -> None:
     """Average colour over each pixel that sees several surfaces, in place.
@@ -57,11 +63,35 @@ def blend_edges(colour: NDArray[np.float32], surface: NDArray[np.float32]) -> No
     sees_same = centres[framed[:, None, None] + neighbours] == seen[..., None]  # (K, 8, 3)
     first = sees_same.argmax(axis=2)
     sees_other = seen != centres[framed][:, None]
-    moves = sees_other & (sees_same[..., 0] | sees_same[..., 1] | sees_same[..., 2])
-    source = pixel[:, None] + np.where(moves, offsets[np.arange(8), first], 0)
+    found = sees_same[..., 0] | sees_same[..., 1] | sees_same[..., 2]
+    source = pixel[:, None] + np.where(sees_other & found, offsets[np.arange(8), first], 0)
+    lost, place = np.nonzero(sees_other & ~found)
+    source[lost, place] = _nearest_seeing(seen[lost, place], pixel[lost], surface[1::2, 1::2])
 
     flat = colour.reshape(-1, 3)
     flat[pixel] = np.einsum("kpc,p->kc", flat[source], _WEIGHTS) + _OWN_WEIGHT * flat[pixel]
+
+
+def _nearest_seeing(
+    wanted: NDArray[np.float32], pixel: NDArray[np.intp], centres: NDArray[np.float32]
+) -> NDArray[np.intp]:
+    """The pixel nearest to each of (N,) pixels whose centre sees a surface; itself where none is in reach.
+
+    Strips thinner than a pixel are seen by few centres: their colour comes from along the strip, or they
+    would break up into dashes.
+    """
+    height, width = centres.shape
+    flat, nearest = centres.reshape(-1), pixel.copy()
+    row, column = np.divmod(pixel, width)
+    open_ = np.arange(len(pixel))
+    for dy, dx in _REACH:
+        y, x = row[open_] + dy, column[open_] + dx
+        inside = (y >= 0) & (y < height) & (x >= 0) & (x < width)
+        there = np.where(inside, y * width + x, 0)
+        match = inside & (flat[there] == wanted[open_])
+        nearest[open_[match]] = there[match]
+        open_ = open_[~match]
+    return nearest
 
 
 def _sees_several(surface: NDArray[np.float32]) -> NDArray[np.bool_]:

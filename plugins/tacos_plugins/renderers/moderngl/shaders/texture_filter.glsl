@@ -1,7 +1,12 @@
 // Textures seen at a grazing angle: several samples along the pixel's long footprint.
+
+// Mipmapping alone is blurrier than the mean over a pixel; this bias is where both differ least (measured
+// against 16 samples a pixel).
+const float BIAS = -0.5;
+
 #ifdef FILTER_IN_HARDWARE
 vec3 filtered(sampler2DArray stack, vec2 at, float layer) {
-    return texture(stack, vec3(at, layer)).rgb;
+    return texture(stack, vec3(at, layer), BIAS).rgb;
 }
 #else
 // Software OpenGL filters anisotropically many times slower than with these taps of its fast path.
@@ -13,7 +18,7 @@ vec3 filtered(sampler2DArray stack, vec2 at, float layer) {
     float area = abs(dx.x * dy.y - dx.y * dy.x);
     float ratio = clamp(max(x2, y2) / max(area, 1e-20), 1.0, MOST_TAPS);
     int taps = int(ratio + 0.5);
-    float bias = -log2(ratio);
+    float bias = BIAS - log2(ratio);
     vec2 stride = along / float(taps);
     vec2 first = at - 0.5 * (along - stride);
     vec3 total = vec3(0.0);
