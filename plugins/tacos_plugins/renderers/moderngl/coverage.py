@@ -22,7 +22,7 @@ _SHARED_BY = np.array([[(dy, 0), (0, dx), (dy, dx)] for dy, dx in _PLACES])
 
 # Offsets in pixels that follow strips along rows and columns, nearest first.
 _REACH = sorted(
-    ((dy, dx) for dy in range(-5, 6) for dx in range(-5, 6) if min(abs(dy), abs(dx)) < 2 and (dy or dx)),
+    ((dy, dx) for dy in range(-10, 11) for dx in range(-10, 11) if min(abs(dy), abs(dx)) < 2 and (dy or dx)),
     key=lambda offset: offset[0] ** 2 + offset[1] ** 2,
 )
 
