@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 
-def read_only(
-    owner: Any, name: str, dtype: DTypeLike, shape: tuple[int | None, ...]
-) -> None:
+def read_only(owner: Any, name: str, dtype: DTypeLike, shape: tuple[int | None, ...]) -> None:
     """Replace ``owner.name`` by a read-only array of `dtype`, or refuse it.
 
     Parameters
@@ -29,9 +27,7 @@ def read_only(
     )
     if not matches:
         wanted = ", ".join("any" if n is None else str(n) for n in shape)
-        raise ValueError(
-            f"{type(owner).__name__}.{name} has shape {array.shape}, expected ({wanted})"
-        )
+        raise ValueError(f"{type(owner).__name__}.{name} has shape {array.shape}, expected ({wanted})")
     view = array.view()
     view.flags.writeable = False
     object.__setattr__(owner, name, view)

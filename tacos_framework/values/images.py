@@ -104,8 +104,10 @@ class FrameBatch:
         frozen = []
         for image, view in zip(self.images, self.capture.views, strict=True):
             if image.shape[:3] != view.depth_m.shape or image.dtype not in (np.uint8, np.uint16):
-                raise ValueError(f"images of camera {view.camera.name!r} are {image.dtype} {image.shape}, "
-                                 f"expected uint8 or uint16 {view.depth_m.shape} and channels")
+                raise ValueError(
+                    f"images of camera {view.camera.name!r} are {image.dtype} {image.shape}, "
+                    f"expected uint8 or uint16 {view.depth_m.shape} and channels"
+                )
             image = image.view()
             image.flags.writeable = False
             frozen.append(image)

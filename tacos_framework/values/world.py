@@ -162,8 +162,10 @@ class World:
             raise ValueError(f"objects of unknown class: {', '.join(sorted(unknown))}")
         for part in self.parts:
             if not 0 <= part.material < len(self.materials) or not 0 <= part.object_id < len(self.objects):
-                raise ValueError(f"a part names material {part.material} and object {part.object_id}, "
-                                 f"but there are {len(self.materials)} and {len(self.objects)}")
+                raise ValueError(
+                    f"a part names material {part.material} and object {part.object_id}, "
+                    f"but there are {len(self.materials)} and {len(self.objects)}"
+                )
 
     @property
     def triangle_count(self) -> int:
