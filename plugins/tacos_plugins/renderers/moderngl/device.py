@@ -23,7 +23,7 @@ from tacos_plugins.renderers.moderngl.targets import TargetPool
 
 log = logging.getLogger(__name__)
 
-_WORLDS_KEPT = 2
+_WORLDS_KEPT = 4
 _PROBE_NEAR_M = 0.02
 
 
