@@ -7,6 +7,7 @@ and fit together is the business of `tacos_framework.plan`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -253,10 +254,17 @@ def _from_document(
             Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
         )
     faults: list[Fault] = []
+    elsewhere: dict[tuple[str | int, ...], str] = {}
     for dotted, value in sets.items():
-        faults += _set(data, dotted, value)
-    if effects:
-        data["effects"] = [*(data.get("effects") or []), *effects]
+        path, found = _set(data, dotted, value)
+        faults += found
+        if not found:
+            elsewhere[path] = f"--set {dotted}"
+    own = data.get("effects") or []
+    if effects and isinstance(own, list):
+        data["effects"] = [*own, *effects]
+        elsewhere |= {("effects", len(own) + i): f"added effect {i + 1}" for i in range(len(effects))}
+    document = replace(document, elsewhere=elsewhere)
     sections: dict[str, Any] = {}
     if "tacos" not in data:
         faults.append(
@@ -311,24 +319,32 @@ def _draft(sections: dict[str, Any]) -> Recipe:
     return Recipe.model_construct(**{**empty, **sections})
 
 
-def _set(data: dict[str, Any], dotted: str, value: Any) -> list[Fault]:
-    """Put `value` at a dotted key such as ``nodes.world.frames`` or ``fitness.0.weight``."""
+def _set(data: dict[str, Any], dotted: str, value: Any) -> tuple[tuple[str | int, ...], list[Fault]]:
+    """Put `value` at a dotted key such as ``nodes.world.frames`` or ``fitness.0.weight``; its path."""
     where = f"--set {dotted}"
-    *parents, last = dotted.split(".")
-    if not all((*parents, last)):
-        return [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
+    steps = dotted.split(".")
+    if not all(steps):
+        return (), [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
     target: Any = data
-    for step in parents:
-        if isinstance(target, list) and step.isdecimal() and int(step) < len(target):
-            target = target[int(step)]
-        elif isinstance(target, dict):
+    path: list[str | int] = []
+    for step in steps[:-1]:
+        if isinstance(target, dict):
             target = target.setdefault(step, {})
+            path.append(step)
+        elif _is_index(target, step):
+            target = target[int(step)]
+            path.append(int(step))
         else:
-            return [Fault(where, f"there is nothing below {step!r}", "a mapping")]
-    if isinstance(target, list) and last.isdecimal() and int(last) < len(target):
-        target[int(last)] = value
-    elif isinstance(target, dict):
+            return (), [Fault(where, f"there is nothing below {step!r}", "a mapping")]
+    last = steps[-1]
+    if isinstance(target, dict):
         target[last] = value
-    else:
-        return [Fault(where, f"cannot be set: {'.'.join(parents)!r} is not a mapping", "a mapping")]
-    return []
+        return (*path, last), []
+    if _is_index(target, last):
+        target[int(last)] = value
+        return (*path, int(last)), []
+    return (), [Fault(where, f"cannot be set: {'.'.join(steps[:-1])!r} is not a mapping", "a mapping")]
+
+
+def _is_index(target: Any, step: str) -> bool:
+    return isinstance(target, list) and step.isdecimal() and int(step) < len(target)

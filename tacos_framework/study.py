@@ -325,6 +325,12 @@ class Study:
                 f"photosites, and its noise is that of the average. Resolutions compare with one another, "
                 f"but scores are not those of the full pixel counts."
             )
+        for variable in self.plan.space.as_data():
+            if left_out := variable.get("left_out"):
+                yield (
+                    f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
+                    f"{', '.join(left_out)} ({variable['catalog']})."
+                )
         failed = [search.name for search in self.searches if search.best is None and search.generation]
         for name in failed:
             yield f"No candidate of {name!r} could be evaluated; see generations.jsonl and log.txt for why."

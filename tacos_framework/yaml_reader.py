@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -68,6 +68,8 @@ class Document:
         the keys and list indices on the way from the root, which is ``()``.
     name
         What to call the text in messages, usually its file.
+    elsewhere
+        What to call, in messages, entries that were put there from elsewhere, such as the command line.
 
     Examples
     --------
@@ -81,12 +83,15 @@ class Document:
     data: Any
     positions: Mapping[tuple[str | int, ...], Position]
     name: str
+    elsewhere: Mapping[tuple[str | int, ...], str] = field(default_factory=dict)
 
     def where(self, path: Sequence[str | int] = ()) -> str:
         """``name:line:column`` of the entry, or of its nearest ancestor that exists."""
         known = tuple(path)
-        while known and known not in self.positions:
+        while known and known not in self.positions and known not in self.elsewhere:
             known = known[:-1]
+        if known in self.elsewhere:
+            return self.elsewhere[known]
         return _where(self.name, self.positions.get(known, Position(1, 1)))
 
 

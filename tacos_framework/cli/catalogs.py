@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
-from tacos_framework.catalog import Catalog, Part, catalog_names, find_catalog
+from tacos_framework.catalog import (
+    Catalog,
+    OffTheShelf,
+    Part,
+    camera_names,
+    catalog_names,
+    find_catalog,
+    load_cameras,
+)
+
+CAMERAS = "cameras"
+"""The catalog of whole cameras, which are compared with and not chosen from."""
 
 
 def list_catalogs() -> str:
     """The shipped catalogs, a line each."""
-    lines = []
+    lines = [f"{CAMERAS:<22} {len(camera_names()):>4} cameras  Off the shelf, to compare designs with"]
     for name in catalog_names():
         catalog = find_catalog(name)
-        lines.append(f"{name:<22} {len(catalog.rows):>4} parts  {catalog.title}")
+        lines.append(f"{name:<22} {len(catalog.rows):>4} parts    {catalog.title}")
     return "\n".join(lines)
 
 
 def show_catalog(name: str) -> str:
     """A catalog as a table with units; ``?`` stands for what nobody states, ``*`` for a doubtful row."""
+    if name == CAMERAS:
+        return "\n\n".join(_camera(camera) for camera in load_cameras(camera_names()))
     catalog = find_catalog(name)
     header = ["name", *(_heading(catalog, column.name) for column in catalog.columns)]
     rows = [[_name(part), *(_cell(part, c.name) for c in catalog.columns)] for part in catalog.rows]
@@ -26,6 +39,13 @@ def show_catalog(name: str) -> str:
     ]
     doubts = [f"* {part.name}: {doubt}" for part in catalog.rows for doubt in part.doubts]
     return "\n".join([catalog.title, "", *table, "", *doubts, f"Source: {catalog.source}"])
+
+
+def _camera(camera: OffTheShelf) -> str:
+    fixes = [f"  {name}: {value}" for name, value in camera.fixes.items()]
+    notes = [f"  note: {note}" for note in camera.notes]
+    sources = [f"  source: {source}" for source in camera.sources]
+    return "\n".join([f"{camera.name}: {camera.title} ({camera.rig})", *fixes, *notes, *sources])
 
 
 def _heading(catalog: Catalog, name: str) -> str:

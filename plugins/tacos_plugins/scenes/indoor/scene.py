@@ -56,7 +56,9 @@ class IndoorScene:
         )
         clutter: float = setting(0.5, help="How many toys and small things lie about.", ge=0.0, le=1.0)
         furniture_folder: str = setting(
-            "", help="Folder of GLB or OBJ models, CLASS/NAME.glb, that replace the built-in furniture."
+            "",
+            help="Folder of GLB or OBJ models, CLASS/NAME.glb, that replace the built-in furniture.",
+            is_path=True,
         )
 
         @model_validator(mode="after")

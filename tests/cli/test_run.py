@@ -1,0 +1,161 @@
+"""What a user of the two commands types and sees."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tacos_framework.cli import run_main, tacos_main
+
+SMALL = """\
+tacos: 1
+name: small
+seed: 7
+rig: {use: rig.monocular, binning: 24}
+design:
+  focal_length_mm: {between: [2, 8]}
+  sensor: {from: image_sensors, scheme: discrete}
+nodes:
+  world: {use: scene.indoor, frames: 2, size_m: [11, 6]}
+  capture: {use: renderer.moderngl, in: {episode: world}, light_texel_m: 0.3}
+  frames: {use: sensor.affine-noise, in: {capture: capture}}
+  features: {use: task.orb-features, in: {frames: frames}}
+fitness: [{score: features.inliers, weight: 1}]
+optimizer: {use: optimizer.random, evaluations: 2}
+test: {seed: 1001}
+"""
+
+
+@pytest.fixture
+def recipe(tmp_path: Path) -> Path:
+    path = tmp_path / "small.yaml"
+    path.write_text(SMALL)
+    return path
+
+
+def command(*arguments: str, **options: object) -> subprocess.Popen[str]:
+    code = "import sys; from tacos_framework.cli import run_main; sys.exit(run_main())"
+    return subprocess.Popen(
+        [sys.executable, "-c", code, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,  # type: ignore[call-overload]
+    )
+
+
+def test_a_recipe_runs_to_a_result_and_a_report(recipe, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run_main([str(recipe), "--out", str(out), "--set", "optimizer.evaluations=3"]) == 0
+    printed = capsys.readouterr()
+    assert "Designing: 3 candidates" in printed.err
+    assert f"Report: {out / 'report.html'}" in printed.out
+    result = json.loads((out / "result.json").read_text())
+    assert (
+        result["evaluations"] == 3 + 3 + 1
+    )  # searched, scored again on the test scenes, and the design itself
+    assert result["command"].startswith("tacos-run ")
+    assert "OpenGL" in result["environment"]["findings"]
+    assert "--set optimizer.evaluations=3" in result["command"]
+    report = (out / "report.html").read_text()
+    assert result["best"]["camera"]["sensor"]["name"] in report
+    assert 'src="data:image/' in report
+    assert tacos_main(["report", str(out)]) == 0
+
+
+def test_check_and_explain_stop_before_any_work(recipe, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run_main([str(recipe), "--check"]) == 0
+    assert "no faults" in capsys.readouterr().out
+    assert run_main([str(recipe), "--explain", "--with", str(_effects(tmp_path))]) == 0
+    explained = capsys.readouterr().out
+    assert "optics: effect.vignetting" in explained
+    assert (
+        "sensor: one of 43 parts of image_sensors, discrete; reaches capture, frames, features" in explained
+    )
+    assert not (tmp_path / "runs").exists()
+
+
+def _effects(folder: Path) -> Path:
+    path = folder / "patched.yaml"
+    path.write_text("- {use: effect.vignetting, k1: -0.4}\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["headset_quik"], "Did you mean 'headset_quick'?"),
+        (["not_there.yaml"], "not_there.yaml"),
+        (["headset_quick", "--set", "optimizer.generations"], "there is no '='"),
+        (["headset_quick", "--set", "optimiser.generations=3"], "Did you mean 'optimizer'?"),
+        (
+            ["headset_quick", "--set", "optimizer.generations=many"],
+            '--set optimizer.generations: generations is "many"',
+        ),
+        (["headset_quick", "--set", "seed=.nan"], "seed"),
+        (["headset_quick", "--executor", "executor.cloud"], "executor.cloud"),
+        (["headset_quick", "--workers", "0"], "greater than or equal to 1"),
+        (["headset_quick", "--resume"], "Name its folder with --out"),
+        (["headset_quick", "--with", "not_there.yaml"], "not_there.yaml"),
+    ],
+)
+def test_wrong_input_ends_with_status_2_and_no_traceback(arguments, message, capsys):
+    assert run_main([*arguments, "--check"]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert "Traceback" not in error
+
+
+def test_results_that_cannot_be_written_are_refused_before_any_work(recipe, tmp_path, capsys):
+    (tmp_path / "file").write_text("in the way")
+    assert run_main([str(recipe), "--out", str(tmp_path / "file" / "out")]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
+def test_ctrl_c_keeps_what_was_computed(recipe, tmp_path):
+    out = tmp_path / "out"
+    sets = ["--set", "optimizer.evaluations=100000", "--set", "nodes.world.frames=4"]
+    running = command(
+        str(recipe), "--out", str(out), *sets, "--set", "optimizer.batch=2", start_new_session=True
+    )
+    deadline = time.monotonic() + 120
+    lines = out / "generations.jsonl"
+    while time.monotonic() < deadline and running.poll() is None:
+        if lines.exists() and lines.read_text().count("\n") >= 2:
+            break
+        time.sleep(0.05)
+    os.killpg(running.pid, signal.SIGINT)
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == 130, errors
+    assert "Traceback" not in errors
+    result = json.loads((out / "result.json").read_text())
+    assert result["stopped"] == "interrupted by the user"
+    assert result["best"]["fitness"] is not None
+    assert (out / "report.html").exists()
+
+
+def test_plugins_doctor_and_catalogs_speak(capsys):
+    assert tacos_main(["plugins"]) == 0
+    assert "renderer.moderngl" in capsys.readouterr().out
+    assert tacos_main(["doctor"]) == 0
+    assert "ok   OpenGL: " in capsys.readouterr().out
+    assert tacos_main(["catalog"]) == 0
+    listed = capsys.readouterr().out
+    assert "image_sensors " in listed
+    assert "cameras " in listed
+    assert tacos_main(["catalog", "image_sensors"]) == 0
+    shown = capsys.readouterr().out
+    assert "MT9V022*" in shown
+    assert "* MT9V022: " in shown
+    assert tacos_main(["catalog", "cameras"]) == 0
+    assert "focal_length_mm: 2.75" in capsys.readouterr().out
+    assert tacos_main(["catalog", "lenses"]) == 2
+    assert tacos_main(["report", "nowhere"]) == 2
