@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from tacos_framework.values.camera import Camera, Exposure, Rig
 from tacos_framework.values.episode import Crossing, Episode, Trajectory
+from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.values.images import Capture, FrameBatch, Signal, View
 from tacos_framework.values.world import Light, Material, Object, Part, World
 
 __all__ = [
     "Camera",
     "Capture",
+    "ContextMissing",
     "Crossing",
     "Episode",
     "Exposure",
     "FrameBatch",
+    "ImageContext",
+    "ImageGeometry",
     "Light",
     "Material",
     "Object",

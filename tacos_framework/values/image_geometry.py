@@ -1,0 +1,197 @@
+"""What an effect on plain arrays knows about an image besides its samples: geometry and circumstances."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values.camera import Camera, Exposure
+from tacos_framework.values.images import View
+
+
+@dataclass(frozen=True)
+class ImageGeometry:
+    """Where the pixels of an image lie on the sensor and behind the lens.
+
+    The image may be a crop of the sensor: radii still run over the *full* sensor's half diagonal, and rows
+    are read out where they lie on the sensor.
+
+    Parameters
+    ----------
+    width_px, height_px
+        Size of the image [px].
+    focal_length_px
+        Focal length in pixels of the image [px].
+    centre_px
+        Principal point (x, y), in pixels of the image; may lie outside a crop [px].
+    pixel_um
+        Pitch of the image's pixels, binning included [um].
+    offset_px
+        Where pixel (0, 0) of the image lies on the full sensor (x, y) [px].
+    full_width_px, full_height_px
+        Size of the full sensor; that of the image when 0 [px].
+
+    Examples
+    --------
+    >>> full = ImageGeometry(640, 480, focal_length_px=1000, centre_px=(319.5, 239.5), pixel_um=3)
+    >>> full.half_diagonal_px
+    400.0
+    >>> quarter = full.crop(x=320, y=240, width_px=320, height_px=240)
+    >>> quarter.half_diagonal_px, quarter.centre_px
+    (400.0, (-0.5, -0.5))
+    """
+
+    width_px: int
+    height_px: int
+    focal_length_px: float
+    centre_px: tuple[float, float]
+    pixel_um: float
+    offset_px: tuple[int, int] = (0, 0)
+    full_width_px: int = 0
+    full_height_px: int = 0
+
+    def __post_init__(self) -> None:
+        if self.width_px < 1 or self.height_px < 1:
+            raise ValueError(f"an image of {self.width_px} x {self.height_px} has no pixels")
+        for name in ("focal_length_px", "pixel_um"):
+            if not (math.isfinite(value := getattr(self, name)) and value > 0):
+                raise ValueError(f"{name} must be above 0, not {value}")
+        object.__setattr__(self, "full_width_px", self.full_width_px or self.width_px)
+        object.__setattr__(self, "full_height_px", self.full_height_px or self.height_px)
+        x, y = self.offset_px
+        if not (0 <= x <= self.full_width_px - self.width_px):
+            raise ValueError(
+                f"columns {x} .. {x + self.width_px} are not on a sensor of {self.full_width_px} columns"
+            )
+        if not (0 <= y <= self.full_height_px - self.height_px):
+            raise ValueError(
+                f"rows {y} .. {y + self.height_px} are not on a sensor of {self.full_height_px} rows"
+            )
+
+    @classmethod
+    def of_camera(cls, camera: Camera) -> ImageGeometry:
+        """The geometry of a simulated camera, whose image is its whole sensor."""
+        return cls(
+            width_px=camera.width_px,
+            height_px=camera.height_px,
+            focal_length_px=camera.focal_length_px,
+            centre_px=camera.centre_px,
+            pixel_um=camera.pixel_um * camera.binning,
+        )
+
+    def crop(self, *, x: int, y: int, width_px: int, height_px: int) -> ImageGeometry:
+        """The geometry of a part of this image that begins at its pixel (x, y)."""
+        return ImageGeometry(
+            width_px=width_px,
+            height_px=height_px,
+            focal_length_px=self.focal_length_px,
+            centre_px=(self.centre_px[0] - x, self.centre_px[1] - y),
+            pixel_um=self.pixel_um,
+            offset_px=(self.offset_px[0] + x, self.offset_px[1] + y),
+            full_width_px=self.full_width_px,
+            full_height_px=self.full_height_px,
+        )
+
+    @property
+    def half_diagonal_px(self) -> float:
+        """Half the diagonal of the full sensor: where r is 1 [px]."""
+        return math.hypot(self.full_width_px, self.full_height_px) / 2
+
+    @cached_property
+    def x_px(self) -> NDArray[np.float64]:
+        """(1, W) columns from the principal point, rising to the right [px]."""
+        return np.arange(self.width_px, dtype=np.float64)[None, :] - self.centre_px[0]
+
+    @cached_property
+    def y_px(self) -> NDArray[np.float64]:
+        """(H, 1) rows from the principal point, rising downwards [px]."""
+        return np.arange(self.height_px, dtype=np.float64)[:, None] - self.centre_px[1]
+
+    @cached_property
+    def radius(self) -> NDArray[np.float64]:
+        """(H, W) distance from the principal point over `half_diagonal_px` [1]."""
+        return np.asarray(np.hypot(self.x_px, self.y_px) / self.half_diagonal_px)
+
+    @cached_property
+    def sensor_row(self) -> NDArray[np.float64]:
+        """(H, 1) rows of the full sensor [px]."""
+        return np.arange(self.height_px, dtype=np.float64)[:, None] + self.offset_px[1]
+
+
+class ContextMissing(ValueError):
+    """An effect needs something of the `ImageContext` that is not known there; its text says what."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImageContext:
+    """How an image came about, as far as it is known; None where it is not.
+
+    Parameters
+    ----------
+    exposure_s
+        Exposure time [s].
+    gain_db
+        Gain [dB].
+    f_number
+        Focal length over aperture diameter [1].
+    black_level_dn, white_level_dn
+        Pedestal and full scale of samples in digital numbers; light (stages scene, optics, exposure) has no
+        pedestal whatever stands here [DN].
+    depth_m
+        (H, W) or (N, H, W) distance along the optical axis, infinite where nothing is [m].
+    velocity_px_s
+        (2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x to the right, y downwards [px/s].
+    frame_interval_s
+        Time from frame to frame; None for frames that do not follow each other [s].
+    reference_row
+        Row of the image whose moment the image shows, where other rows are read out later [px].
+    cfa
+        Colour filters of a mosaic from the top-left pixel on, ``"RGGB"``; None for full channels.
+    """
+
+    exposure_s: float = 0.030
+    gain_db: float = 0.0
+    f_number: float | None = None
+    black_level_dn: float = 0.0
+    white_level_dn: float = 255.0
+    depth_m: NDArray[np.floating] | None = None
+    velocity_px_s: NDArray[np.floating] | None = None
+    frame_interval_s: float | None = None
+    reference_row: float = 0.0
+    cfa: str | None = None
+
+    @classmethod
+    def of_light(cls, view: View, exposure: Exposure) -> ImageContext:
+        """The context of a rendered view; its middle row is the one that shows the moment of the frame.
+
+        Motion is left out, as few effects need it: `tacos_framework.camera.motion.image_velocity` gives it.
+        """
+        return cls(
+            exposure_s=exposure.time_s,
+            gain_db=exposure.gain_db,
+            f_number=exposure.f_number,
+            depth_m=view.depth_m,
+            reference_row=(view.camera.height_px - 1) / 2,
+        )
+
+    def known_f_number(self, effect: str) -> float:
+        """The f-number, for an effect that cannot do without; `ContextMissing` where it is not known."""
+        if self.f_number is None:
+            raise ContextMissing(f"{effect} needs the f-number of the capture")
+        return self.f_number
+
+    def known_depth_m(self, effect: str) -> NDArray[np.floating]:
+        """The depth, for an effect that cannot do without; `ContextMissing` where it is not known."""
+        if self.depth_m is None:
+            raise ContextMissing(f"{effect} needs the depth of the capture")
+        return self.depth_m
+
+    def known_velocity_px_s(self, effect: str) -> NDArray[np.floating]:
+        """The motion, for an effect that cannot do without; `ContextMissing` where it is not known."""
+        if self.velocity_px_s is None:
+            raise ContextMissing(f"{effect} needs the velocity of the capture")
+        return self.velocity_px_s
