@@ -29,7 +29,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.settings import Settings
-from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig, Signal
+from tacos_framework.values import (
+    Capture,
+    Episode,
+    Exposure,
+    FrameBatch,
+    ImageContext,
+    ImageGeometry,
+    Rig,
+    Signal,
+)
 
 Scores = Mapping[str, float]
 """Named numbers of one episode. A score without meaning there (no obstacle on the path) is left out."""
@@ -106,6 +115,10 @@ class Effect(Protocol[Image]):
     ``neutral`` gives, for each parameter, the value at which the effect is exactly off. Effects of the
     stages scene, optics and exposure change a `Capture`; pixel and readout a `Signal`; isp and codec a
     `FrameBatch`.
+
+    The physics of an effect stands in `on_array`, on plain arrays, and `apply` brings it to the views of a
+    capture, signal or batch; the diagnosis of real captures calls `on_array` itself. At the neutral values
+    both hand on the very object they were given.
     """
 
     Config: ClassVar[type[Settings]]
@@ -114,6 +127,36 @@ class Effect(Protocol[Image]):
 
     def apply(self, image: Image, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Image:
         """The image with the effect."""
+        ...
+
+    def on_array(
+        self,
+        signal: NDArray[Any],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[Any]:
+        """Samples with the effect.
+
+        Parameters
+        ----------
+        signal
+            (N, H, W, C) float32 or float64 frames of one camera, C = 1 or 3; left as they are. For the
+            stages scene, optics and exposure light in any linear unit, 0 is darkness; for pixel and readout
+            samples with the pedestal, neither rounded nor clipped [DN]; for isp and codec the values of the
+            file [DN].
+        geometry
+            Where the pixels lie on the sensor.
+        context
+            What else is known; `ContextMissing` is raised where it is not enough for these settings.
+        rng
+            Draws what is random.
+
+        Returns
+        -------
+        Same shape and dtype.
+        """
         ...
 
 
