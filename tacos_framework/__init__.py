@@ -12,12 +12,13 @@ _HOMES = {
     "CandidateFailed": "errors",
     "Fault": "errors",
     "Plugins": "plugins",
+    "ProcedureRecipe": "procedure",
     "Recipe": "recipe",
     "Settings": "settings",
     "UserError": "errors",
     "hookimpl": "hookspecs",
     "load_recipe": "loading",
-    "run": "study",
+    "run": "running",
     "setting": "settings",
 }
 

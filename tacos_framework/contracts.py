@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, Protocol, TypeVar
+from typing import Any, ClassVar, Literal, Protocol, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,9 @@ State = Mapping[str, NDArray[Any]]
 
 Stage = Literal["scene", "optics", "exposure", "pixel", "readout", "isp", "codec"]
 """Where in image formation an effect acts; the noise lies between pixel and readout."""
+
+STAGES: tuple[Stage, ...] = get_args(Stage)
+"""The stages in the order of image formation."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +122,20 @@ class Effect(Protocol[Image]):
     The physics of an effect stands in `on_array`, on plain arrays, and `apply` brings it to the views of a
     capture, signal or batch; the diagnosis of real captures calls `on_array` itself. At the neutral values
     both hand on the very object they were given.
+
+    Further members are optional:
+
+    ``after_noise: ClassVar[bool]``
+        True for an effect of the stage pixel that acts on noisy samples: electrons that are lost or shared
+        once they are counted. It then follows the noise, ahead of the effects of the stage readout.
+    ``rank: ClassVar[int]``
+        The order within a stage, lower first; 0 by default. Equal ranks act in the recipe's order.
+    ``photon_scale: float``
+        Factor on the variance of the photon noise, for an effect that changes the noise and not the signal.
+    ``moments(mean_dn, variance_dn2, *, geometry, context)``
+        Mean and variance of the noise after the effect, from those before it, where a closed form exists; so
+        that a diagnosis need not draw samples. Both are arrays of the shape (N, H, W, C), or flat fields that
+        broadcast to it.
     """
 
     Config: ClassVar[type[Settings]]
@@ -160,6 +177,19 @@ class Effect(Protocol[Image]):
         ...
 
 
+def acts_after_noise(effect: type[Any]) -> bool:
+    """Whether an effect acts on noisy samples, which correlates noise, rather than on expected light."""
+    return getattr(effect, "after_noise", False) or STAGES.index(effect.stage) > STAGES.index("pixel")
+
+
+def formation_order(effect: type[Any]) -> tuple[int, bool, int]:
+    """Where an effect class stands in image formation: sort effects by it, and each acts at its place.
+
+    Whatever order a recipe or a diagnosis lists effects in, white balance then comes before the tone curve.
+    """
+    return STAGES.index(effect.stage), acts_after_noise(effect), getattr(effect, "rank", 0)
+
+
 class Effects(Protocol):
     """The effects of a recipe that act inside the sensor; the sensor calls each stage at its place."""
 
@@ -168,7 +198,7 @@ class Effects(Protocol):
         ...
 
     def readout(self, signal: Signal) -> Signal:
-        """Apply the effects on noisy samples, before rounding."""
+        """Apply the effects on noisy samples, before rounding: of the pixel, then of the readout."""
         ...
 
 
@@ -299,6 +329,35 @@ class Executor(Protocol):
         ...
 
 
+class Procedure(Protocol):
+    """What a recipe may run that is not a study: a calibration, a validation, a comparison, a diagnosis.
+
+    Its recipe has ``use: procedure.NAME`` at the top, and the settings of its ``Config`` beside it. Of the
+    keywords of `run` a procedure asks for those it needs; one that asks for `resume` can go on where a
+    broken run stopped.
+
+    ========  =============================================================================================
+    out       the results folder, `pathlib.Path`, there and empty (with `resume`: that of the broken run)
+    seed      seed of the recipe
+    plugins   the installed `Plugins`, to resolve other components
+    executor  the recipe's `Executor`, for work that can be shared out
+    progress  the `Progress` to tell: ``phase(title, steps)``, then ``step()`` for each
+    resume    whether to go on with a broken run
+    ========  =============================================================================================
+    """
+
+    Config: ClassVar[type[Settings]]
+
+    def run(
+        self, *, out: Any, seed: int, plugins: Any, executor: Executor, progress: Any, resume: bool
+    ) -> Mapping[str, Any]:
+        """Do it. Pictures and ``report.html`` go into `out`; what is returned becomes ``result.json``.
+
+        The entry ``summary`` of the result is a text in a few lines, which ``tacos-run`` prints.
+        """
+        ...
+
+
 PROTOCOLS: Mapping[str, type[Any]] = {
     "scene": Scene,
     "rig": RigBuilder,
@@ -308,6 +367,7 @@ PROTOCOLS: Mapping[str, type[Any]] = {
     "task": Task,
     "optimizer": Optimizer,
     "executor": Executor,
+    "procedure": Procedure,
 }
 
 VERBS: Mapping[str, tuple[str, ...]] = {
@@ -319,5 +379,6 @@ VERBS: Mapping[str, tuple[str, ...]] = {
     "task": ("begin",),
     "optimizer": ("ask", "tell", "stop", "state", "restore"),
     "executor": ("map", "close"),
+    "procedure": ("run",),
 }
 """The methods a component of each kind must have."""

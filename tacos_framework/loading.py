@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.recipe import Recipe, read_recipe
+from tacos_framework.procedure import ProcedureRecipe, is_procedure, procedure_from
+from tacos_framework.recipe import Recipe, recipe_from
 from tacos_framework.shipped import shipped_folder
+from tacos_framework.yaml_reader import read_yaml
 
 
 def find_recipe(name: str | Path) -> Path:
@@ -31,11 +33,22 @@ def find_recipe(name: str | Path) -> Path:
     )
 
 
+def read_any_recipe(
+    name: str | Path,
+    sets: Mapping[str, Any] | None = None,
+    effects: Sequence[Mapping[str, Any]] = (),
+) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
+    """The recipe of a study or of a procedure, and the faults of its form; see `read_recipe`."""
+    document = read_yaml(find_recipe(name))
+    read = procedure_from if is_procedure(document) else recipe_from
+    return read(document, sets or {}, effects)
+
+
 def load_recipe(
     name: str | Path,
     sets: Mapping[str, Any] | None = None,
     effects: Sequence[Mapping[str, Any]] = (),
-) -> Recipe:
+) -> Recipe | ProcedureRecipe:
     """Read a recipe by path or by the name of a shipped one.
 
     Parameters
@@ -52,7 +65,7 @@ def load_recipe(
     UserError
         With every fault of its form. Components and wiring are checked by `tacos_framework.run`.
     """
-    recipe, faults = read_recipe(find_recipe(name), sets=sets, effects=effects)
+    recipe, faults = read_any_recipe(name, sets, effects)
     if faults:
         raise UserError(faults)
     return recipe

@@ -1,4 +1,4 @@
-"""What a study tells while it runs."""
+"""What a study or a procedure tells while it runs."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from tacos_framework.simulation import Evaluation
 
 
 class Progress(Protocol):
-    """Listens to a study. The command line draws a bar; library users may pass their own."""
+    """Listens to a study or a procedure. The command line draws a bar; library users may pass their own."""
 
     def phase(self, title: str, candidates: int | None) -> None:
-        """A part of the study begins: a search, or the test; with how many candidates it will take."""
+        """A part begins, such as a search or the test; with how many candidates or steps it will take."""
         ...
 
     def evaluated(self, evaluation: Evaluation) -> None:
@@ -20,6 +20,10 @@ class Progress(Protocol):
 
     def best(self, best: Evaluation | None) -> None:
         """A generation ended; the best of this phase so far."""
+        ...
+
+    def step(self, note: str = "") -> None:
+        """One step of a procedure's phase is done; what came out, in a word or a number."""
         ...
 
 
@@ -33,4 +37,7 @@ class Silent:
         """Ignore it."""
 
     def best(self, best: Evaluation | None) -> None:
+        """Ignore it."""
+
+    def step(self, note: str = "") -> None:
         """Ignore it."""

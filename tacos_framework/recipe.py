@@ -7,13 +7,13 @@ and fit together is the business of `tacos_framework.plan`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.overrides import with_overrides
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.yaml_reader import Document, read_yaml
 
@@ -237,34 +237,24 @@ def read_recipe(
     UserError
         When the file cannot be read as YAML at all.
     """
-    return _from_document(read_yaml(Path(source)), sets or {}, effects)
+    return recipe_from(read_yaml(Path(source)), sets or {}, effects)
 
 
 def parse_recipe(text: str, *, name: str = "recipe") -> tuple[Recipe, list[Fault]]:
     """As `read_recipe`, from text."""
-    return _from_document(read_yaml(text, name=name), {}, ())
+    return recipe_from(read_yaml(text, name=name), {}, ())
 
 
-def _from_document(
+def recipe_from(
     document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
 ) -> tuple[Recipe, list[Fault]]:
+    """As `read_recipe`, from a YAML document."""
     data = document.data
     if not isinstance(data, dict):
         raise UserError(
             Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
         )
-    faults: list[Fault] = []
-    elsewhere: dict[tuple[str | int, ...], str] = {}
-    for dotted, value in sets.items():
-        path, found = _set(data, dotted, value)
-        faults += found
-        if not found:
-            elsewhere[path] = f"--set {dotted}"
-    own = data.get("effects") or []
-    if effects and isinstance(own, list):
-        data["effects"] = [*own, *effects]
-        elsewhere |= {("effects", len(own) + i): f"added effect {i + 1}" for i in range(len(effects))}
-    document = replace(document, elsewhere=elsewhere)
+    document, faults = with_overrides(document, sets, effects)
     sections: dict[str, Any] = {}
     if "tacos" not in data:
         faults.append(
@@ -317,34 +307,3 @@ def _draft(sections: dict[str, Any]) -> Recipe:
         "optimizer": None,
     }
     return Recipe.model_construct(**{**empty, **sections})
-
-
-def _set(data: dict[str, Any], dotted: str, value: Any) -> tuple[tuple[str | int, ...], list[Fault]]:
-    """Put `value` at a dotted key such as ``nodes.world.frames`` or ``fitness.0.weight``; its path."""
-    where = f"--set {dotted}"
-    steps = dotted.split(".")
-    if not all(steps):
-        return (), [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
-    target: Any = data
-    path: list[str | int] = []
-    for step in steps[:-1]:
-        if isinstance(target, dict):
-            target = target.setdefault(step, {})
-            path.append(step)
-        elif _is_index(target, step):
-            target = target[int(step)]
-            path.append(int(step))
-        else:
-            return (), [Fault(where, f"there is nothing below {step!r}", "a mapping")]
-    last = steps[-1]
-    if isinstance(target, dict):
-        target[last] = value
-        return (*path, last), []
-    if _is_index(target, last):
-        target[int(last)] = value
-        return (*path, int(last)), []
-    return (), [Fault(where, f"cannot be set: {'.'.join(steps[:-1])!r} is not a mapping", "a mapping")]
-
-
-def _is_index(target: Any, step: str) -> bool:
-    return isinstance(target, list) and step.isdecimal() and int(step) < len(target)

@@ -6,7 +6,6 @@ import itertools
 import logging
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -37,53 +36,24 @@ SAMPLES_AT = (0.15, 0.5, 0.85)
 """Where along the test episode sample frames are taken [share of the episode]."""
 
 
-def run(
+def run_study(
     recipe: Recipe,
     *,
-    out: str | Path,
-    plugins: Plugins | None = None,
+    out: Path,
+    plugins: Plugins,
     resume: bool = False,
     progress: Progress | None = None,
     command: str = "",
     report: bool = True,
 ) -> dict[str, Any]:
-    """Run a study and leave its results in a folder.
-
-    Parameters
-    ----------
-    recipe
-        What to do, from `read_recipe` or built in Python.
-    out
-        The results folder: new or empty, or with `resume` that of a run to go on with.
-    plugins
-        The plugins to use; those installed if None.
-    resume
-        Go on with the run in `out`. The result equals that of an unbroken run.
-    progress
-        Told what happens.
-    command
-        How the run was started, for the report.
-    report
-        Also write ``report.html``.
-
-    Returns
-    -------
-    What stands in ``result.json``.
-
-    Raises
-    ------
-    UserError
-        When the recipe, the plugins or the folder do not allow it; nothing has been computed then.
-    """
-    plugins = plugins or Plugins.discover()
+    """Run a study; see `tacos_framework.run`."""
     plan = make_plan(recipe, plugins)
     data = recipe.as_data()
-    results, checkpoint = (
-        Results.resume(Path(out), data) if resume else (Results.create(Path(out), data), None)
-    )
+    results, checkpoint = Results.resume(out, data) if resume else (Results.create(out, data), None)
     executor = plan.executor.make()
     study = Study(plan, plugins, results, executor, progress or Silent(), command)
-    with study.logging():
+    packages = {part.cls.__module__.partition(".")[0] for part in plan.nodes.values()}
+    with results.logging({"tacos_framework", *packages}):
         try:
             study.restore(checkpoint)
             study.run()
@@ -101,7 +71,7 @@ def run(
 
 
 class Study:
-    """One run of a recipe; see `run`."""
+    """One run of a recipe; see `run_study`."""
 
     def __init__(
         self,
@@ -139,23 +109,6 @@ class Study:
             yield Search(camera.name, self.plan, space, dict(camera.fixes), budget, dict(states))
 
     # running ----------------------------------------------------------------------------------------------
-
-    @contextmanager
-    def logging(self) -> Iterator[None]:
-        """Write the log of the framework and of the plugins in use to ``log.txt``."""
-        handler = logging.FileHandler(self.results.folder / "log.txt", encoding="utf-8")
-        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
-        packages = {part.cls.__module__.partition(".")[0] for part in self.plan.nodes.values()}
-        loggers = [logging.getLogger(name) for name in sorted({"tacos_framework", *packages})]
-        for logger in loggers:
-            logger.addHandler(handler)
-            logger.setLevel(logging.INFO)
-        try:
-            yield
-        finally:
-            for logger in loggers:
-                logger.removeHandler(handler)
-            handler.close()
 
     def run(self) -> None:
         """Search, then judge; each step checkpointed."""

@@ -31,7 +31,7 @@ def progress_for(*, quiet: bool) -> Iterator[Progress]:
             TextColumn("{task.description:<28}"),
             BarColumn(),
             MofNCompleteColumn(),
-            TextColumn("best {task.fields[best]}"),
+            TextColumn("{task.fields[note]}"),
             TimeElapsedColumn(),
             TextColumn("left"),
             TimeRemainingColumn(),
@@ -53,7 +53,7 @@ class _Live:
     def phase(self, title: str, candidates: int | None) -> None:
         self._finish()
         self._best = None
-        self._task = self._bars.add_task(title, total=candidates, best="-")
+        self._task = self._bars.add_task(title, total=candidates, note="")
 
     def _finish(self) -> None:
         """Elites that are taken from the cache leave a bar short of its estimate."""
@@ -64,15 +64,19 @@ class _Live:
         if self._task is not None:
             if evaluation.fitness is not None:
                 self._best = max(evaluation.fitness, self._best or evaluation.fitness)
-            self._bars.update(self._task, advance=1, best=_number(self._best))
+            self._bars.update(self._task, advance=1, note=f"best {_number(self._best)}")
 
     def best(self, best: Evaluation | None) -> None:
         if self._task is not None:
-            self._bars.update(self._task, best=_number(best.fitness if best else None))
+            self._bars.update(self._task, note=f"best {_number(best.fitness if best else None)}")
+
+    def step(self, note: str = "") -> None:
+        if self._task is not None:
+            self._bars.update(self._task, advance=1, note=note)
 
 
 class _Lines:
-    """A line per generation, for logs."""
+    """A line per generation or step, for logs."""
 
     def __init__(self, console: Console):
         self._console = console
@@ -80,9 +84,7 @@ class _Lines:
 
     def phase(self, title: str, candidates: int | None) -> None:
         self._title, self._done = title, 0
-        self._console.print(
-            title if candidates is None else f"{title}: {candidates} candidates", highlight=False
-        )
+        self._console.print(title if candidates is None else f"{title}: {candidates} to do", highlight=False)
 
     def evaluated(self, evaluation: Evaluation) -> None:
         self._done += 1
@@ -90,6 +92,10 @@ class _Lines:
     def best(self, best: Evaluation | None) -> None:
         fitness = _number(best.fitness if best else None)
         self._console.print(f"{self._title}: {self._done} evaluated, best {fitness}", highlight=False)
+
+    def step(self, note: str = "") -> None:
+        self._done += 1
+        self._console.print(f"{self._title}: {self._done} done{note and f', {note}'}", highlight=False)
 
 
 def _number(fitness: float | None) -> str:

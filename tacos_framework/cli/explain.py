@@ -5,12 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_framework.plan import STAGES, Plan
+from tacos_framework.contracts import STAGES, acts_after_noise
+from tacos_framework.plan import Plan
+from tacos_framework.procedure import ProcedurePlan
 
 
 def explain(plan: Plan) -> str:
     """The resolved graph, effective settings, where effects act, what each design variable reaches."""
     return "\n".join([*_graph(plan), "", *_effects(plan), "", *_variables(plan), "", *_judged(plan)])
+
+
+def explain_procedure(plan: ProcedurePlan) -> str:
+    """The effective settings of a procedure."""
+    executor = plan.recipe.executor.use
+    return "\n".join(
+        [plan.recipe.use, *_settings(plan.config), f"  {executor}", *_settings(plan.executor_config)]
+    )
 
 
 def _graph(plan: Plan) -> Iterator[str]:
@@ -40,10 +50,13 @@ def _settings(config: Any) -> Iterator[str]:
 def _effects(plan: Plan) -> Iterator[str]:
     yield "Image formation"
     for stage in STAGES:
-        here = [part.use for part in plan.effects if part.cls.stage == stage]
-        yield f"  {stage}: {', '.join(here) or '-'}"
+        here = [part for part in plan.effects if part.cls.stage == stage]
+        late = [part.use for part in here if stage == "pixel" and acts_after_noise(part.cls)]
+        yield f"  {stage}: {', '.join(part.use for part in here if part.use not in late) or '-'}"
         if stage == "pixel":
             yield "  (noise)"
+        if late:
+            yield f"  {stage}, after the noise: {', '.join(late)}"
 
 
 def _variables(plan: Plan) -> Iterator[str]:

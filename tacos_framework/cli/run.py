@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,8 @@ from tacos_framework.cli.exits import DONE, INTERRUPTED, exit_status
 from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
+    from tacos_framework.plugins import Plugins
+    from tacos_framework.procedure import ProcedureRecipe
     from tacos_framework.recipe import Recipe
 
 
@@ -21,7 +23,7 @@ def parser() -> argparse.ArgumentParser:
     """The command line of ``tacos-run``."""
     parser = argparse.ArgumentParser(
         prog="tacos-run",
-        description="Run a recipe: design a camera in simulation and set it beside others.",
+        description="Run a recipe: design a camera in simulation, or calibrate, validate, diagnose.",
         epilog="Exit status: 0 done, 2 wrong input, 130 interrupted, 1 anything else.",
     )
     parser.add_argument("recipe", metavar="RECIPE", help="path of a YAML file, or name of a shipped recipe")
@@ -62,25 +64,24 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: argparse.Namespace, command: str) -> int:
-    from tacos_framework.plan import make_plan
     from tacos_framework.plugins import Plugins
+    from tacos_framework.recipe import Recipe
 
     plugins = Plugins.discover()
     recipe, faults = _read(arguments)
     if arguments.resume and arguments.out is None:
         faults.append(Fault("--resume", "which run is not said", "", "Name its folder with --out."))
-    plan = make_plan(recipe, plugins, faults)
+    explained = _explain_study if isinstance(recipe, Recipe) else _explain_procedure
+    explanation = explained(recipe, plugins, faults)
     if arguments.explain:
-        from tacos_framework.cli.explain import explain
-
-        print(explain(plan))
+        print(explanation())
     if arguments.check:
         print(f"{arguments.recipe}: no faults.")
     if arguments.check or arguments.explain:
         return DONE
 
     from tacos_framework.cli.bar import progress_for
-    from tacos_framework.study import run
+    from tacos_framework.running import run
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
     with progress_for(quiet=arguments.quiet) as progress:
@@ -88,17 +89,34 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
             recipe, out=out, plugins=plugins, resume=arguments.resume, progress=progress, command=command
         )
     print(summary(result, out))
-    return INTERRUPTED if result["stopped"] == "interrupted by the user" else DONE
+    return INTERRUPTED if result.get("stopped") == "interrupted by the user" else DONE
 
 
-def _read(arguments: argparse.Namespace) -> tuple[Recipe, list[Fault]]:
-    from tacos_framework.loading import find_recipe
-    from tacos_framework.recipe import read_recipe
+def _explain_study(recipe: Any, plugins: Plugins, faults: list[Fault]) -> Callable[[], str]:
+    """Check a study's recipe; returns what explains it."""
+    from tacos_framework.cli.explain import explain
+    from tacos_framework.plan import make_plan
+
+    plan = make_plan(recipe, plugins, faults)
+    return lambda: explain(plan)
+
+
+def _explain_procedure(recipe: Any, plugins: Plugins, faults: list[Fault]) -> Callable[[], str]:
+    """Check a procedure's recipe; returns what explains it."""
+    from tacos_framework.cli.explain import explain_procedure
+    from tacos_framework.procedure import plan_procedure
+
+    plan = plan_procedure(recipe, plugins, faults)
+    return lambda: explain_procedure(plan)
+
+
+def _read(arguments: argparse.Namespace) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
+    from tacos_framework.loading import read_any_recipe
 
     faults: list[Fault] = []
     sets = _sets(arguments, faults)
     effects = [effect for file in arguments.effects for effect in _effects(Path(file))]
-    recipe, found = read_recipe(find_recipe(arguments.recipe), sets=sets, effects=effects)
+    recipe, found = read_any_recipe(arguments.recipe, sets=sets, effects=effects)
     return recipe, [*faults, *found]
 
 
@@ -143,6 +161,11 @@ def _effects(file: Path) -> list[Mapping[str, Any]]:
 
 def summary(result: Mapping[str, Any], out: Path) -> str:
     """What a run found, in a few lines."""
+    if "procedure" in result:
+        lines = [str(result.get("summary", "")), f"{result['seconds']:.0f} s. Results: {out}"]
+        if (out / "report.html").exists():
+            lines[-1] = f"{result['seconds']:.0f} s. Report: {out / 'report.html'}"
+        return "\n".join(filter(None, lines))
     lines = []
     if best := result["best"]:
         lines.append("Designed: " + ", ".join(f"{k} {_short(v)}" for k, v in best["camera"].items()))

@@ -55,7 +55,7 @@ def test_a_recipe_runs_to_a_result_and_a_report(recipe, tmp_path, capsys):
     out = tmp_path / "out"
     assert run_main([str(recipe), "--out", str(out), "--set", "optimizer.evaluations=3"]) == 0
     printed = capsys.readouterr()
-    assert "Designing: 3 candidates" in printed.err
+    assert "Designing: 3 to do" in printed.err
     assert f"Report: {out / 'report.html'}" in printed.out
     result = json.loads((out / "result.json").read_text())
     assert (

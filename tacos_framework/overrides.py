@@ -1,0 +1,76 @@
+"""Values put into a recipe from outside its file: ``--set`` and ``--with``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from tacos_framework.errors import Fault
+from tacos_framework.yaml_reader import Document
+
+Path = tuple[str | int, ...]
+
+
+def with_overrides(
+    document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
+) -> tuple[Document, list[Fault]]:
+    """The document of a recipe with values set and effects added.
+
+    Parameters
+    ----------
+    document
+        A recipe; a mapping. Its data is changed.
+    sets
+        Dotted keys such as ``nodes.world.frames`` or ``fitness.0.weight``, and the values to put there.
+    effects
+        Effects to add to its ``effects:``.
+
+    Returns
+    -------
+    The document, which names the option where a value came from one, and faults of the keys.
+    """
+    data = document.data
+    faults: list[Fault] = []
+    elsewhere: dict[Path, str] = {}
+    for dotted, value in sets.items():
+        path, found = _set(data, dotted, value)
+        faults += found
+        if not found:
+            elsewhere[path] = f"--set {dotted}"
+    own = data.get("effects") or []
+    if effects and isinstance(own, list):
+        data["effects"] = [*own, *effects]
+        elsewhere |= {("effects", len(own) + i): f"added effect {i + 1}" for i in range(len(effects))}
+    return replace(document, elsewhere=elsewhere), faults
+
+
+def _set(data: dict[str, Any], dotted: str, value: Any) -> tuple[Path, list[Fault]]:
+    """Put `value` at a dotted key; where that is."""
+    where = f"--set {dotted}"
+    steps = dotted.split(".")
+    if not all(steps):
+        return (), [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
+    target: Any = data
+    path: list[str | int] = []
+    for step in steps[:-1]:
+        if isinstance(target, dict):
+            target = target.setdefault(step, {})
+            path.append(step)
+        elif _is_index(target, step):
+            target = target[int(step)]
+            path.append(int(step))
+        else:
+            return (), [Fault(where, f"there is nothing below {step!r}", "a mapping")]
+    last = steps[-1]
+    if isinstance(target, dict):
+        target[last] = value
+        return (*path, last), []
+    if _is_index(target, last):
+        target[int(last)] = value
+        return (*path, int(last)), []
+    return (), [Fault(where, f"cannot be set: {'.'.join(steps[:-1])!r} is not a mapping", "a mapping")]
+
+
+def _is_index(target: Any, step: str) -> bool:
+    return isinstance(target, list) and step.isdecimal() and int(step) < len(target)

@@ -1,0 +1,115 @@
+"""Running a recipe of any kind: the same door for the command line and for library use."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from tacos_framework import __version__
+from tacos_framework.environment import describe_environment
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.plugins import Plugins
+from tacos_framework.procedure import ProcedureRecipe, plan_procedure
+from tacos_framework.progress import Progress, Silent
+from tacos_framework.recipe import Recipe
+from tacos_framework.results import Results
+from tacos_framework.study import run_study
+
+
+def run(
+    recipe: Recipe | ProcedureRecipe,
+    *,
+    out: str | Path,
+    plugins: Plugins | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+    command: str = "",
+    report: bool = True,
+) -> dict[str, Any]:
+    """Run a recipe and leave its results in a folder.
+
+    Parameters
+    ----------
+    recipe
+        What to do: a study or a procedure, from `load_recipe` or built in Python.
+    out
+        The results folder: new or empty, or with `resume` that of a run to go on with.
+    plugins
+        The plugins to use; those installed if None.
+    resume
+        Go on with the run in `out`. The result equals that of an unbroken run.
+    progress
+        Told what happens.
+    command
+        How the run was started, for the report.
+    report
+        Also write ``report.html`` of a study; procedures write theirs always.
+
+    Returns
+    -------
+    What stands in ``result.json``.
+
+    Raises
+    ------
+    UserError
+        When the recipe, the plugins or the folder do not allow it; nothing has been computed then.
+    """
+    plugins = plugins or Plugins.discover()
+    progress = progress or Silent()
+    if isinstance(recipe, ProcedureRecipe):
+        return _run_procedure(recipe, Path(out), plugins, resume, progress, command)
+    return run_study(
+        recipe,
+        out=Path(out),
+        plugins=plugins,
+        resume=resume,
+        progress=progress,
+        command=command,
+        report=report,
+    )
+
+
+def _run_procedure(
+    recipe: ProcedureRecipe, out: Path, plugins: Plugins, resume: bool, progress: Progress, command: str
+) -> dict[str, Any]:
+    plan = plan_procedure(recipe, plugins)
+    if resume and "resume" not in plan.asks_for:
+        raise UserError(
+            Fault("--resume", f"{recipe.use} cannot go on with a broken run", "", "Start it anew.")
+        )
+    procedure = plan.cls(plan.config)
+    data = plan.as_data()
+    results = Results.resume(out, data)[0] if resume else Results.create(out, data)
+    executor = plan.executor_cls(plan.executor_config)
+    supplied = {
+        "out": out,
+        "seed": recipe.seed,
+        "plugins": plugins,
+        "executor": executor,
+        "progress": progress,
+        "resume": resume,
+    }
+    began = time.monotonic()
+    with results.logging({"tacos_framework", plan.cls.__module__.partition(".")[0]}):
+        try:
+            found: Mapping[str, Any] = procedure.run(
+                **{name: value for name, value in supplied.items() if name in plan.asks_for}
+            )
+        finally:
+            executor.close()
+    workers = getattr(executor, "workers", 1)
+    result = {
+        "tacos": __version__,
+        "name": recipe.name or recipe.use,
+        "procedure": recipe.use,
+        "seed": recipe.seed,
+        "seconds": round(time.monotonic() - began, 3),
+        "environment": describe_environment(workers, chain(*plugins.hook.tacos_doctor())),
+        "command": command,
+        **found,
+    }
+    results.write_json("result.json", result)
+    return result
