@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any
 
 from tacos_framework.catalog import OffTheShelf, find_catalog, load_cameras
-from tacos_framework.contracts import learns
+from tacos_framework.contracts import formation_order, learns
 from tacos_framework.design_space import (
     CatalogChoice,
     Categorical,
@@ -93,10 +93,6 @@ class Plan:
         """
         own = {name: value for name, value in values.items() if "." not in name}
         return self.rig.cls.Variables.model_validate_json(json.dumps({**self.fixed, **own}))
-
-
-STAGES = ("scene", "optics", "exposure", "pixel", "readout", "isp", "codec")
-"""The order of image formation; the noise lies between pixel and readout."""
 
 
 def make_plan(recipe: Recipe, plugins: Plugins, faults: Sequence[Fault] = ()) -> Plan:
@@ -390,7 +386,7 @@ class _Checker:
     def _effects(self) -> tuple[Part, ...]:
         parts = [self._part(use, "effect", ("effects", i)) for i, use in enumerate(self.recipe.effects)]
         found = [part for part in parts if part is not None]
-        return tuple(sorted(found, key=lambda part: STAGES.index(part.cls.stage)))
+        return tuple(sorted(found, key=lambda part: formation_order(part.cls)))
 
     def _cameras(self, rig: Part | None) -> tuple[OffTheShelf, ...]:
         compare = self.recipe.compare

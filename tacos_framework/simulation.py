@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from tacos_framework.cache import Recent, content_key
-from tacos_framework.contracts import Budget, Scorer, Scores, State
+from tacos_framework.contracts import Budget, Scorer, Scores, State, acts_after_noise
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.fitness import mean_scores
 from tacos_framework.graph import Node
@@ -471,9 +471,9 @@ class _ActingEffects:
         self._effects = effects
         self._supplied = {"rig": rig, "exposure": exposure, "rng": rng}
 
-    def _apply(self, image: Any, *stages: str) -> Any:
+    def _apply(self, image: Any, *stages: str, after_noise: bool) -> Any:
         for part, effect in self._effects:
-            if part.cls.stage in stages:
+            if part.cls.stage in stages and acts_after_noise(part.cls) is after_noise:
                 try:
                     image = effect.apply(image, **self._supplied)
                 except Exception as error:
@@ -483,19 +483,19 @@ class _ActingEffects:
 
     def light(self, capture: Capture) -> Capture:
         """Effects on light on its way to the pixels."""
-        return self._apply(capture, "scene", "optics", "exposure")
+        return self._apply(capture, "scene", "optics", "exposure", after_noise=False)
 
     def pixel(self, signal: Signal) -> Signal:
         """Effects on the expected signal, before the noise."""
-        return self._apply(signal, "pixel")
+        return self._apply(signal, "pixel", after_noise=False)
 
     def readout(self, signal: Signal) -> Signal:
         """Effects on noisy samples."""
-        return self._apply(signal, "readout")
+        return self._apply(signal, "pixel", "readout", after_noise=True)
 
     def files(self, frames: FrameBatch) -> FrameBatch:
         """Effects on digital images."""
-        return self._apply(frames, "isp", "codec")
+        return self._apply(frames, "isp", "codec", after_noise=True)
 
 
 def state_key(states: Mapping[str, State]) -> str:

@@ -67,12 +67,15 @@ class Signal:
         (N, H, W, C) float32 signal in the units of the final file, not yet rounded or clipped [DN].
     black_level_dn, white_level_dn
         Pedestal and full scale [DN].
+    photon_scale
+        Factor on the variance of the photon noise that the sensor is about to add [1].
     """
 
     view: View
     samples_dn: NDArray[np.float32]
     black_level_dn: float
     white_level_dn: float
+    photon_scale: float = 1.0
 
     def __post_init__(self) -> None:
         size = self.view.depth_m.shape

@@ -108,7 +108,7 @@ class AffineNoise:
                     signal.samples_dn[frame],
                     out[frame],
                     black_level_dn=signal.black_level_dn,
-                    photon_dn=level.photon_dn,
+                    photon_dn=level.photon_dn * np.float32(signal.photon_scale),
                     thermal_dn2=level.thermal_dn2,
                     rng=rng,
                 )
