@@ -34,6 +34,8 @@ class ImageGeometry:
         Where pixel (0, 0) of the image lies on the full sensor (x, y) [px].
     full_width_px, full_height_px
         Size of the full sensor; that of the image when 0 [px].
+    camera
+        Name of the camera, which tells the fixed patterns of a rig's sensors apart.
 
     Examples
     --------
@@ -53,6 +55,7 @@ class ImageGeometry:
     offset_px: tuple[int, int] = (0, 0)
     full_width_px: int = 0
     full_height_px: int = 0
+    camera: str = ""
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
@@ -81,6 +84,7 @@ class ImageGeometry:
             focal_length_px=camera.focal_length_px,
             centre_px=camera.centre_px,
             pixel_um=camera.pixel_um * camera.binning,
+            camera=camera.name,
         )
 
     def crop(self, *, x: int, y: int, width_px: int, height_px: int) -> ImageGeometry:
@@ -94,6 +98,7 @@ class ImageGeometry:
             offset_px=(self.offset_px[0] + x, self.offset_px[1] + y),
             full_width_px=self.full_width_px,
             full_height_px=self.full_height_px,
+            camera=self.camera,
         )
 
     @property
