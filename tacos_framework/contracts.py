@@ -320,7 +320,8 @@ class Executor(Protocol):
         """The results in the order of the jobs, each as soon as it and those before it are there.
 
         `evaluate` can be pickled and keeps costly things (GL context, worlds) between calls in the process
-        it runs in. An exception it raises comes out of the iterator unchanged.
+        it runs in. An exception it raises comes out of the iterator unchanged. Where a process dies or hangs
+        on a job whenever it is tried, the result is ``evaluate.lost(job, reason)`` if `evaluate` has that.
         """
         ...
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,8 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Recipe, Scenario
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig, Signal
+
+log = logging.getLogger(__name__)
 
 BATCH_BYTES = 256 * 2**20
 """Memory a batch of frames may take on its way through the graph [bytes]."""
@@ -101,6 +104,10 @@ class Job(Protocol[Result]):
         """Do it."""
         ...
 
+    def lost(self, reason: str) -> Result:
+        """What stands for the result where the process that runs it dies or hangs, again and again."""
+        ...
+
 
 @dataclass(frozen=True)
 class ScoreJob:
@@ -115,6 +122,10 @@ class ScoreJob:
         """See `Simulation.evaluate`."""
         return simulation.evaluate(self)
 
+    def lost(self, reason: str) -> Evaluation:
+        """The candidate failed."""
+        return Evaluation(values=self.values, failed=reason)
+
 
 @dataclass(frozen=True)
 class SampleJob:
@@ -127,6 +138,11 @@ class SampleJob:
     def run(self, simulation: Simulation) -> list[FrameBatch]:
         """One batch of one frame for each position in 0..1 along the episode."""
         return [simulation.sample(self, position) for position in self.at]
+
+    def lost(self, reason: str) -> list[FrameBatch]:
+        """No pictures."""
+        log.warning("no sample frames of %s: %s", dict(self.values), reason)
+        return []
 
 
 class Evaluator:
@@ -150,6 +166,10 @@ class Evaluator:
     def __call__(self, job: Job[Result]) -> Result:
         """Run a job."""
         return job.run(self.simulation)
+
+    def lost(self, job: Job[Result], reason: str) -> Result:
+        """What an executor gives for a job whose worker died or hung each time it was tried."""
+        return job.lost(reason)
 
     @property
     def simulation(self) -> Simulation:

@@ -52,7 +52,8 @@ def run_study(
     results, checkpoint = Results.resume(out, data) if resume else (Results.create(out, data), None)
     executor = plan.executor.make()
     study = Study(plan, plugins, results, executor, progress or Silent(), command)
-    packages = {part.cls.__module__.partition(".")[0] for part in plan.nodes.values()}
+    parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
+    packages = {part.cls.__module__.partition(".")[0] for part in parts}
     with results.logging({"tacos_framework", *packages}):
         try:
             study.restore(checkpoint)

@@ -115,6 +115,7 @@ class WidthTask:
         wanted_deg: float = setting(90.0, help="The best field of view.", unit="deg")
         fail_above_deg: float = setting(360.0, help="Refuses to judge wider cameras.", unit="deg")
         crash_above_deg: float = setting(360.0, help="Has a defect there.", unit="deg")
+        die_above_deg: float = setting(360.0, help="Takes its process with it there.", unit="deg")
 
     scores: ClassVar[tuple[str, ...]] = ("closeness", "brightness")
     begun: ClassVar[int] = 0
@@ -139,6 +140,8 @@ class WidthScorer:
         camera = frames.capture.views[0].camera
         if camera.hfov_deg > self._config.crash_above_deg:
             raise ZeroDivisionError("a defect of the toy")
+        if camera.hfov_deg > self._config.die_above_deg:
+            os.kill(os.getpid(), signal.SIGSEGV)
         if camera.hfov_deg > self._config.fail_above_deg:
             raise CandidateFailed(f"cannot judge {camera.hfov_deg:.0f} deg")
         mean = float(frames.images[0].mean())

@@ -32,6 +32,23 @@ def die(_: int) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def process_id(_: int) -> int:
+    return os.getpid()
+
+
+def give_a_generator(_: int) -> object:
+    return (x for x in ())
+
+
+class TwoArguments(Exception):
+    def __init__(self, first: str, second: str) -> None:
+        super().__init__(f"{first} {second}")
+
+
+def raise_what_does_not_come_back(_: int) -> None:
+    raise TwoArguments("one", "two")
+
+
 def threads(_: int) -> tuple[str | None, str | None, int]:
     import cv2
 
@@ -63,3 +80,54 @@ class Hang:
     def __call__(self, _: int) -> None:
         (self.folder / str(os.getpid())).touch()
         time.sleep(60)
+
+
+@dataclass(frozen=True)
+class DieOnFirstAttempt:
+    """Squares, but the first process that comes to `at` is killed; it leaves a file in a folder."""
+
+    folder: Path
+    at: int
+
+    def __call__(self, x: int) -> int:
+        if x == self.at and not any(self.folder.iterdir()):
+            (self.folder / str(os.getpid())).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return x * x
+
+
+class _Squares:
+    """Squares, and has an answer for jobs that are lost."""
+
+    def __call__(self, x: int) -> int:
+        return x * x
+
+    def lost(self, x: int, reason: str) -> str:
+        return f"{x} lost: {reason}"
+
+
+@dataclass(frozen=True)
+class DieAt(_Squares):
+    """Squares, but every process that comes to `at` ends there."""
+
+    at: int
+    how: str
+
+    def __call__(self, x: int) -> int:
+        if x == self.at:
+            if self.how == "exit":
+                os._exit(3)
+            os.kill(os.getpid(), {"killed": signal.SIGKILL, "segfault": signal.SIGSEGV}[self.how])
+        return super().__call__(x)
+
+
+@dataclass(frozen=True)
+class HangAt(_Squares):
+    """Squares, but sleeps for a minute at `at`."""
+
+    at: int
+
+    def __call__(self, x: int) -> int:
+        if x == self.at:
+            time.sleep(60)
+        return super().__call__(x)

@@ -9,14 +9,13 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
 
 from tacos_framework.errors import UserError
 from tacos_plugins.executors.local import LocalExecutor
-from tacos_plugins.executors.process import ProcessExecutor
+from tacos_plugins.executors.process import JobLost, ProcessExecutor, WorkerTraceback
 from tests.executors import jobs
 
 ROOT = Path(__file__).parents[2]
@@ -93,12 +92,82 @@ def test_workers_compute_with_the_threads_they_are_given(monkeypatch):
     assert "LP_NUM_THREADS" not in os.environ
 
 
-def test_a_worker_that_dies_is_reported_with_a_remedy_and_replaced():
+def test_a_worker_that_dies_is_replaced_and_its_job_tried_once_more(two_workers, tmp_path):
+    jobs_of_trouble = jobs.DieOnFirstAttempt(tmp_path, at=2)
+    assert list(two_workers.map(jobs_of_trouble, range(5))) == [0, 1, 4, 9, 16]
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("killed", "was ended by SIGKILL (most often because memory ran out)"),
+        ("segfault", "was ended by SIGSEGV"),
+        ("exit", "ended with status 3"),
+    ],
+)
+def test_a_job_whose_worker_dies_twice_is_answered_for_and_the_others_go_on(two_workers, how, said):
+    results = list(two_workers.map(jobs.DieAt(2, how), range(5)))
+    assert results[:2] + results[3:] == [0, 1, 9, 16]
+    assert results[2] == f"2 lost: its worker process {said}, 2 times in a row"
+
+
+def test_without_an_answer_a_lost_job_is_an_error_and_the_executor_works_on():
     executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
-    with pytest.raises(BrokenProcessPool) as raised:
+    with pytest.raises(JobLost, match="SIGKILL"):
         list(executor.map(jobs.die, [0]))
-    assert "try fewer" in raised.value.__notes__[0]
     assert list(executor.map(jobs.square, [3])) == [9]
+    executor.close()
+
+
+def test_a_job_that_hangs_is_given_up_in_time(tmp_path):
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=2, timeout_s=0.4))
+    started = time.monotonic()
+    results = list(executor.map(jobs.HangAt(1), range(4)))
+    assert results == [0, "1 lost: it took longer than 0.4 s, 2 times in a row", 4, 9]
+    assert time.monotonic() - started < 20
+    executor.close()
+
+
+@pytest.mark.parametrize(
+    ("limits", "processes"), [({}, 1), ({"tasks_per_worker": 2}, 3), ({"max_memory_mib": 1}, 6)]
+)
+def test_workers_that_are_worn_are_replaced(limits, processes):
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=1, **limits))
+    pids = list(executor.map(jobs.process_id, range(6)))
+    assert len(set(pids)) == processes
+    executor.close()
+    for pid in pids:
+        wait_until(lambda pid=pid: gone(pid), f"worker {pid} ends")
+
+
+def test_an_error_says_where_in_the_worker_it_arose(two_workers):
+    with pytest.raises(UserError) as raised:
+        list(two_workers.map(jobs.fail_at_two, [2]))
+    assert isinstance(raised.value.__cause__, WorkerTraceback)
+    assert "in fail_at_two" in str(raised.value.__cause__)
+
+
+@pytest.mark.parametrize(
+    ("function", "what"),
+    [(jobs.give_a_generator, "a generator"), (jobs.raise_what_does_not_come_back, "TwoArguments")],
+)
+def test_what_cannot_travel_is_an_error_that_says_so(two_workers, function, what):
+    with pytest.raises(RuntimeError, match=f"{what}.* cannot travel between processes"):
+        list(two_workers.map(function, [0]))
+
+
+def test_results_of_an_iterator_left_early_do_not_turn_up_in_the_next(two_workers):
+    for _ in range(3):
+        assert next(two_workers.map(jobs.slow_square, range(6))) == 0
+        assert list(two_workers.map(jobs.slow_square, range(10, 14))) == [100, 121, 144, 169]
+
+
+def test_a_worker_that_cannot_start_is_an_error_not_a_lost_job(monkeypatch):
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "tests" / "executors" / "broken"))
+    with pytest.raises(RuntimeError, match="a worker cannot start: its worker process ended with status"):
+        list(executor.map(jobs.square, [3]))
     executor.close()
 
 
@@ -112,7 +181,7 @@ def test_close_does_not_wait_for_running_jobs(tmp_path):
 
     closing = threading.Thread(target=close_once_busy)
     closing.start()
-    with pytest.raises(BrokenProcessPool):
+    with pytest.raises(RuntimeError, match="closed while jobs were running"):
         next(executor.map(jobs.Hang(tmp_path), [0]))
     closing.join()
     executor.close()  # twice is fine
@@ -124,7 +193,7 @@ def test_close_does_not_wait_for_running_jobs(tmp_path):
 STUDY = """
 import sys
 from pathlib import Path
-from tacos_plugins.executors.process import ProcessExecutor
+from tacos_plugins.executors.process import JobLost, ProcessExecutor, WorkerTraceback
 from tests.executors.jobs import Hang
 
 if __name__ == "__main__":

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, TypeVar
 
 from tacos_framework.settings import Settings, setting
-from tacos_plugins.executors import worker
+from tacos_plugins.executors.pool import Limits, Lost, Pool
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -22,12 +17,27 @@ THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "
 """Environment variables that numerical libraries and the llvmpipe rasterizer read once, when they start."""
 
 
+class JobLost(RuntimeError):
+    """The worker of a job died or hung each time the job was tried."""
+
+
+class WorkerTraceback(Exception):
+    """Where an error arose in a worker, as text: the cause of the error as it arrives here."""
+
+    def __str__(self) -> str:
+        return f"in a worker process\n\n{self.args[0]}"
+
+
 class ProcessExecutor:
     """Evaluates jobs in processes that live until `close`, with the same results as in this process.
 
     Workers are *spawned*: a process that owns a GL context must not fork. Each receives the pickled
     ``evaluate`` once, and keeps it, with whatever it caches, for all jobs to come; a different ``evaluate``
     gets fresh workers. Each worker computes with a few threads only, so that workers do not fight for cores.
+
+    A worker that dies (a driver crashes, memory runs out) or takes longer than ``timeout_s`` is replaced and
+    its job tried once more. When that fails too, the result is ``evaluate.lost(job, reason)``, or a `JobLost`
+    is raised where ``evaluate`` has no such method. The other jobs go on meanwhile.
 
     `close`, Ctrl-C and the death of this process end all workers at once, whatever they are doing.
 
@@ -46,42 +56,52 @@ class ProcessExecutor:
             None, help="Worker processes; by default one for each core this process may use.", ge=1
         )
         threads: int = setting(1, help="Threads each worker may compute with.", ge=1)
+        timeout_s: float | None = setting(
+            None,
+            help="Longest time for one candidate, worlds built for it included; by default any. "
+            "A worker that takes longer is replaced, and the candidate tried once more.",
+            unit="s",
+            gt=0,
+        )
+        max_memory_mib: int | None = setting(
+            None,
+            help="Memory a worker may hold after a candidate; one that holds more is replaced.",
+            unit="MiB",
+            ge=1,
+        )
+        tasks_per_worker: int | None = setting(
+            None, help="Candidates after which a worker is replaced, for components that leak.", ge=1
+        )
 
     def __init__(self, config: Config) -> None:
         self.config = config
         self.workers = config.workers or len(os.sched_getaffinity(0))
-        self._pool: _Pool | None = None
+        self._pool: Pool | None = None
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
         """The results in the order of the jobs; those not begun are dropped when the iterator is left early.
 
         Raises
         ------
-        BrokenProcessPool
-            When a worker died, with a note on the usual reason.
+        JobLost
+            When the worker of a job died or hung twice and ``evaluate`` has no answer to that.
+        RuntimeError
+            When the executor is closed meanwhile, or a worker cannot start.
         """
         if not jobs:
             return
-        futures: list[Future[Result]] = []
         try:
-            with _environment(dict.fromkeys(THREAD_LIMITS, str(self.config.threads))):
-                pool = self._pool_for(evaluate)
-                futures = [pool.submit(job) for job in jobs]  # spawns workers, which inherit the variables
-            for future in futures:
-                yield future.result()
+            outcomes = self._pool_for(evaluate).outcomes(jobs)
+            for job, outcome in zip(jobs, outcomes, strict=True):
+                if isinstance(outcome, Lost):
+                    yield _without_result(evaluate, job, outcome.reason)
+                elif outcome.error is not None:
+                    raise outcome.error from WorkerTraceback(outcome.traceback)
+                else:
+                    yield outcome.value
         except KeyboardInterrupt:
             self.close()
             raise
-        except BrokenProcessPool as error:
-            error.add_note(
-                "A worker process ended abruptly, most often because memory ran out. There were "
-                f"{self.workers} workers: try fewer, or smaller images."
-            )
-            self.close()
-            raise
-        finally:
-            for future in futures:
-                future.cancel()
 
     def close(self) -> None:
         """End all workers at once."""
@@ -89,50 +109,21 @@ class ProcessExecutor:
         if pool is not None:
             pool.close()
 
-    def _pool_for(self, evaluate: Callable[[Any], Any]) -> _Pool:
+    def _pool_for(self, evaluate: Callable[[Any], Any]) -> Pool:
         """The pool whose workers hold this very function, as told by its pickled bytes."""
         payload = bytes(ForkingPickler.dumps(evaluate))
         if self._pool is not None and self._pool.payload != payload:
             self.close()
         if self._pool is None:
-            self._pool = _Pool(payload, self.workers, self.config.threads)
+            config = self.config
+            limits = Limits(config.timeout_s, config.max_memory_mib, config.tasks_per_worker)
+            threads = dict.fromkeys(THREAD_LIMITS, str(config.threads))
+            self._pool = Pool(payload, self.workers, limits, config.threads, threads)
         return self._pool
 
 
-class _Pool:
-    """Worker processes that hold one function, and the lifeline that keeps them alive."""
-
-    def __init__(self, payload: bytes, workers: int, threads: int) -> None:
-        self.payload = payload
-        spawn = multiprocessing.get_context("spawn")
-        self._worker_end: Connection
-        self._worker_end, self._lifeline = spawn.Pipe(duplex=False)
-        self._processes = ProcessPoolExecutor(
-            workers,
-            mp_context=spawn,
-            initializer=worker.start,
-            initargs=(payload, self._worker_end, threads),
-        )
-
-    def submit(self, job: Any) -> Future[Any]:
-        return self._processes.submit(worker.evaluate, job)
-
-    def close(self) -> None:
-        self._lifeline.close()
-        self._processes.shutdown(wait=True, cancel_futures=True)
-        self._worker_end.close()
-
-
-@contextmanager
-def _environment(variables: dict[str, str]) -> Iterator[None]:
-    """Set environment variables for the processes started inside."""
-    before = {name: os.environ.get(name) for name in variables}
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+def _without_result(evaluate: Callable[[Job], Result], job: Job, reason: str) -> Result:
+    lost: Callable[[Job, str], Result] | None = getattr(evaluate, "lost", None)
+    if lost is None:
+        raise JobLost(reason)
+    return lost(job, reason)

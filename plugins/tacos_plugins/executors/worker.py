@@ -3,49 +3,101 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import threading
+import traceback
 from collections.abc import Callable
-from functools import cache
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-_payload = b""
-"""The pickled function of this worker's pool, set once when the process starts."""
+LEAVE = b""
+"""Sent instead of a job to a worker that is to end."""
 
 
-def start(payload: bytes, lifeline: Connection, threads: int) -> None:
-    """Prepare a new worker.
+@dataclass(frozen=True)
+class Answer:
+    """What a worker sends back for a job; and once, empty, when it is ready for the first.
+
+    Parameters
+    ----------
+    value
+        What the function returned.
+    error
+        What it raised instead.
+    traceback
+        Where it raised, as text.
+    resident_mib
+        Memory the worker holds after the job [MiB].
+    """
+
+    value: Any = None
+    error: Exception | None = None
+    traceback: str = ""
+    resident_mib: float = 0.0
+
+
+def serve(payload: bytes, channel: Connection, lifeline: Connection, threads: int) -> None:
+    """Evaluate jobs until told to leave.
 
     Parameters
     ----------
     payload
-        The pickled function this worker will evaluate, from the parent process.
+        The pickled function this worker evaluates, from the parent process.
+    channel
+        Brings pickled jobs, takes pickled answers.
     lifeline
         Reading end of a pipe of which the parent holds the other end: it breaks when the parent closes its
         pool, or dies in whatever way.
     threads
         Threads OpenCV may use here.
     """
-    global _payload
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the parent decides
     threading.Thread(target=_die_with, args=(lifeline,), daemon=True).start()
     import cv2
 
     cv2.setNumThreads(threads)
-    _payload = payload
+    channel.send_bytes(_packed(Answer()))
+    function: Callable[[Any], Any] | None = None
+    while (message := channel.recv_bytes()) != LEAVE:
+        try:
+            if function is None:  # unpickled here, so that its errors reach the caller like any other
+                function = ForkingPickler.loads(payload)
+            answer = Answer(function(ForkingPickler.loads(message)), resident_mib=resident_mib())
+        except Exception as error:  # noqa: BLE001 - whatever it is, the caller gets it
+            answer = Answer(error=error, traceback=traceback.format_exc(), resident_mib=resident_mib())
+        channel.send_bytes(_packed(answer))
+        del answer
+    os._exit(0)  # drivers may hang while a GL context is torn down; the system takes everything back
 
 
-def evaluate(job: Any) -> Any:
-    """Evaluate one job. Unpickling happens here, so that its errors reach the caller like any other."""
-    return _function()(job)
+def _packed(answer: Answer) -> bytes:
+    """The pickled answer; an error about it where it cannot travel."""
+    try:
+        packed = bytes(ForkingPickler.dumps(answer))
+        if answer.error is not None:
+            ForkingPickler.loads(packed)  # an exception may pickle and yet not come back
+        return packed
+    except (pickle.PicklingError, TypeError, AttributeError, ValueError) as reason:
+        what = repr(answer.error) if answer.error is not None else f"a {type(answer.value).__name__}"
+        error = RuntimeError(f"{what} cannot travel between processes: {reason}")
+        return bytes(
+            ForkingPickler.dumps(
+                Answer(error=error, traceback=answer.traceback, resident_mib=answer.resident_mib)
+            )
+        )
 
 
-@cache
-def _function() -> Callable[[Any], Any]:
-    function: Callable[[Any], Any] = ForkingPickler.loads(_payload)
-    return function
+def resident_mib() -> float:
+    """Memory this process holds [MiB]; 0 where the system does not tell."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            pages = int(file.read().split()[1])
+    except OSError:
+        return 0.0
+    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
 def _die_with(lifeline: Connection) -> None:

@@ -1,0 +1,254 @@
+"""Worker processes that may die, hang or leak, and the results that come out of them all the same."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import multiprocessing
+import os
+import signal
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnContext, SpawnProcess
+from multiprocessing.reduction import ForkingPickler
+from typing import Any
+
+from tacos_plugins.executors import worker
+
+log = logging.getLogger(__name__)
+
+ATTEMPTS = 2
+"""How often a job is tried whose worker dies or hangs."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a worker may take before it is replaced; None for no limit."""
+
+    job_s: float | None = None
+    resident_mib: float | None = None
+    jobs: int | None = None
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A job without an outcome: its worker died or hung, each time it was tried."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One job on its way."""
+
+    round: int
+    index: int
+    attempt: int = 1
+
+
+class _Worker:
+    """A worker process as its parent sees it."""
+
+    def __init__(self, context: SpawnContext, payload: bytes, lifeline: Connection, threads: int) -> None:
+        self.channel, theirs = context.Pipe()
+        self.process: SpawnProcess = context.Process(
+            target=worker.serve, args=(payload, theirs, lifeline, threads), name="tacos-worker"
+        )
+        self.process.start()
+        theirs.close()  # so that the channel breaks when the worker dies
+        self.ready = False
+        self.task: _Task | None = None
+        self.deadline = float("inf")
+        self.jobs_done = 0
+
+    @property
+    def idle(self) -> bool:
+        return self.ready and self.task is None
+
+    def begin(self, task: _Task, job: Any, limit_s: float | None) -> bool:
+        """Send a job; False when the worker is dead already."""
+        message = bytes(ForkingPickler.dumps(job))
+        try:
+            self.channel.send_bytes(message)
+        except (BrokenPipeError, ConnectionResetError):
+            return False
+        self.task = task
+        self.deadline = float("inf") if limit_s is None else time.monotonic() + limit_s
+        return True
+
+    def answer(self) -> bytes | None:
+        """What it has sent, if anything.
+
+        Raises
+        ------
+        EOFError, ConnectionResetError
+            When it is dead.
+        """
+        if self.channel.poll():
+            return self.channel.recv_bytes()
+        if not self.process.is_alive() and not self.channel.poll():
+            raise EOFError
+        return None
+
+    def how_it_ended(self) -> str:
+        """How the process ended, in words."""
+        self.process.join()
+        code = self.process.exitcode or 0
+        if code >= 0:
+            return f"its worker process ended with status {code}"
+        name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+        out_of_memory = " (most often because memory ran out)" if -code == signal.SIGKILL else ""
+        return f"its worker process was ended by {name}{out_of_memory}"
+
+
+class Pool:
+    """Worker processes that hold one function.
+
+    Parameters
+    ----------
+    payload
+        The pickled function.
+    workers
+        How many processes at most.
+    limits
+        When a worker is replaced.
+    threads
+        Threads each may compute with.
+    environment
+        Environment variables workers start with, beside those of this process.
+    """
+
+    def __init__(
+        self, payload: bytes, workers: int, limits: Limits, threads: int, environment: Mapping[str, str]
+    ) -> None:
+        self.payload = payload
+        self._limits = limits
+        self._threads = threads
+        self._environment = environment
+        self._most = workers
+        self._context = multiprocessing.get_context("spawn")
+        self._worker_end, self._lifeline = self._context.Pipe(duplex=False)
+        atexit.register(self._lifeline.close)  # ahead of multiprocessing's own, which would wait for workers
+        self._workers: list[_Worker] = []
+        self._round = 0
+        self._closed = False
+
+    def outcomes(self, jobs: Sequence[Any]) -> Iterator[worker.Answer | Lost]:
+        """One outcome for each job, in their order, each as soon as it and those before it are there.
+
+        Raises
+        ------
+        RuntimeError
+            When the pool is closed meanwhile, or a worker ends before it is ready for its first job.
+        """
+        self._round += 1  # what workers still do for a round that was left early is dropped when it comes
+        waiting = deque(_Task(self._round, index) for index in range(len(jobs)))
+        done: dict[int, worker.Answer | Lost] = {}
+        for index in range(len(jobs)):
+            while index not in done:
+                self._hand_out(jobs, waiting)
+                self._collect(waiting, done)
+            self._hand_out(jobs, waiting)  # workers go on while the caller looks at this one
+            yield done.pop(index)
+
+    def close(self) -> None:
+        """End all workers at once."""
+        self._closed = True
+        self._lifeline.close()
+        atexit.unregister(self._lifeline.close)
+        for each in self._workers:
+            each.process.kill()
+        for each in self._workers:
+            each.process.join()
+        self._worker_end.close()
+
+    # ------------------------------------------------------------------------------------------------------
+
+    def _hand_out(self, jobs: Sequence[Any], waiting: deque[_Task]) -> None:
+        """Give waiting tasks to idle workers, and start workers where too few are there."""
+        for each in [each for each in self._workers if each.idle]:
+            if waiting and each.begin(waiting[0], jobs[waiting[0].index], self._limits.job_s):
+                waiting.popleft()
+        starting = sum(not each.ready for each in self._workers)
+        for _ in range(min(self._most - len(self._workers), len(waiting) - starting)):
+            with _environment(self._environment):
+                self._workers.append(_Worker(self._context, self.payload, self._worker_end, self._threads))
+
+    def _collect(self, waiting: deque[_Task], done: dict[int, worker.Answer | Lost]) -> None:
+        """Wait until something happens, and see to it."""
+        soonest = min(each.deadline for each in self._workers)
+        patience = None if soonest == float("inf") else max(0.0, soonest - time.monotonic())
+        events: list[Any] = [each.channel for each in self._workers]
+        events += [each.process.sentinel for each in self._workers]
+        wait(events, patience)
+        if self._closed:
+            raise RuntimeError("the executor was closed while jobs were running")
+        for each in list(self._workers):
+            try:
+                message = each.answer()
+            except (EOFError, ConnectionResetError):
+                self._replace(each, each.how_it_ended(), waiting, done)
+                continue
+            if message is not None:
+                self._take(each, message, done)
+            elif time.monotonic() > each.deadline:
+                each.process.kill()
+                self._replace(each, f"it took longer than {self._limits.job_s:g} s", waiting, done)
+
+    def _take(self, each: _Worker, message: bytes, done: dict[int, worker.Answer | Lost]) -> None:
+        """Keep an answer, and let its worker go where that has come to its limits."""
+        task, each.task, each.deadline = each.task, None, float("inf")
+        each.ready = True
+        answer: worker.Answer = ForkingPickler.loads(message)
+        if task is None:
+            return
+        each.jobs_done += 1
+        if task.round == self._round:
+            done[task.index] = answer
+        limits = self._limits
+        worn = limits.jobs is not None and each.jobs_done >= limits.jobs
+        if limits.resident_mib is not None and answer.resident_mib > limits.resident_mib:
+            log.info("a worker holds %.0f MiB and is replaced", answer.resident_mib)
+            worn = True
+        if worn:
+            each.channel.send_bytes(worker.LEAVE)
+            self._workers.remove(each)
+
+    def _replace(
+        self, each: _Worker, how: str, waiting: deque[_Task], done: dict[int, worker.Answer | Lost]
+    ) -> None:
+        """Forget a worker that is lost; try its job again, or give it up."""
+        self._workers.remove(each)
+        if not each.ready:
+            error = RuntimeError(f"a worker cannot start: {how}")
+            error.add_note(
+                "Scripts that use worker processes keep their work below 'if __name__ == \"__main__\":'."
+            )
+            raise error
+        task = each.task
+        if task is None or task.round != self._round:
+            return
+        if task.attempt < ATTEMPTS:
+            log.warning("job %d: %s; it is tried again", task.index, how)
+            waiting.appendleft(replace(task, attempt=task.attempt + 1))
+        else:
+            done[task.index] = Lost(f"{how}, {task.attempt} times in a row")
+
+
+@contextmanager
+def _environment(variables: Mapping[str, str]) -> Iterator[None]:
+    """Set environment variables for the processes started inside."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
