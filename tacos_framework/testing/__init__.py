@@ -17,13 +17,25 @@ from __future__ import annotations
 
 import pytest
 
-_SUITES = ("component", "effect", "executor", "optimizer", "renderer", "rig", "scene", "sensor", "task")
+_SUITES = (
+    "component",
+    "effect",
+    "executor",
+    "optimizer",
+    "procedure",
+    "renderer",
+    "rig",
+    "scene",
+    "sensor",
+    "task",
+)
 pytest.register_assert_rewrite(*(f"{__name__}.{suite}" for suite in _SUITES))
 
 from tacos_framework.testing.component import ComponentConformance  # noqa: E402
 from tacos_framework.testing.effect import EffectConformance  # noqa: E402
 from tacos_framework.testing.executor import ExecutorConformance  # noqa: E402
 from tacos_framework.testing.optimizer import OptimizerConformance  # noqa: E402
+from tacos_framework.testing.procedure import ProcedureConformance  # noqa: E402
 from tacos_framework.testing.renderer import RendererConformance  # noqa: E402
 from tacos_framework.testing.rig import RigConformance  # noqa: E402
 from tacos_framework.testing.scene import SceneConformance  # noqa: E402
@@ -35,6 +47,7 @@ __all__ = [
     "EffectConformance",
     "ExecutorConformance",
     "OptimizerConformance",
+    "ProcedureConformance",
     "RendererConformance",
     "RigConformance",
     "SceneConformance",

@@ -2,90 +2,26 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import subprocess
 import sys
-import sysconfig
-import venv
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from tests.docs.pages import ROOT, blocks, commands, write_file
-
-REFUSED = "# refused"
-"""Ends a command of the docs that is meant to fail with status 2."""
+from tests.fresh_environment import REFUSED, FreshEnvironment
 
 _CALL = "import sys; from tacos_framework.cli import {function}; sys.exit({function}())"
-_SCRIPT = """#!{python}
-import sys
-from {module} import {function}
-sys.exit({function}())
-"""
-
-
-@dataclass(frozen=True)
-class Reader:
-    """Somebody who follows a tutorial in a folder, with the commands of a fresh environment on the path."""
-
-    folder: Path
-    bin: Path
-
-    def run(self, line: str) -> subprocess.CompletedProcess[str]:
-        """Run one command; pip takes nothing from the network."""
-        environment = {
-            **os.environ,
-            "PATH": f"{self.bin}{os.pathsep}{os.environ['PATH']}",
-            "PIP_NO_INDEX": "1",
-            "PIP_NO_DEPS": "1",
-            "PIP_NO_BUILD_ISOLATION": "0",  # pip reads the negation of a negation: no isolation
-            "PIP_DISABLE_PIP_VERSION_CHECK": "1",
-        }
-        return subprocess.run(
-            shlex.split(line, comments=True),
-            cwd=self.folder,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-
-    def expect(self, line: str) -> str:
-        """Run one command and see it end as the tutorial says; returns what it printed."""
-        done = self.run(line)
-        status = 2 if line.endswith(REFUSED) else 0
-        assert done.returncode == status, f"{line}\n{done.stdout}\n{done.stderr}"
-        assert "Traceback" not in done.stderr
-        return done.stdout + done.stderr
 
 
 @pytest.fixture
-def reader(tmp_path: Path) -> Reader:
-    """A reader whose environment sees what is installed here, and where a plugin can be added."""
-    home = tmp_path / "venv"
-    venv.create(home, symlinks=True)
-    scripts = home / "bin"
-    (site,) = (home / "lib").glob("python*/site-packages")
-    here = sysconfig.get_paths()["purelib"]
-    (site / "_outer.pth").write_text(f"import site; site.addsitedir({here!r})\n")
-    commands = {
-        "pip": ("pip._internal.cli.main", "main"),
-        "pytest": ("pytest", "main"),
-        "tacos": ("tacos_framework.cli", "tacos_main"),
-        "tacos-run": ("tacos_framework.cli", "run_main"),
-    }
-    for name, (module, function) in commands.items():
-        script = scripts / name
-        script.write_text(_SCRIPT.format(python=scripts / "python", module=module, function=function))
-        script.chmod(0o755)
-    folder = tmp_path / "work"
-    folder.mkdir()
-    return Reader(folder, scripts)
+def reader(tmp_path: Path) -> FreshEnvironment:
+    """Somebody who follows a page in an environment of their own."""
+    return FreshEnvironment.make(tmp_path)
 
 
-def follow(page: Path, reader: Reader) -> dict[str, str]:
+def follow(page: Path, reader: FreshEnvironment) -> dict[str, str]:
     """Write the files of a page and run its commands, from top to bottom; what each command printed."""
     printed = {}
     for block in blocks(page):
@@ -96,13 +32,13 @@ def follow(page: Path, reader: Reader) -> dict[str, str]:
     return printed
 
 
-def test_first_plugin(reader: Reader) -> None:
+def test_first_plugin(reader: FreshEnvironment) -> None:
     printed = follow(ROOT / "docs/tutorials/first_plugin.md", reader)
     assert "task.objects-seen" in printed["tacos plugins"]
     assert (reader.folder / "run" / "report.html").is_file()
 
 
-def test_add_a_catalog(reader: Reader) -> None:
+def test_add_a_catalog(reader: FreshEnvironment) -> None:
     printed = follow(ROOT / "docs/how-to/add_a_catalog.md", reader)
     assert "S-3   2048      1536       ?" in printed["tacos catalog my_sensors.csv"]
 

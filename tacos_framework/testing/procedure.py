@@ -1,0 +1,83 @@
+"""What every procedure must do."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+from tacos_framework.plugins import Plugins
+from tacos_framework.progress import Silent
+from tacos_framework.testing.component import ComponentConformance
+
+SUPPLIED = ("out", "seed", "plugins", "executor", "progress", "resume")
+"""What the framework has to offer to a procedure's `run`."""
+
+
+class InThisProcess:
+    """An executor for tests: plain calls."""
+
+    workers = 1
+
+    def map(self, evaluate: Any, jobs: Any) -> Any:
+        """The results of plain calls."""
+        return map(evaluate, jobs)
+
+    def close(self) -> None:
+        """Nothing to let go of."""
+
+
+class ProcedureConformance(ComponentConformance):
+    """The suite for procedures; give settings under which it takes seconds, and name the files it leaves."""
+
+    kind: ClassVar[str] = "procedure"
+    files: ClassVar[tuple[str, ...]] = ()
+
+    def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
+        """What the procedure returns, run into an empty folder."""
+        out.mkdir()
+        procedure = self.make()
+        offered: dict[str, Any] = {
+            "out": out,
+            "seed": seed,
+            "plugins": Plugins.discover(),
+            "executor": InThisProcess(),
+            "progress": Silent(),
+            "resume": False,
+        }
+        wanted = inspect.signature(procedure.run).parameters
+        result: Mapping[str, Any] = procedure.run(
+            **{name: value for name, value in offered.items() if name in wanted}
+        )
+        return result
+
+    def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The part of a result that equal seeds must repeat; override to leave out times."""
+        return {name: value for name, value in result.items() if name not in ("summary", "seconds")}
+
+    def test_it_asks_for_keywords_the_framework_supplies(self) -> None:
+        for name, parameter in inspect.signature(self.make().run).parameters.items():
+            assert parameter.kind is inspect.Parameter.KEYWORD_ONLY, f"{name} is not keyword-only"
+            assert name in SUPPLIED, f"nothing supplies {name!r}; known are {', '.join(SUPPLIED)}"
+
+    def test_its_result_is_json_with_a_summary(self, tmp_path: Path) -> None:
+        result = self.run(tmp_path / "run")
+        assert isinstance(result, Mapping)
+        json.dumps(dict(result), allow_nan=False)
+        assert isinstance(result.get("summary"), str), "the entry 'summary' is a text of a few lines"
+        assert result["summary"].strip()
+
+    def test_it_leaves_the_files_it_should(self, tmp_path: Path) -> None:
+        self.run(tmp_path / "run")
+        missing = [name for name in self.files if not (tmp_path / "run" / name).is_file()]
+        assert not missing, f"it left no {', '.join(missing)}"
+
+    def test_it_writes_into_its_folder_alone(self, tmp_path: Path) -> None:
+        self.run(tmp_path / "run")
+        assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+    def test_equal_seeds_give_equal_results(self, tmp_path: Path) -> None:
+        first, second = (self.comparable(self.run(tmp_path / name)) for name in ("first", "second"))
+        assert first == second

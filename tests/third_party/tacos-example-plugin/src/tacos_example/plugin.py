@@ -1,0 +1,75 @@
+"""Lists the components of this package; imports none of them."""
+
+from __future__ import annotations
+
+from tacos_framework.components import Component
+from tacos_framework.hookspecs import hookimpl
+
+
+@hookimpl
+def tacos_components() -> list[Component]:
+    """What this package offers."""
+    return [
+        Component(
+            "scene",
+            "corridor",
+            "tacos_example.corridor:Corridor",
+            summary="A straight corridor with a checkerboard at its far end.",
+        ),
+        Component(
+            "rig",
+            "ring",
+            "tacos_example.ring:RingRig",
+            summary="Cameras that look outwards, evenly around the agent.",
+        ),
+        Component(
+            "renderer",
+            "integrating-sphere",
+            "tacos_example.integrating_sphere:IntegratingSphere",
+            summary="Light that is the same everywhere, on exact geometry.",
+            requires=("embreex",),
+        ),
+        Component(
+            "effect",
+            "haze",
+            "tacos_example.haze:Haze",
+            summary="Light lost on its way through hazy air.",
+        ),
+        Component(
+            "sensor",
+            "monochrome",
+            "tacos_example.monochrome:MonochromeSensor",
+            summary="Electrons of a monochrome sensor with shot and read noise.",
+        ),
+        Component(
+            "task",
+            "checkerboard",
+            "tacos_example.checkerboard:Checkerboard",
+            summary="Share of frames in which a calibration target is found.",
+            requires=("cv2=opencv-python-headless",),
+        ),
+        Component(
+            "task",
+            "free-distance",
+            "tacos_example.free_distance:FreeDistance",
+            summary="Learns to tell from an image how far the way ahead is free.",
+        ),
+        Component(
+            "optimizer",
+            "latin-hypercube",
+            "tacos_example.latin_hypercube:LatinHypercube",
+            summary="One draw in each stratum of each gene.",
+        ),
+        Component(
+            "executor",
+            "futures",
+            "tacos_example.futures:FuturesExecutor",
+            summary="Evaluation by concurrent.futures in spawned processes.",
+        ),
+        Component(
+            "procedure",
+            "preview",
+            "tacos_example.preview:Preview",
+            summary="A contact sheet of what a scene looks like.",
+        ),
+    ]
