@@ -38,9 +38,137 @@ RENDERERS = {
 }
 
 EFFECTS = {
+    "pose-error": (
+        "pose_error:PoseError",
+        "The camera is not where the simulator believes: a turn and a shift.",
+    ),
+    "illumination-gradient": (
+        "illumination_gradient:IlluminationGradient",
+        "Uneven light on the scene: a plane over the image.",
+    ),
+    "focal-length-error": (
+        "focal_length_error:FocalLengthError",
+        "Another focal length and principal point than believed.",
+    ),
+    "lens-distortion": (
+        "lens_distortion:LensDistortion",
+        "Bent straight lines: OpenCV's Brown-Conrady or fisheye model.",
+    ),
+    "lateral-chromatic-aberration": (
+        "lateral_chromatic_aberration:LateralChromaticAberration",
+        "Red and blue magnified against green: colour fringes that grow outwards.",
+    ),
+    "defocus": (
+        "defocus:Defocus",
+        "Light spread over a disc: everywhere alike, or by focus, f-number and depth.",
+    ),
+    "lens-blur": (
+        "lens_blur:LensBlur",
+        "A Gaussian that grows over the field, diffraction, or both.",
+    ),
+    "veiling-glare": (
+        "veiling_glare:VeilingGlare",
+        "A share of the light strays over the image.",
+    ),
     "vignetting": (
         "vignetting:Vignetting",
         "Light that falls off towards the corners: an even polynomial of the radius.",
+    ),
+    "rolling-shutter": (
+        "rolling_shutter:RollingShutter",
+        "Rows exposed one after another: what moves is sheared.",
+    ),
+    "motion-blur": (
+        "motion_blur:MotionBlur",
+        "Light smeared along a straight line while the shutter is open.",
+    ),
+    "exposure-error": (
+        "exposure_error:ExposureError",
+        "More or less light than the exposure settings say.",
+    ),
+    "flicker": (
+        "flicker:Flicker",
+        "Lamps on alternating current: a wave of light over the rows.",
+    ),
+    "auto-exposure": (
+        "auto_exposure:AutoExposure",
+        "Metering: exposes to a target mean within limits, with a lag.",
+    ),
+    "conversion-gain-error": (
+        "conversion_gain_error:ConversionGainError",
+        "Another slope of the photon-transfer curve: more or fewer electrons per digital number.",
+    ),
+    "prnu": (
+        "prnu:Prnu",
+        "Photosites that respond more or less than others, a pattern fixed to the sensor.",
+    ),
+    "dsnu": (
+        "dsnu:Dsnu",
+        "Photosites and columns with offsets of their own, a pattern fixed to the sensor.",
+    ),
+    "dark-current": (
+        "dark_current:DarkCurrent",
+        "Charge that gathers over the exposure without light, and hot pixels.",
+    ),
+    "saturation": (
+        "saturation:Saturation",
+        "Noisy samples cut off at a level below full scale: the full well.",
+    ),
+    "crosstalk": (
+        "crosstalk:Crosstalk",
+        "Noisy samples shared with the eight neighbours; correlates noise.",
+    ),
+    "nonlinearity": (
+        "nonlinearity:Nonlinearity",
+        "A response that bends: a polynomial of the signal over full scale.",
+    ),
+    "read-noise": (
+        "read_noise:ReadNoise",
+        "Further noise in the dark, Gaussian or with heavier tails.",
+    ),
+    "row-noise": (
+        "row_noise:RowNoise",
+        "Rows and columns that jump from frame to frame.",
+    ),
+    "black-level": (
+        "black_level:BlackLevel",
+        "A pedestal other than the simulator believes.",
+    ),
+    "quantisation": (
+        "quantisation:Quantisation",
+        "A converter with coarser steps than the file, or one that rounds down.",
+    ),
+    "lens-shading-correction": (
+        "lens_shading_correction:LensShadingCorrection",
+        "Corners lifted after the noise: a gain map of the radius.",
+    ),
+    "white-balance": (
+        "white_balance:WhiteBalance",
+        "Gains on red and blue.",
+    ),
+    "colour-matrix": (
+        "colour_matrix:ColourMatrix",
+        "Colours mixed from one another; correlates the noise of channels.",
+    ),
+    "demosaic": (
+        "demosaic:Demosaic",
+        "Colour sampled through a Bayer mosaic and reconstructed.",
+    ),
+    "denoise": (
+        "denoise:Denoise",
+        "Adaptive Wiener filter: flat parts lose their noise, edges stay.",
+    ),
+    "sharpening": (
+        "sharpening:Sharpening",
+        "Unsharp mask: overdrawn edges and stronger noise.",
+    ),
+    "tone-curve": (
+        "tone_curve:ToneCurve",
+        "A curve between signal and code: a power, or monotone through knots.",
+    ),
+    "jpeg": (
+        "jpeg:Jpeg",
+        "Frames coded as JPEG and decoded.",
     ),
 }
 
@@ -48,6 +176,10 @@ SENSORS = {
     "affine-noise": (
         "affine_noise:AffineNoise",
         "Photon and thermal noise, scaled by gain and pixel area.",
+    ),
+    "emva": (
+        "emva:Emva",
+        "Electrons as in EMVA 1288: quantum efficiency, full well, read and dark noise, system gain.",
     ),
 }
 

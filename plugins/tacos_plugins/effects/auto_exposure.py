@@ -1,0 +1,134 @@
+"""A camera that sets its exposure by what it sees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from tacos_framework.camera.colour import luminance
+from tacos_framework.camera.exposure import exposure_per_luminance
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.light import with_light_changed
+
+
+class AutoExposure:
+    """Exposes longer or shorter, so that the mean focal-plane exposure comes to `target_mlx_s`.
+
+    Every camera meters the mean luminance of its own frames, of the scenario's exposure, and takes it to the
+    target as far as the limits allow. With a lag it follows exponentially, in stops, from frame to frame; it
+    begins settled at the first frame of each batch and knows nothing of batches before. The light is scaled
+    ahead of the noise, so the noise is that of the other exposure time; motion blur stays as it is, and so
+    does the gain.
+
+    Examples
+    --------
+    A white wall (reflectance 0.8) at 20 lux, f/2 and 30 ms gives 30 mlx s; half of it is one stop less:
+
+    >>> effect = AutoExposure(AutoExposure.Config(target_mlx_s=15.0))
+    >>> wall = np.full((1, 4, 4, 1), 0.8 * 20 / math.pi)
+    >>> context = ImageContext(exposure_s=0.030, f_number=2.0)
+    >>> effect.factors(wall, context).round(6).tolist()
+    [0.5]
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        target_mlx_s: float | None = setting(
+            None,
+            help="Mean focal-plane exposure to aim for; off if not given. A white wall fills an 8-bit image "
+            "of the default sensor to 200 of 255 at 30.",
+            unit="mlx s",
+            gt=0,
+            le=1e6,
+        )
+        shortest: float = setting(
+            1 / 64, help="Least exposure, over the scenario's exposure time.", gt=0, le=1e6
+        )
+        longest: float = setting(
+            4.0, help="Greatest exposure, over the scenario's exposure time.", gt=0, le=1e6
+        )
+        lag_frames: float = setting(
+            0.0,
+            help="Frames after which 63 % of a change is followed; at once if 0.",
+            unit="frame",
+            ge=0,
+            le=1e4,
+        )
+
+        @model_validator(mode="after")
+        def _limits_rise(self) -> AutoExposure.Config:
+            if self.shortest > self.longest:
+                raise ValueError(f"shortest is {self.shortest}, above longest, {self.longest}")
+            return self
+
+    stage: ClassVar[Stage] = "exposure"
+    rank: ClassVar[int] = 40
+    neutral: ClassVar[Mapping[str, Any]] = {"target_mlx_s": None}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture as exposed by its metering; the capture itself where the effect is off."""
+        return with_light_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light in cd/m2, exposed by its metering; needs the context's f-number."""
+        if self.config.target_mlx_s is None:
+            return signal
+        return signal * self.factors(signal, context).astype(signal.dtype)[:, None, None, None]
+
+    def factors(self, light_cd_m2: NDArray[np.floating], context: ImageContext) -> NDArray[np.float64]:
+        """(N,) what the exposure of each frame is multiplied by [1]."""
+        assert self.config.target_mlx_s is not None
+        f_number = context.known_f_number("effect.auto-exposure")
+        mean = light_cd_m2.mean(axis=(1, 2), dtype=np.float64)
+        brightness = luminance(mean) if mean.shape[-1] == 3 else mean[:, 0]
+        exposure_mlx_s = 1e3 * brightness * exposure_per_luminance(context.exposure_s, f_number)
+        wanted = self.config.target_mlx_s / np.maximum(exposure_mlx_s, 1e-12)
+        limited = np.clip(wanted, self.config.shortest, self.config.longest)
+        return followed(limited, self.config.lag_frames)
+
+
+def followed(wanted: NDArray[np.float64], lag_frames: float) -> NDArray[np.float64]:
+    """Factors that follow wanted ones with a lag, exponentially in stops, from the first on.
+
+    Parameters
+    ----------
+    wanted
+        (N,) factors, above 0 [1].
+    lag_frames
+        Frames after which a step is followed to 63 % [frame].
+
+    Returns
+    -------
+    NDArray
+        (N,) float64 [1].
+
+    Examples
+    --------
+    >>> followed(np.array([1.0, 4.0, 4.0]), lag_frames=1 / math.log(2)).round(3).tolist()
+    [1.0, 2.0, 2.828]
+    """
+    if lag_frames == 0.0:
+        return wanted
+    share = 1 - math.exp(-1 / lag_frames)
+    stops = np.log2(wanted)
+    for i in range(1, len(stops)):
+        stops[i] = stops[i - 1] + share * (stops[i] - stops[i - 1])
+    return np.exp2(stops)

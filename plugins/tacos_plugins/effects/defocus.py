@@ -1,0 +1,85 @@
+"""Things that are not at the distance of focus."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
+from tacos_framework.camera.depth_of_field import blur_by_depth, signed_radius
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.light import with_light_changed
+
+
+class Defocus:
+    """Spreads each point of light over an even disc.
+
+    The disc has one radius all over the image, or follows from the distance of focus, the f-number and the
+    depth of each pixel, for a thin lens. Then near, blurred things overlap what is behind them, and what is
+    behind does not bleed into sharp things before it; what they hide is not known and is made up from its
+    surroundings. The image does not change size with focus. Lamps beyond full scale spread as they are.
+
+    References
+    ----------
+    Potmesil and Chakravarty 1981, "A lens and aperture camera model for synthetic image generation",
+    SIGGRAPH: the circle of confusion.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        radius_px: float = setting(
+            0.0, help="Radius of the disc all over the image.", unit="px", ge=0, le=100
+        )
+        focus_m: float | None = setting(
+            None,
+            help="Distance of focus; if given, the radius follows from the depth of each pixel.",
+            unit="m",
+            gt=0,
+            le=1e6,
+        )
+        f_number: float | None = setting(
+            None, help="Focal length over aperture for `focus_m`; by default the exposure's.", gt=0.3, le=200
+        )
+
+        @model_validator(mode="after")
+        def _one_radius(self) -> Defocus.Config:
+            if self.radius_px and self.focus_m is not None:
+                raise ValueError("radius_px and focus_m exclude each other: give one radius, or a focus")
+            return self
+
+    stage: ClassVar[Stage] = "optics"
+    rank: ClassVar[int] = 30
+    neutral: ClassVar[Mapping[str, Any]] = {"radius_px": 0.0, "focus_m": None}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture out of focus, truth as a pinhole sees it; itself where the effect is off."""
+        return with_light_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light out of focus; `focus_m` needs the context's depth and f-number."""
+        c = self.config
+        if c.focus_m is not None:
+            depth_m = context.known_depth_m("effect.defocus with focus_m")
+            f_number = c.f_number or context.known_f_number("effect.defocus with focus_m")
+            radius = signed_radius(depth_m, geometry, f_number=f_number, focus_m=c.focus_m)
+            return blur_by_depth(signal, np.broadcast_to(radius, signal.shape[:3]))
+        if c.radius_px == 0.0:
+            return signal
+        return blur(signal, kernel_of(disc_transfer(c.radius_px), reach_px=c.radius_px))

@@ -1,0 +1,51 @@
+"""More or less light than the exposure settings say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.light import with_light_changed
+
+
+class ExposureError:
+    """Multiplies the light by `scale`: a shutter, a stop or a lamp that is not what the simulator believes.
+
+    It changes the light before the noise, so that the noise is that of the brighter or darker image: points
+    slide along the same photon-transfer curve.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        scale: float = setting(1.0, help="Real over believed exposure.", gt=0, le=100)
+
+    stage: ClassVar[Stage] = "exposure"
+    rank: ClassVar[int] = 20
+    neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture with the other exposure in every view; the capture itself where the effect is off."""
+        return with_light_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light times `scale`."""
+        if self.config.scale == 1.0:
+            return signal
+        return signal * signal.dtype.type(self.config.scale)

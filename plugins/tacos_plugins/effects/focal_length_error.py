@@ -1,0 +1,72 @@
+"""A focal length and a principal point other than believed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.motion import Places
+from tacos_framework.camera.resampling import resample
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.light import with_pixels_moved
+
+
+class FocalLengthError:
+    """Magnifies the image about the principal point, and shifts it.
+
+    A point seen at c + d by the believed camera is seen at c + scale d + (dx, dy). On a plane square to the
+    optical axis another distance does the same. Where the real camera sees more than was rendered, the edge
+    of the image is drawn out.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        scale: float = setting(1.0, help="Real over believed focal length.", ge=0.2, le=5)
+        dx_px: float = setting(
+            0.0, help="Real minus believed principal point, to the right.", unit="px", ge=-1e4, le=1e4
+        )
+        dy_px: float = setting(
+            0.0, help="Real minus believed principal point, downwards.", unit="px", ge=-1e4, le=1e4
+        )
+
+    stage: ClassVar[Stage] = "optics"
+    rank: ClassVar[int] = 0
+    neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0, "dx_px": 0.0, "dy_px": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    @property
+    def _off(self) -> bool:
+        return (self.config.scale, self.config.dx_px, self.config.dy_px) == (1.0, 0.0, 0.0)
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture as the real camera sees it, truth moved along; itself where the effect is off."""
+        if self._off:
+            return image
+        return with_pixels_moved(image, lambda view: self.source(ImageGeometry.of_camera(view.camera)))
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light as the real camera sees it."""
+        return signal if self._off else resample(signal, *self.source(geometry))
+
+    def source(self, geometry: ImageGeometry) -> Places:
+        """Where in the believed image each pixel of the real one looks, (H, W) columns and rows [px]."""
+        cx, cy = geometry.centre_px
+        x = cx + (geometry.x_px - self.config.dx_px) / self.config.scale
+        y = cy + (geometry.y_px - self.config.dy_px) / self.config.scale
+        x, y = np.broadcast_arrays(x, y)
+        return x, y

@@ -1,0 +1,82 @@
+"""Light that falls unevenly on the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.light import with_light_changed
+
+
+class IlluminationGradient:
+    """Multiplies the light by a plane over the image, 1 in the middle of the sensor:
+
+        1 + gx x / width + gy y / height
+
+    with x to the right and y downwards, over the size of the full sensor. A lamp at one side of a flat target
+    does this; it stays with the target when the camera is turned, where vignetting turns with the camera.
+    The plane is laid over the image, not over the surfaces of the scene.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        gx: float = setting(0.0, help="Rise from the left to the right edge.", unit="1/width", ge=-2, le=2)
+        gy: float = setting(0.0, help="Rise from the top to the bottom edge.", unit="1/height", ge=-2, le=2)
+
+    stage: ClassVar[Stage] = "scene"
+    rank: ClassVar[int] = 10
+    neutral: ClassVar[Mapping[str, Any]] = {"gx": 0.0, "gy": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture with uneven light in every view; the capture itself where the effect is off."""
+        return with_light_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light times the plane."""
+        if not (self.config.gx or self.config.gy):
+            return signal
+        plane = light_plane(geometry, self.config.gx, self.config.gy)
+        return signal * plane.astype(signal.dtype)[..., None]
+
+
+def light_plane(geometry: ImageGeometry, gx: float, gy: float) -> NDArray[np.float64]:
+    """Light at each pixel over light in the middle of the sensor.
+
+    Parameters
+    ----------
+    geometry
+        The image; the plane runs over the full sensor it is a part of.
+    gx, gy
+        Rise from edge to edge [1/width, 1/height].
+
+    Returns
+    -------
+    NDArray
+        (H, W) float64, never below 0 [1].
+
+    Examples
+    --------
+    >>> geometry = ImageGeometry(4, 1, focal_length_px=4.0, centre_px=(1.5, 0.0), pixel_um=3)
+    >>> light_plane(geometry, gx=0.4, gy=0.0).round(3).tolist()
+    [[0.85, 0.95, 1.05, 1.15]]
+    """
+    x = (np.arange(geometry.width_px) + geometry.offset_px[0] + 0.5) / geometry.full_width_px - 0.5
+    y = (geometry.sensor_row + 0.5) / geometry.full_height_px - 0.5
+    return np.maximum(1 + gx * x + gy * y, 0.0)

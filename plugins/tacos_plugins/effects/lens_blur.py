@@ -1,0 +1,121 @@
+"""A lens that is not sharp, or as sharp as diffraction allows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.blur import airy_transfer, blur, gaussian_transfer, kernel_of
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.light import with_light_changed
+
+_STEP = 1.15  # from each blur to the next
+_REACH_SIGMAS = 4.0
+_REACH_RINGS = 8.0
+
+
+class LensBlur:
+    """Blurs the light by a Gaussian that grows over the field, by diffraction, or by both.
+
+    The standard deviation is ``sigma_px (1 + growth r^2)``, with r over half the sensor's diagonal, and so is
+    1 + growth times as large at r = 1. Given a wavelength, the light also passes a round aperture of the
+    exposure's f-number: an Airy pattern, alike all over the field.
+
+    References
+    ----------
+    Goodman 2005, "Introduction to Fourier Optics", Sec. 6.3: the transfer of a round aperture.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        sigma_px: float = setting(0.0, help="Standard deviation on the axis.", unit="px", ge=0, le=50)
+        growth: float = setting(
+            0.0, help="Growth of the standard deviation from the axis to the corner.", ge=-1, le=20
+        )
+        wavelength_nm: float | None = setting(
+            None, help="Wavelength of diffraction; none if not given.", unit="nm", ge=100, le=20000
+        )
+
+    stage: ClassVar[Stage] = "optics"
+    rank: ClassVar[int] = 40
+    neutral: ClassVar[Mapping[str, Any]] = {"sigma_px": 0.0, "growth": 0.0, "wavelength_nm": None}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture with every view blurred; the capture itself where the effect is off."""
+        return with_light_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light blurred; diffraction needs the context's f-number."""
+        c = self.config
+        if c.wavelength_nm is not None:
+            # A wavelength in nm over a pitch in um: the smallest detail that passes, in pixels.
+            detail_px = (
+                c.wavelength_nm * 1e-3 * context.known_f_number("effect.lens-blur") / geometry.pixel_um
+            )
+            kernel = kernel_of(airy_transfer(1 / detail_px), reach_px=_REACH_RINGS * detail_px)
+            signal = blur(signal, kernel)
+        if c.sigma_px == 0.0:
+            return signal
+        if c.growth == 0.0:
+            return blur(signal, gaussian(c.sigma_px))
+        return blur_over_field(signal, c.sigma_px * (1 + c.growth * geometry.radius**2))
+
+
+def gaussian(sigma_px: float) -> NDArray[np.float64]:
+    """The kernel of a Gaussian, true to its variance and transfer however narrow it is."""
+    return kernel_of(gaussian_transfer(sigma_px), reach_px=_REACH_SIGMAS * sigma_px)
+
+
+def blur_over_field(light: NDArray[np.floating], sigma_px: NDArray[np.float64]) -> NDArray[np.floating]:
+    """Light blurred by a Gaussian of another width at each pixel.
+
+    A mixture of two blurs a step apart stands in for those between them, with the right variance.
+
+    Parameters
+    ----------
+    light
+        (N, H, W, C) float32 or float64.
+    sigma_px
+        (H, W) standard deviation, never negative [px].
+
+    Returns
+    -------
+    NDArray
+        Same shape and dtype.
+    """
+    variance = sigma_px**2
+    least, most = float(variance.min()), float(variance.max())
+    least = max(least, most * 1e-3)  # narrower is as good as sharp, beside the widest
+    count = max(2, math.ceil(math.log(most / least) / (2 * math.log(_STEP))) + 1)
+    steps = np.geomspace(least, most, count) if most > least else np.array([most])
+    if variance.min() < least:
+        steps = np.concatenate([[0.0], steps])
+    blurred = np.zeros_like(light)
+    for i, step in enumerate(steps):
+        share = _share(variance, steps, i).astype(light.dtype)[..., None]
+        blurred += share * (light if step == 0 else blur(light, gaussian(math.sqrt(step))))
+    return blurred
+
+
+def _share(variance: NDArray[np.float64], steps: NDArray[np.float64], i: int) -> NDArray[np.float64]:
+    """How much of blur `i` each pixel takes; the shares of all blurs come to 1."""
+    height = np.zeros(len(steps))
+    height[i] = 1.0
+    return np.interp(variance, steps, height)

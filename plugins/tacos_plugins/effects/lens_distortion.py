@@ -1,0 +1,100 @@
+"""A lens that bends straight lines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from tacos_framework.camera.distortion import BrownConrady, Fisheye
+from tacos_framework.camera.motion import Places
+from tacos_framework.camera.resampling import resample
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.light import with_pixels_moved
+
+
+class LensDistortion:
+    """Distorts the image as OpenCV's `projectPoints` does, over the focal length and principal point.
+
+    Of a barrel the edges show more than was rendered; there the edge of the image is drawn out. Depth and ids
+    are moved along. Tasks that take the camera for a pinhole feel the distortion, as an uncalibrated camera
+    makes them.
+
+    References
+    ----------
+    Brown 1971, "Close-range camera calibration", Photogrammetric Engineering 37(8); for ``fisheye`` Kannala
+    and Brandt 2006, IEEE Trans. PAMI 28(8).
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        model: Literal["brown", "fisheye"] = setting(
+            "brown", help="OpenCV's model: powers of the tangent, or of the angle (without k4, p1 and p2)."
+        )
+        k1: float = setting(0.0, help="Radial coefficient of third order.", ge=-100, le=100)
+        k2: float = setting(0.0, help="Radial coefficient of fifth order.", ge=-1e4, le=1e4)
+        k3: float = setting(0.0, help="Radial coefficient of seventh order.", ge=-1e6, le=1e6)
+        p1: float = setting(0.0, help="First tangential coefficient.", ge=-1, le=1)
+        p2: float = setting(0.0, help="Second tangential coefficient.", ge=-1, le=1)
+
+        @model_validator(mode="after")
+        def _fisheye_has_no_tangential_terms(self) -> LensDistortion.Config:
+            if self.model == "fisheye" and (self.p1 or self.p2):
+                raise ValueError("the fisheye model has no tangential coefficients p1, p2: leave them 0")
+            return self
+
+    stage: ClassVar[Stage] = "optics"
+    rank: ClassVar[int] = 10
+    neutral: ClassVar[Mapping[str, Any]] = {
+        "model": "brown",
+        "k1": 0.0,
+        "k2": 0.0,
+        "k3": 0.0,
+        "p1": 0.0,
+        "p2": 0.0,
+    }
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    @property
+    def _off(self) -> bool:
+        return self.config.model == "brown" and not any(self._lens)
+
+    @property
+    def _lens(self) -> BrownConrady | Fisheye:
+        c = self.config
+        if c.model == "fisheye":
+            return Fisheye(c.k1, c.k2, c.k3)
+        return BrownConrady(c.k1, c.k2, c.k3, c.p1, c.p2)
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture through the lens, truth moved along; the capture itself where the effect is off."""
+        if self._off:
+            return image
+        return with_pixels_moved(image, lambda view: self.source(ImageGeometry.of_camera(view.camera)))
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light through the lens."""
+        return signal if self._off else resample(signal, *self.source(geometry))
+
+    def source(self, geometry: ImageGeometry) -> Places:
+        """Where in the pinhole's image each pixel looks, (H, W) columns and rows [px]."""
+        f = geometry.focal_length_px
+        cx, cy = geometry.centre_px
+        x, y = np.broadcast_arrays(geometry.x_px / f, geometry.y_px / f)
+        x, y = self._lens.undistorted(x, y)
+        return x * f + cx, y * f + cy

@@ -1,0 +1,108 @@
+"""A camera that is not where the simulator believes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from tacos_framework.camera.geometry import invert_pose
+from tacos_framework.camera.motion import Places, inverse_depth, reprojected, source_of
+from tacos_framework.camera.resampling import resample, resample_inverse_depth
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig, View
+from tacos_plugins.effects.light import with_pixels_moved
+
+
+class PoseError:
+    """Sees the scene from the real pose, while the believed pose stays in the data.
+
+    The real camera's frame lies (tx, ty, tz) from the believed one's and is turned by the rotation vector
+    (rx, ry, rz), both along the believed camera's axes: x to the right, y downwards, z forward. A turn alone
+    is exact and needs no depth. A shift moves near things more, by the depth of each pixel; what it uncovers
+    is not known, and the rim of its surroundings is drawn out there. Depth and ids of a capture are those of
+    the pixels of the real camera, `world_from_camera` is the believed pose.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        rx: float = setting(0.0, help="Turn about the x axis; above 0 looks up.", unit="deg", ge=-45, le=45)
+        ry: float = setting(
+            0.0, help="Turn about the y axis; above 0 looks right.", unit="deg", ge=-45, le=45
+        )
+        rz: float = setting(
+            0.0, help="Turn about the optical axis; above 0 rolls clockwise.", unit="deg", ge=-180, le=180
+        )
+        tx: float = setting(0.0, help="Shift to the right.", unit="mm", ge=-1e4, le=1e4)
+        ty: float = setting(0.0, help="Shift downwards.", unit="mm", ge=-1e4, le=1e4)
+        tz: float = setting(0.0, help="Shift forward.", unit="mm", ge=-1e4, le=1e4)
+
+    stage: ClassVar[Stage] = "scene"
+    rank: ClassVar[int] = 0
+    neutral: ClassVar[Mapping[str, Any]] = dict.fromkeys(("rx", "ry", "rz", "tx", "ty", "tz"), 0.0)
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture from the real pose, pixels' truth with it; itself where the effect is off."""
+        if self._off:
+            return image
+
+        def source(view: View) -> Places:
+            context = ImageContext.of_light(view, exposure)
+            return self.source(ImageGeometry.of_camera(view.camera), context, frames=len(view.depth_m))
+
+        def real_depth(view: View, places: Places, near: NDArray[np.floating]) -> NDArray[np.floating]:
+            geometry = ImageGeometry.of_camera(view.camera)
+            return near / reprojected(*places, near, geometry, self.real_from_believed)[2]
+
+        return with_pixels_moved(image, source, real_depth)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light from the real pose; a shift needs the context's depth."""
+        return signal if self._off else resample(signal, *self.source(geometry, context, frames=len(signal)))
+
+    @property
+    def _off(self) -> bool:
+        return not any(getattr(self.config, name) for name in self.neutral)
+
+    @property
+    def real_from_believed(self) -> NDArray[np.float64]:
+        """(4, 4) transform of points from the believed camera's frame to the real one's [m]."""
+        c = self.config
+        believed_from_real = np.eye(4)
+        turn = Rotation.from_rotvec([c.rx, c.ry, c.rz], degrees=True)
+        believed_from_real[:3, :3] = turn.as_matrix()
+        believed_from_real[:3, 3] = np.array([c.tx, c.ty, c.tz]) * 1e-3
+        return invert_pose(believed_from_real)
+
+    def source(self, geometry: ImageGeometry, context: ImageContext, *, frames: int) -> Places:
+        """Where in the believed image each pixel of the real one looks, (N, H, W) or (H, W) [px]."""
+        transform = self.real_from_believed
+        c = self.config
+        if not (c.tx or c.ty or c.tz):
+            cx, cy = geometry.centre_px
+            x, y = np.broadcast_arrays(geometry.x_px + cx, geometry.y_px + cy)
+            x, y, _ = reprojected(x, y, np.zeros(()), geometry, invert_pose(transform))
+            return x, y
+        depth_m = context.known_depth_m("effect.pose-error with a shift")
+        size = (frames, geometry.height_px, geometry.width_px)
+        near = np.broadcast_to(inverse_depth(depth_m), size)
+
+        def seen(x: NDArray[np.float64], y: NDArray[np.float64]) -> Places:
+            return reprojected(x, y, resample_inverse_depth(near, x, y), geometry, transform)[:2]
+
+        return source_of(geometry, seen, frames)

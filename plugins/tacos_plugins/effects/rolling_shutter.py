@@ -1,0 +1,90 @@
+"""Rows that are exposed one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.motion import Places, image_velocity, source_of
+from tacos_framework.camera.resampling import nearest, resample
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig, View
+from tacos_plugins.effects.light import with_pixels_moved
+
+
+class RollingShutter:
+    """Shows each row at its own moment: what moves is sheared, stretched or bent.
+
+    Row y is read out ``(y - reference row) row_time_us`` after the moment of the frame, and what moves at v
+    has gone on by v times that. In a capture v follows from the agent's motion and the depth, the middle row
+    keeps the frame's moment, and truth is moved along; worlds stand still, so only the camera moves. On
+    arrays v is the context's `velocity_px_s`. Velocity is taken as constant over the readout. What a near
+    thing uncovers is not known; the rim of its surroundings is drawn out there.
+
+    References
+    ----------
+    Meingast, Geyer and Sastry 2005, "Geometric models of rolling-shutter cameras", OMNIVIS.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        row_time_us: float = setting(
+            0.0,
+            help="Time from row to row; 20 to 80 us is usual, below 0 the last row comes first.",
+            unit="us",
+            ge=-1000,
+            le=1000,
+        )
+
+    stage: ClassVar[Stage] = "exposure"
+    rank: ClassVar[int] = 0
+    neutral: ClassVar[Mapping[str, Any]] = {"row_time_us": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
+        """The capture with rows exposed in turn, truth moved along; itself where the effect is off."""
+        if self.config.row_time_us == 0.0:
+            return image
+
+        def source(view: View) -> Places:
+            context = replace(
+                ImageContext.of_light(view, exposure), velocity_px_s=image_velocity(view, image.episode)
+            )
+            return self.source(ImageGeometry.of_camera(view.camera), context, frames=len(view.depth_m))
+
+        return with_pixels_moved(image, source)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Light with rows exposed in turn; needs the context's velocity."""
+        if self.config.row_time_us == 0.0:
+            return signal
+        return resample(signal, *self.source(geometry, context, frames=len(signal)))
+
+    def source(self, geometry: ImageGeometry, context: ImageContext, *, frames: int) -> Places:
+        """Where in the frame's moment each pixel looks, (N, H, W) columns and rows [px]."""
+        velocity = context.known_velocity_px_s("effect.rolling-shutter")
+        size = (frames, geometry.height_px, geometry.width_px)
+        velocity_x = np.broadcast_to(velocity[..., 0], size)
+        velocity_y = np.broadcast_to(velocity[..., 1], size)
+        row = np.arange(geometry.height_px, dtype=np.float64)[:, None]
+        later_s = (row - context.reference_row) * self.config.row_time_us * 1e-6
+
+        def moved(x: NDArray[np.float64], y: NDArray[np.float64]) -> Places:
+            return x + nearest(velocity_x, x, y) * later_s, y + nearest(velocity_y, x, y) * later_s
+
+        return source_of(geometry, moved, frames)

@@ -1,0 +1,130 @@
+"""How the image moves when the camera does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.geometry import invert_pose, world_from_camera
+from tacos_framework.values import Episode, ImageGeometry, View
+
+Places = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""Columns and rows of the image [px]."""
+
+HALF_STEP_S = 0.5e-3
+"""Motion is the difference of poses this long before and after a moment [s]."""
+
+_ROUNDS = 6
+
+
+def inverse_depth(depth_m: NDArray[np.floating]) -> NDArray[np.float64]:
+    """One over depth, 0 where nothing is [1/m]."""
+    return 1.0 / np.asarray(depth_m, dtype=np.float64)
+
+
+def reprojected(
+    x_px: NDArray[np.floating],
+    y_px: NDArray[np.floating],
+    inverse_depth: NDArray[np.floating],
+    geometry: ImageGeometry,
+    other_from_camera: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Where another camera of the same kind sees what this one sees.
+
+    Parameters
+    ----------
+    x_px, y_px
+        Places in the image of this camera [px].
+    inverse_depth
+        One over the depth of what is seen there [1/m].
+    geometry
+        Of both cameras.
+    other_from_camera
+        (4, 4) rigid transform from this camera's frame to the other's [m].
+
+    Returns
+    -------
+    x_px, y_px
+        Places in the other's image [px].
+    scale
+        Depth of each point in the other camera over its depth in this one [1].
+
+    Examples
+    --------
+    A camera a step of 1 m ahead sees what is 2 m away twice as far from its centre:
+
+    >>> geometry = ImageGeometry(5, 5, focal_length_px=4.0, centre_px=(2.0, 2.0), pixel_um=3)
+    >>> ahead = np.eye(4)
+    >>> ahead[2, 3] = -1.0
+    >>> x, y, scale = reprojected(np.array(3.0), np.array(2.0), np.array(0.5), geometry, ahead)
+    >>> x.item(), y.item(), scale.item()
+    (4.0, 2.0, 0.5)
+    """
+    cx, cy = geometry.centre_px
+    f = geometry.focal_length_px
+    ray = np.stack(np.broadcast_arrays((x_px - cx) / f, (y_px - cy) / f, 1.0))
+    seen = np.tensordot(other_from_camera[:3, :3], ray, axes=1)
+    seen += other_from_camera[:3, 3].reshape(3, *[1] * (ray.ndim - 1)) * inverse_depth
+    depth_ratio = np.maximum(seen[2], 1e-6)  # what comes to lie behind the camera leaves the image
+    return seen[0] / depth_ratio * f + cx, seen[1] / depth_ratio * f + cy, depth_ratio
+
+
+def source_of(geometry: ImageGeometry, forward: Callable[..., Places], frames: int) -> Places:
+    """Where the pixels of a moved image come from, when only the way there is known.
+
+    Parameters
+    ----------
+    geometry
+        The image.
+    forward
+        Takes columns and rows, (N, H, W), to where they move [px].
+    frames
+        N.
+
+    Returns
+    -------
+    (N, H, W) columns and rows that `forward` takes to the pixels [px]. Where a near surface has uncovered
+    a far one, the rim of either is drawn out.
+    """
+    size = (frames, geometry.height_px, geometry.width_px)
+    to_x = np.broadcast_to(np.arange(geometry.width_px, dtype=np.float64), size)
+    to_y = np.broadcast_to(np.arange(geometry.height_px, dtype=np.float64)[:, None], size)
+    x, y = to_x, to_y
+    for _ in range(_ROUNDS):
+        there_x, there_y = forward(x, y)
+        x, y = x + (to_x - there_x), y + (to_y - there_y)
+    return x, y
+
+
+def image_velocity(view: View, episode: Episode) -> NDArray[np.float32]:
+    """How fast what each pixel shows moves over the image, from the agent's motion and the depth.
+
+    Only the camera moves: worlds stand still.
+
+    Parameters
+    ----------
+    view
+        A view of the episode's frames.
+    episode
+        The frames, with the agent's path.
+
+    Returns
+    -------
+    NDArray
+        (N, H, W, 2) float32, x to the right, y downwards [px/s].
+    """
+    geometry = ImageGeometry.of_camera(view.camera)
+    before, after = (
+        world_from_camera(episode.trajectory.at(episode.time_s + step), view.camera.agent_from_camera)
+        for step in (-HALF_STEP_S, HALF_STEP_S)
+    )
+    x = np.arange(geometry.width_px, dtype=np.float64)
+    y = np.arange(geometry.height_px, dtype=np.float64)[:, None]
+    velocity = np.empty((*view.depth_m.shape, 2), np.float32)
+    for out, far, first, last in zip(velocity, view.depth_m, before, after, strict=True):
+        there_x, there_y, _ = reprojected(x, y, inverse_depth(far), geometry, invert_pose(last) @ first)
+        out[..., 0] = (there_x - x) / (2 * HALF_STEP_S)
+        out[..., 1] = (there_y - y) / (2 * HALF_STEP_S)
+    return velocity

@@ -1,0 +1,115 @@
+"""Taking an image apart and putting it together elsewhere: light, depth and object ids.
+
+What lies outside the image is not known; there the nearest pixel of its edge stands in.
+"""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+
+SAME_SURFACE = 0.05
+"""Neighbours whose depths differ by less than this share belong to one surface [1]."""
+
+Samples = TypeVar("Samples", bound=np.generic)
+
+
+def resample(
+    frames: NDArray[Samples], x_px: NDArray[np.floating], y_px: NDArray[np.floating]
+) -> NDArray[Samples]:
+    """Light at any place, by a cubic spline through the pixels.
+
+    OpenCV's `remap` rounds places to 1/32 px and its kernels shift edges by up to 0.05 px, which a fit of
+    lens parameters would take for distortion; the spline has neither fault and keeps nearly all contrast
+    (99 % at 0.2 cycles per pixel, half-way between pixels).
+
+    Parameters
+    ----------
+    frames
+        (N, H, W, C) float light or samples.
+    x_px, y_px
+        (H', W') or (N, H', W') where in the frames each new pixel looks [px].
+
+    Returns
+    -------
+    NDArray
+        (N, H', W', C), same dtype; nowhere outside the range of its frame, as the spline overshoots at edges.
+
+    Examples
+    --------
+    >>> ramp = np.tile(np.arange(40.0), (3, 1))[None, :, :, None]
+    >>> resample(ramp, np.array([[20.25]]), np.array([[1.0]])).round(6).item()
+    20.25
+    """
+    x_px = np.broadcast_to(x_px, (len(frames), *x_px.shape[-2:]))
+    y_px = np.broadcast_to(y_px, x_px.shape)
+    moved = np.empty((*x_px.shape, frames.shape[3]), frames.dtype)
+    for frame, x, y, out in zip(frames, x_px, y_px, moved, strict=True):
+        for channel in range(frame.shape[-1]):
+            values = frame[..., channel]
+            spline = map_coordinates(values, (y, x), order=3, mode="nearest", output=values.dtype)
+            np.clip(spline, values.min(), values.max(), out=out[..., channel])
+    return moved
+
+
+def nearest(
+    frames: NDArray[Samples], x_px: NDArray[np.floating], y_px: NDArray[np.floating]
+) -> NDArray[Samples]:
+    """The value of the nearest pixel, for labels.
+
+    Parameters
+    ----------
+    frames
+        (N, H, W) values.
+    x_px, y_px
+        (H', W') or (N, H', W') where each new pixel looks [px].
+
+    Returns
+    -------
+    NDArray
+        (N, H', W'), same dtype.
+    """
+    count, height, width = frames.shape
+    column = np.clip(np.rint(x_px), 0, width - 1).astype(np.intp)
+    row = np.clip(np.rint(y_px), 0, height - 1).astype(np.intp)
+    frame = np.arange(count)[:, None, None]
+    return frames[frame, row, column]
+
+
+def resample_inverse_depth(
+    inverse_depth: NDArray[np.floating], x_px: NDArray[np.floating], y_px: NDArray[np.floating]
+) -> NDArray[np.floating]:
+    """One over depth at any place: linear on a surface, that of the nearest pixel where surfaces meet.
+
+    One over depth is linear in the image of a plane, and 0 far away.
+
+    Parameters
+    ----------
+    inverse_depth
+        (N, H, W) one over depth [1/m].
+    x_px, y_px
+        (H', W') or (N, H', W') where each new pixel looks [px].
+
+    Returns
+    -------
+    NDArray
+        (N, H', W'), same dtype [1/m].
+    """
+    count, height, width = inverse_depth.shape
+    x, y = np.clip(x_px, 0, width - 1), np.clip(y_px, 0, height - 1)
+    left, top = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+    right, bottom = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
+    frame = np.arange(count)[:, None, None]
+    corners = np.stack(
+        [inverse_depth[frame, row, column] for row in (top, bottom) for column in (left, right)]
+    )
+    across, down = x - left, y - top
+    shares = [(1 - across) * (1 - down), across * (1 - down), (1 - across) * down, across * down]
+    linear = sum(share * corner for share, corner in zip(shares, corners, strict=True))
+    lowest, highest = corners.min(axis=0), corners.max(axis=0)
+    one_surface = highest - lowest <= SAME_SURFACE * highest
+    chosen = np.where(one_surface, linear, nearest(inverse_depth, x_px, y_px))
+    return chosen.astype(inverse_depth.dtype)
