@@ -130,6 +130,17 @@ class Weighted(Settings):
     weight: float = setting(help="Its weight in the sum; negative for scores to keep small.")
 
 
+class RaceSettings(Settings):
+    """When a candidate that is behind is scored no further."""
+
+    standard_errors: float = setting(
+        2.0,
+        help="Standard errors of its mean paired difference to the leader it must be behind by.",
+        gt=0,
+    )
+    min_blocks: int = setting(3, help="Blocks every candidate is scored on before any is dropped.", ge=2)
+
+
 class StudySettings(Settings):
     """How candidates are compared."""
 
@@ -140,6 +151,25 @@ class StudySettings(Settings):
     common_random_numbers: bool = setting(
         True, help="Candidates of a generation see the same episodes and noise."
     )
+    blocks: int = setting(
+        1, help="Parts of consecutive frames an episode is cut into; each is scored like an episode.", ge=1
+    )
+    race: RaceSettings | None = setting(
+        None, help="Drop candidates that are clearly behind, block by block; {} for the default rules."
+    )
+
+    @model_validator(mode="after")
+    def _race_can_be_run(self) -> StudySettings:
+        if self.race is None:
+            return self
+        if not self.common_random_numbers:
+            raise ValueError("a race compares frame by frame, so common_random_numbers must be true")
+        if self.episodes * self.blocks <= self.race.min_blocks:
+            raise ValueError(
+                f"a race over episodes x blocks = {self.episodes} x {self.blocks} ends before any candidate "
+                f"can be dropped, after {self.race.min_blocks}: more of either are needed"
+            )
+        return self
 
 
 class Compare(Settings):
@@ -191,6 +221,16 @@ class Recipe(Settings):
     def _seeds_differ(self) -> Recipe:
         if self.test is not None and self.test.seed == self.seed:
             raise ValueError(f"test.seed and seed are both {self.seed}: the test scenes would not be unseen")
+        return self
+
+    @model_validator(mode="after")
+    def _racers_start_alike(self) -> Recipe:
+        shared = [name for name, use in self.nodes.items() if use.train and use.train.weights == "shared"]
+        if self.study.race is not None and shared:
+            raise ValueError(
+                f"study.race compares candidates that start alike, but {shared[0]} trains with shared "
+                f"weights, so that each goes on where the one before stopped: set branched or frozen"
+            )
         return self
 
     def where(self, path: Sequence[str | int]) -> str:

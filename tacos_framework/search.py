@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -11,6 +11,7 @@ from tacos_framework.contracts import Evaluated, Executor, State
 from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
+from tacos_framework.scoring import score_in_a_race
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
 
 FINALISTS = 3
@@ -89,7 +90,12 @@ class Search:
     def _episodes(self, purpose: str) -> tuple[EpisodeSpec, ...]:
         recipe = self.plan.recipe
         era = self.generation if recipe.study.renew_episodes == "each_generation" else 0
-        return tuple(EpisodeSpec(recipe.seed, (purpose, era, i)) for i in range(recipe.study.episodes))
+        study = recipe.study
+        return tuple(
+            EpisodeSpec(recipe.seed, (purpose, era, i), block=(block, study.blocks))
+            for block in range(study.blocks)  # every world early: those that race are compared in all
+            for i in range(study.episodes)
+        )
 
     @property
     def comparable(self) -> bool:
@@ -141,7 +147,7 @@ class Search:
         evaluate: Evaluator,
         on_evaluated: Callable[[Evaluation], None],
     ) -> tuple[list[Evaluation], dict[str, State]]:
-        training = self._episodes("train")[0] if self._training else None
+        training = replace(self._episodes("train")[0], block=(0, 1)) if self._training else None
         episodes = self._episodes("design")
         if training is not None and self._weights == "shared":
             evaluations, states = [], dict(self.states)
@@ -170,10 +176,13 @@ class Search:
         weights = state_key(self.states)
         specs = [asdict(spec) for spec in episodes]
         keys = [content_key(v, specs, weights, training and asdict(training)) for v in wanted]
-        new = {key: values for key, values in zip(keys, wanted, strict=True) if key not in self.cache}
-        jobs = [ScoreJob(values, episodes, self.states, training) for values in new.values()]
+        jobs = {
+            key: ScoreJob(values, episodes, self.states, training)
+            for key, values in zip(keys, wanted, strict=True)
+            if key not in self.cache
+        }
         fresh: dict[str, Evaluation] = {}
-        for key, evaluation in zip(new, executor.map(evaluate, jobs), strict=True):
+        for key, evaluation in zip(jobs, self._scored(jobs, keys, executor, evaluate), strict=True):
             fresh[key] = evaluation
             on_evaluated(evaluation)
         if self.comparable:  # otherwise no later generation can ask the same again
@@ -189,6 +198,19 @@ class Search:
             given.add(key)
         return evaluations
 
+    def _scored(
+        self, jobs: Mapping[str, ScoreJob], keys: Sequence[str], executor: Executor, evaluate: Evaluator
+    ) -> Iterable[Evaluation]:
+        """The evaluations of jobs, by a race where the recipe asks for one."""
+        rules = self.plan.recipe.study.race
+        if rules is None:
+            return executor.map(evaluate, list(jobs.values()))
+        known = {key: self.cache[key] for key in keys if key in self.cache}
+        if self.best is not None and self.comparable:
+            known["best"] = self.best
+        rivals = {key: e for key, e in known.items() if e.fitness is not None and e.dropped is None}
+        return score_in_a_race(jobs, rivals, rules, self.plan.fitness, executor, evaluate)
+
     def _remember(self, evaluations: Sequence[Evaluation]) -> None:
         self.told += len(evaluations)
         for evaluation in evaluations:
@@ -199,7 +221,7 @@ class Search:
             key = content_key(evaluation.values)
             old = self.contenders.get(key, Contender(evaluation.values, 0.0, 0))
             self.contenders[key] = Contender(old.values, old.fitness_sum + evaluation.fitness, old.times + 1)
-            if self.best is None or evaluation.fitness > _fitness(self.best):
+            if evaluation.dropped is None and (self.best is None or evaluation.fitness > _fitness(self.best)):
                 self.best = replace(evaluation, states={}, cached=False)
 
     def decide(

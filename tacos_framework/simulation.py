@@ -14,8 +14,8 @@ from pydantic import ValidationError
 
 from tacos_framework.cache import Recent, content_key
 from tacos_framework.contracts import Budget, Scorer, Scores, State, acts_after_noise
-from tacos_framework.errors import CandidateFailed
-from tacos_framework.fitness import mean_scores
+from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework.fitness import Fitness, mean_scores
 from tacos_framework.graph import Node
 from tacos_framework.plan import Part, Plan, make_plan
 from tacos_framework.plugins import Plugins
@@ -44,11 +44,14 @@ class EpisodeSpec:
         What the episode is for, e.g. ``("design", 3, 0)``.
     frames
         Number of frames; None leaves it to the scene.
+    block
+        Which part of the episode to score by itself, counted from 0, of how many equal parts.
     """
 
     seed: int
     name: tuple[str | int, ...]
     frames: int | None = None
+    block: tuple[int, int] = (0, 1)
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,9 @@ class Evaluation:
         States of the trainable tasks after training on this candidate.
     cached
         Taken from an earlier, equal evaluation.
+    dropped
+        Why it was not scored on all episodes, in a sentence; its fitness is then what its place in the race
+        stands for, not the sum of `terms`, which are of the episodes it saw.
     """
 
     values: Mapping[str, Any]
@@ -92,6 +98,32 @@ class Evaluation:
     seconds: Mapping[str, float] = field(default_factory=dict)
     states: Mapping[str, State] = field(default_factory=dict)
     cached: bool = False
+    dropped: str | None = None
+
+
+def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+    """An evaluation with scores, fitness and terms from the scores of its episodes.
+
+    Raises
+    ------
+    CandidateFailed
+        When no episode reports a score that the fitness takes.
+    """
+    scores = mean_scores(evaluation.episodes)
+    return replace(
+        evaluation,
+        scores=scores,
+        fitness=fitness.value(scores),
+        terms=fitness.terms(scores),
+        episodes=tuple(_with_fitness(episode, fitness) for episode in evaluation.episodes),
+    )
+
+
+def _with_fitness(scores: Scores, fitness: Fitness) -> dict[str, float]:
+    """An episode's scores, and its fitness where it has every score that takes."""
+    if any(term.score not in scores for term in fitness.terms_of):
+        return dict(scores)
+    return {**scores, "fitness": fitness.value(scores)}
 
 
 Result = TypeVar("Result", covariant=True)
@@ -111,12 +143,16 @@ class Job(Protocol[Result]):
 
 @dataclass(frozen=True)
 class ScoreJob:
-    """Train the trainable tasks on a candidate's frames, then score it on other frames."""
+    """Train the trainable tasks on a candidate's frames, then score it on other frames.
+
+    Where the episodes are but a part of those it is to be judged by (``partial``), the fitness is left open.
+    """
 
     values: Mapping[str, Any]
     episodes: tuple[EpisodeSpec, ...]
     states: Mapping[str, State] = field(default_factory=dict)
     training: EpisodeSpec | None = None
+    partial: bool = False
 
     def run(self, simulation: Simulation) -> Evaluation:
         """See `Simulation.evaluate`."""
@@ -291,24 +327,15 @@ class Simulation:
             scores, rendered = self._score(spec, states, setup, clock)
             per_episode.append(scores)
             images += rendered
-        scores = mean_scores(per_episode)
-        return Evaluation(
+        evaluation = Evaluation(
             values=job.values,
             derived=derived,
-            scores=scores,
-            fitness=self.plan.fitness.value(scores),
-            terms=self.plan.fitness.terms(scores),
-            episodes=tuple(self._with_fitness(scores) for scores in per_episode),
+            episodes=tuple(per_episode),
             images=images,
             seconds=clock.seconds,
             states=states if job.training is not None else {},
         )
-
-    def _with_fitness(self, scores: Scores) -> dict[str, float]:
-        """An episode's scores, and its fitness where it has every score that takes."""
-        if any(term.score not in scores for term in self.plan.fitness.terms_of):
-            return dict(scores)
-        return {**scores, "fitness": self.plan.fitness.value(scores)}
+        return evaluation if job.partial else judged(evaluation, self.plan.fitness)
 
     # one candidate ----------------------------------------------------------------------------------------
 
@@ -339,7 +366,8 @@ class Simulation:
             wanted = self.plan.graph.nodes[scene].signature.supplied
             return component.episode(**{name: supplied[name] for name in supplied if name in wanted})
 
-        return self._episodes.get((scene, spec, lux, content_key(overrides)), make)
+        whole = self._episodes.get((scene, replace(spec, block=(0, 1)), lux, content_key(overrides)), make)
+        return _block(whole, *spec.block)
 
     def _score(
         self, spec: EpisodeSpec, states: Mapping[str, State], setup: _Setup, clock: Clock
@@ -432,6 +460,21 @@ class Simulation:
                 inputs = {port: values[source] for port, source in node.sources.items()}
                 values[name] = self._call(node, inputs, batch, job.episode, setup)
         return values[sensor]
+
+
+def _block(episode: Episode, index: int, count: int) -> Episode:
+    """One of `count` nearly equal parts of an episode."""
+    if count > len(episode):
+        raise UserError(
+            Fault(
+                "study.blocks",
+                f"an episode of {len(episode)} frames cannot be cut into {count} blocks",
+                f"at most {len(episode)} blocks",
+                "Set fewer blocks, or more frames.",
+            )
+        )
+    start, stop = (len(episode) * i // count for i in (index, index + 1))
+    return episode[start:stop] if count > 1 else episode
 
 
 def batch_frames(rig: Rig) -> int:

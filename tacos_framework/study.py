@@ -312,6 +312,7 @@ def _line(evaluation: Evaluation) -> dict[str, Any]:
         "terms": evaluation.terms,
         "failed": evaluation.failed,
         "cached": evaluation.cached,
+        "dropped": evaluation.dropped,
     }
 
 

@@ -1,0 +1,108 @@
+"""Scoring the candidates of a generation in a race: block by block, fewer of them each time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from tacos_framework.contracts import Executor
+from tacos_framework.errors import CandidateFailed
+from tacos_framework.fitness import Fitness
+from tacos_framework.racing import Race
+from tacos_framework.recipe import RaceSettings
+from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, judged
+
+
+def score_in_a_race(
+    jobs: Mapping[str, ScoreJob],
+    rivals: Mapping[str, Evaluation],
+    rules: RaceSettings,
+    fitness: Fitness,
+    executor: Executor,
+    evaluate: Evaluator,
+) -> list[Evaluation]:
+    """Score candidates until each has seen all blocks or was dropped.
+
+    Parameters
+    ----------
+    jobs
+        What scoring each candidate on all blocks would be, by key; all on the same blocks.
+    rivals
+        Candidates known from before that have seen these very blocks, all of them.
+    rules
+        When a candidate is dropped.
+    fitness
+        The weighted sum of scores.
+
+    Returns
+    -------
+    One evaluation for each job, in their order. One that was dropped has its scores on the blocks it saw,
+    says so in `Evaluation.dropped`, and has the fitness that `Race.told` gives.
+    """
+    race = Race(fitness, rules.standard_errors, rules.min_blocks)
+    for key, rival in rivals.items():
+        race.saw(key, rival.episodes)
+    found: dict[str, list[Evaluation]] = {key: [] for key in jobs}
+    running = list(jobs)
+    blocks = len(next(iter(jobs.values())).episodes) if jobs else 0
+    first = 0
+    while running and first < blocks:
+        last = min(rules.min_blocks, blocks) if first == 0 else first + 1
+        heat = [_part(jobs[key], first, last, found[key]) for key in running]
+        for key, evaluation in zip(list(running), executor.map(evaluate, heat), strict=True):
+            found[key].append(evaluation)
+            if evaluation.failed:
+                race.withdraw(key)
+                running.remove(key)
+            else:
+                race.saw(key, evaluation.episodes)
+        if last < blocks:
+            out = race.drop()
+            running = [key for key in running if key not in out]
+        first = last
+    return _outcomes(found, race, rivals)
+
+
+def _part(job: ScoreJob, first: int, last: int, before: Sequence[Evaluation]) -> ScoreJob:
+    """The part of a job that is about some of its blocks; training comes with the first."""
+    part = replace(job, episodes=job.episodes[first:last], partial=True)
+    return replace(part, states=before[0].states or job.states, training=None) if before else part
+
+
+def _outcomes(
+    found: Mapping[str, Sequence[Evaluation]], race: Race, rivals: Mapping[str, Evaluation]
+) -> list[Evaluation]:
+    """One evaluation for each candidate, of all blocks it saw."""
+    whole = {key: _judged(_joined(parts), race.fitness) for key, parts in found.items()}
+    complete = {key: e.fitness for key, e in whole.items() if key not in race.dropped}
+    complete |= {key: e.fitness for key, e in rivals.items()}
+    told = race.told({key: fitness for key, fitness in complete.items() if fitness is not None})
+    return [
+        replace(e, fitness=told.get(key, e.fitness), dropped=str(race.dropped[key]))
+        if key in race.dropped
+        else e
+        for key, e in whole.items()
+    ]
+
+
+def _joined(parts: Sequence[Evaluation]) -> Evaluation:
+    """The evaluation of the blocks of all parts; a part that failed fails it."""
+    seconds: dict[str, float] = {}
+    for part in parts:
+        for node, spent in part.seconds.items():
+            seconds[node] = seconds.get(node, 0.0) + spent
+    images = sum(part.images for part in parts)
+    if parts[-1].failed:
+        return replace(parts[-1], images=images, seconds=seconds)
+    episodes = tuple(episode for part in parts for episode in part.episodes)
+    return replace(parts[0], episodes=episodes, images=images, seconds=seconds)
+
+
+def _judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+    """With its fitness; failed where the blocks do not give every score it takes."""
+    if evaluation.failed:
+        return evaluation
+    try:
+        return judged(evaluation, fitness)
+    except CandidateFailed as error:
+        return replace(evaluation, failed=str(error), episodes=())
