@@ -1,0 +1,60 @@
+"""A pedestal other than the simulator believes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class BlackLevel:
+    """Adds a constant to every sample, with the cap on too.
+
+    What the pedestal is believed to be (`FrameBatch.black_level_dn`) stays as it was: that is the error.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        offset_dn: float = setting(0.0, help="Actual minus believed pedestal.", unit="DN")
+
+    stage: ClassVar[Stage] = "readout"
+    rank: ClassVar[int] = 40
+    neutral: ClassVar[Mapping[str, Any]] = {"offset_dn": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples with the offset."""
+        return signal + self.config.offset_dn if self.config.offset_dn else signal
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Means with the offset."""
+        return mean_dn + self.config.offset_dn, variance_dn2

@@ -1,0 +1,97 @@
+"""Colours mixed from one another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import field_validator
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import ContextMissing, Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_files_changed
+
+Row = tuple[float, float, float]
+Matrix = tuple[Row, Row, Row]
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+_ROUNDED = 1e-3  # how far a row's sum may be from 1, so that published matrices of three digits pass
+
+
+class ColourMatrix:
+    """Gives each colour ``matrix @ colour``, above the pedestal; rows that sum to 1 leave greys as they are.
+
+    It acts on noisy samples and so correlates the noise of the channels: S becomes M S M^T.
+
+    References
+    ----------
+    Ramanath et al. 2005, "Color image processing pipeline", IEEE Signal Processing Magazine 22(1).
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        matrix: Matrix = setting(
+            IDENTITY, help="Rows give red, green and blue of the output; each sums to 1."
+        )
+
+        @field_validator("matrix")
+        @classmethod
+        def _greys_stay(cls, matrix: Matrix) -> Matrix:
+            sums = [sum(row) for row in matrix]
+            if any(abs(total - 1) > _ROUNDED for total in sums):
+                raise ValueError(f"rows that sum to 1, not to {', '.join(f'{total:g}' for total in sums)}")
+            return matrix
+
+    stage: ClassVar[Stage] = "isp"
+    rank: ClassVar[int] = 50
+    neutral: ClassVar[Mapping[str, Any]] = {"matrix": IDENTITY}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(
+        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
+    ) -> FrameBatch:
+        """The frames with the effect; the batch itself where the effect is off."""
+        return with_files_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples, colours mixed."""
+        if self.config.matrix == IDENTITY:
+            return signal
+        _need_colour(signal.shape[-1])
+        mixed = (signal - context.black_level_dn) @ np.array(self.config.matrix, signal.dtype).T
+        mixed += context.black_level_dn
+        return mixed
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Moments of mixed channels, whose noises were independent."""
+        if self.config.matrix == IDENTITY:
+            return mean_dn, variance_dn2
+        _need_colour(mean_dn.shape[-1])
+        matrix = np.array(self.config.matrix)
+        mean = (mean_dn - context.black_level_dn) @ matrix.T + context.black_level_dn
+        return mean, variance_dn2 @ (matrix**2).T
+
+
+def _need_colour(channels: int) -> None:
+    if channels != 3:
+        raise ContextMissing("effect.colour-matrix needs images in colour")

@@ -1,0 +1,65 @@
+"""A conversion gain other than the simulator believes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+
+
+class ConversionGainError:
+    """Multiplies the slope of the photon-transfer curve and leaves the signal as it is.
+
+    A pixel gives K digital numbers per electron, and the variance of its photon noise is K times the
+    signal: with another K the same digital number stands for fewer or more electrons. What is left unchanged:
+    the mean, since the exposure that reaches it is the scenario's; and the noise without signal, which is
+    measured in digital numbers in the dark. The sensor draws the noise, so the effect sets
+    `Signal.photon_scale` and changes no sample itself; the diagnosis reads `photon_scale`.
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 2.2: the photon-transfer method, var = K^2 var_d + K (mean - mean_dark).
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        scale: float = setting(
+            1.0, help="Actual over believed conversion gain: factor on the slope of variance over mean.", gt=0
+        )
+
+    stage: ClassVar[Stage] = "pixel"
+    rank: ClassVar[int] = 40
+    neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    @property
+    def photon_scale(self) -> float:
+        """Factor on the variance of the photon noise [1]."""
+        return self.config.scale
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        if self.photon_scale == 1.0:
+            return image
+        return replace(image, photon_scale=image.photon_scale * self.photon_scale)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples themselves: only the noise changes."""
+        return signal

@@ -1,0 +1,80 @@
+"""Pixels that share their signal with their neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.correlation import correlate
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class Crosstalk:
+    """Each pixel gives a `share` of its signal to each of its eight neighbours.
+
+    The electrons are counted before they are shared (capacitive coupling between pixels), so the effect
+    follows the noise and correlates it, at a distance of one pixel by about twice the share. Blur
+    before the noise leaves it white. Light and charge that stray before they are counted are blur of that
+    kind, so not this effect.
+
+    References
+    ----------
+    Moore, Ninkov & Forrest 2006, "Quantum efficiency overestimation and deterministic cross talk resulting
+    from interpixel capacitance", Optical Engineering 45(7).
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        share: float = setting(
+            0.0, help="Share of a pixel's signal that each neighbour gets.", ge=0, le=1 / 9
+        )
+
+    stage: ClassVar[Stage] = "pixel"
+    after_noise: ClassVar[bool] = True
+    rank: ClassVar[int] = 60
+    neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    @property
+    def _kernel(self) -> NDArray[np.float64]:
+        kernel = np.full((3, 3), self.config.share)
+        kernel[1, 1] = 1 - 8 * self.config.share
+        return kernel
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples, each mixed with its neighbours."""
+        return correlate(signal, self._kernel) if self.config.share else signal
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Variances mixed with the squares of the shares."""
+        if self.config.share == 0:
+            return mean_dn, variance_dn2
+        return correlate(mean_dn, self._kernel), correlate(variance_dn2, self._kernel**2)

@@ -1,0 +1,111 @@
+"""Charge that gathers without light."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.randomness import generator
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.fixed_pattern import in_image
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class DarkCurrent:
+    """Adds a signal that grows with the exposure time, strongly in a few hot pixels.
+
+        dark = (rate + hot rate of the pixel) * exposure time
+
+    It acts before the noise, so it brings photon noise of its own. Hot pixels stay where they are, frame
+    after frame; the rates of the hot ones are exponentially distributed, which is the long tail that EMVA
+    1288 shows in logarithmic histograms. The rates are those at the gain in use.
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 2.4 (dark current) and sec. 4.4 (histograms of defect pixels).
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        rate_dn_s: float = setting(0.0, help="Dark signal of every pixel per second.", unit="DN/s", ge=0)
+        hot_share: float = setting(0.0, help="Share of hot pixels; 1e-5 to 1e-3 is usual.", ge=0, le=1)
+        hot_rate_dn_s: float = setting(
+            300.0,
+            help="Mean further dark signal of the hot pixels per second.",
+            unit="DN/s",
+            gt=0,
+        )
+        map_seed: int = setting(
+            0,
+            help="Names the individual sensor: the same seed has the same hot pixels.",
+            ge=0,
+        )
+
+    stage: ClassVar[Stage] = "pixel"
+    rank: ClassVar[int] = 20
+    neutral: ClassVar[Mapping[str, Any]] = {"rate_dn_s": 0.0, "hot_share": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The dark signal added."""
+        if self.config.rate_dn_s == 0 and self.config.hot_share == 0:
+            return signal
+        return signal + self._dark_dn(geometry, context, signal.shape[-1]).astype(signal.dtype)
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Means with the dark signal; its noise is added with that of the light."""
+        if self.config.rate_dn_s == 0 and self.config.hot_share == 0:
+            return mean_dn, variance_dn2
+        return mean_dn + self._dark_dn(geometry, context, mean_dn.shape[-1]), variance_dn2
+
+    def _dark_dn(self, geometry: ImageGeometry, context: ImageContext, channels: int) -> NDArray[np.float32]:
+        """(H, W, C) dark signal [DN]."""
+        c, g = self.config, geometry
+        hot = _hot_rates(c.map_seed, g.camera, g.full_height_px, g.full_width_px, channels, c.hot_share)
+        rate = c.rate_dn_s + c.hot_rate_dn_s * in_image(hot, geometry)
+        return rate * np.float32(context.exposure_s)
+
+
+@lru_cache(maxsize=4)
+def _hot_rates(
+    seed: int, camera: str, height: int, width: int, channels: int, share: float
+) -> NDArray[np.float32]:
+    """(H, W, C) extra rates over their mean, 0 where a pixel is not hot.
+
+    Positions are an order of all pixels of which a larger share takes more: hot pixels of a smaller share
+    stay hot.
+    """
+    rng = generator(seed, "pattern", "dark-current", camera)
+    heat = rng.random((height, width, channels), np.float32)
+    rates = rng.standard_exponential((height, width, channels), np.float32)
+    rates *= heat < share
+    rates.flags.writeable = False
+    return rates

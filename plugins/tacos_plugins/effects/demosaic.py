@@ -1,0 +1,68 @@
+"""Colour that was sampled through filters and reconstructed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import ContextMissing, Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.mosaic import METHODS, mosaic
+from tacos_plugins.effects.samples import with_files_changed
+
+
+class Demosaic:
+    """Keeps one colour of each pixel, as a sensor under a Bayer mosaic does, and reconstructs the others.
+
+    Interpolated samples have less noise than sampled ones: a lattice of period 2 in the variance, noise
+    correlated between neighbours, false colours at fine edges. The methods: ``bilinear``;
+    ``gradient-corrected`` (Malvar, He & Cutler 2004), linear as well; ``edge-aware`` (Hamilton & Adams
+    1997), which interpolates along edges.
+
+    References
+    ----------
+    Li, Gunturk & Zhang 2008, "Image demosaicing: a systematic survey", Proc. SPIE 6822.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        method: Literal["none", "bilinear", "gradient-corrected", "edge-aware"] = setting(
+            "none", help="How missing colours are reconstructed; none leaves the full colour of every pixel."
+        )
+        cfa: Literal["RGGB", "GRBG", "GBRG", "BGGR"] = setting(
+            "RGGB", help="Colour filters from the top-left pixel of the image on."
+        )
+
+    stage: ClassVar[Stage] = "isp"
+    rank: ClassVar[int] = 30
+    neutral: ClassVar[Mapping[str, Any]] = {"method": "none"}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(
+        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
+    ) -> FrameBatch:
+        """The frames with the effect; the batch itself where the effect is off."""
+        return with_files_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples, reconstructed from a mosaic of them."""
+        if self.config.method == "none":
+            return signal
+        if signal.shape[-1] != 3:
+            raise ContextMissing("effect.demosaic needs images in colour")
+        reconstruct = METHODS[self.config.method]
+        return np.stack([reconstruct(mosaic(frame, self.config.cfa), self.config.cfa) for frame in signal])

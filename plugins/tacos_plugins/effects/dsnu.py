@@ -1,0 +1,82 @@
+"""Photosites and columns with offsets of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern, pixel_pattern
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class Dsnu:
+    """Dark-signal non-uniformity: ``sigma_dn p`` on each photosite, ``column_sigma_dn q`` on each column.
+
+    The patterns p and q have mean 0 and variance 1 and belong to the sensor: they repeat in every frame, with
+    the cap on too. All channels of a column share its amplifier.
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 4.2: DSNU1288 and its column component.
+    """
+
+    class Config(PatternSettings):
+        """Settings of the effect."""
+
+        sigma_dn: float = setting(0.0, help="Spread of the photosites' offsets.", unit="DN", ge=0)
+        column_sigma_dn: float = setting(0.0, help="Spread of the columns' offsets.", unit="DN", ge=0)
+
+    stage: ClassVar[Stage] = "pixel"
+    rank: ClassVar[int] = 30
+    neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "column_sigma_dn": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Each photosite with its own offset."""
+        if self.config.sigma_dn == 0 and self.config.column_sigma_dn == 0:
+            return signal
+        return signal + self._offset(geometry, signal.shape[-1]).astype(signal.dtype, copy=False)
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Means with the pattern; temporal variance is not touched."""
+        if self.config.sigma_dn == 0 and self.config.column_sigma_dn == 0:
+            return mean_dn, variance_dn2
+        return mean_dn + self._offset(geometry, mean_dn.shape[-1]), variance_dn2
+
+    def _offset(self, geometry: ImageGeometry, channels: int) -> NDArray[np.float32]:
+        """(H, W, C) offsets, zero on average [DN]."""
+        offset = np.zeros((geometry.height_px, geometry.width_px, channels), np.float32)
+        if self.config.sigma_dn:
+            pixels = pixel_pattern("dsnu", self.config, geometry, channels)
+            offset += np.float32(self.config.sigma_dn) * pixels
+        if self.config.column_sigma_dn:
+            columns = column_pattern("dsnu-columns", self.config.map_seed, geometry)
+            offset += np.float32(self.config.column_sigma_dn) * columns
+        return offset

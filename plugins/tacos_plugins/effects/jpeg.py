@@ -1,0 +1,83 @@
+"""Frames that went through JPEG."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.samples import with_files_changed
+
+_SAMPLING = {
+    "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
+    "4:2:2": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422,
+    "4:2:0": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
+}
+
+
+class Jpeg:
+    """Encodes every frame as JPEG and decodes it again.
+
+    Files of more than 8 bits are scaled to 8 for it and back. The images are coded as they are, without a
+    tone curve: list `effect.tone-curve` beside it where the camera has one. At a quality of 100 the
+    effect is off altogether, though a real encoder still rounds there.
+
+    References
+    ----------
+    ITU-T T.81 (1992), baseline process, as libjpeg scales its tables by quality.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        quality: int = setting(
+            100, help="Quality as libjpeg counts it; 100 switches the effect off.", ge=1, le=100
+        )
+        subsampling: Literal["4:4:4", "4:2:2", "4:2:0"] = setting("4:2:0", help="Resolution of the colours.")
+
+    stage: ClassVar[Stage] = "codec"
+    neutral: ClassVar[Mapping[str, Any]] = {"quality": 100}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(
+        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
+    ) -> FrameBatch:
+        """The frames with the effect; the batch itself where the effect is off."""
+        return with_files_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples, coded and decoded."""
+        if self.config.quality == 100:
+            return signal
+        to_bytes = 255 / context.white_level_dn
+        coded = np.clip(np.rint(signal * to_bytes), 0, 255).astype(np.uint8)
+        decoded = np.empty_like(signal)
+        for frame, out in zip(coded, decoded, strict=True):
+            out[:] = self._through_jpeg(frame)
+        return decoded / to_bytes if to_bytes != 1 else decoded
+
+    def _through_jpeg(self, frame: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """One (H, W, C) frame, RGB or mono."""
+        colour = frame.shape[-1] == 3
+        options = [cv2.IMWRITE_JPEG_QUALITY, self.config.quality]
+        if colour:
+            options += [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, _SAMPLING[self.config.subsampling]]
+        _, code = cv2.imencode(".jpg", frame[..., ::-1] if colour else frame, options)
+        image = cv2.imdecode(code, cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE)
+        decoded = np.asarray(image, np.uint8)
+        return decoded[..., ::-1] if colour else decoded[..., None]

@@ -1,0 +1,78 @@
+"""Corners that are lifted in the camera."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_files_changed
+
+
+class LensShadingCorrection:
+    """Multiplies the signal by ``1 + k1 r^2 + k2 r^4``, with r over the half diagonal of the sensor.
+
+    It acts on noisy samples: signal and noise rise together, so the variance over the mean rises towards
+    the corners, where that of a darker or lighter lens would stay.
+
+    References
+    ----------
+    Young 2000, "Shading correction: compensation for illumination and sensor inhomogeneities", Current
+    Protocols in Cytometry.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        k1: float = setting(0.0, help="Coefficient of r^2; 0.5 to 3 for a small lens.")
+        k2: float = setting(0.0, help="Coefficient of r^4.")
+
+    stage: ClassVar[Stage] = "isp"
+    rank: ClassVar[int] = 10
+    neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def _gain(self, geometry: ImageGeometry) -> NDArray[np.float64]:
+        """(H, W, 1) gain, never below 0 [1]."""
+        r2 = geometry.radius[..., None] ** 2
+        return np.maximum(1 + r2 * (self.config.k1 + r2 * self.config.k2), 0.0)
+
+    def apply(
+        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
+    ) -> FrameBatch:
+        """The frames with the effect; the batch itself where the effect is off."""
+        return with_files_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples with the gain map."""
+        if self.config.k1 == 0 and self.config.k2 == 0:
+            return signal
+        gain = self._gain(geometry).astype(signal.dtype)
+        return (signal - context.black_level_dn) * gain + context.black_level_dn
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Means with the gain, variances with its square."""
+        gain = self._gain(geometry)
+        return (mean_dn - context.black_level_dn) * gain + context.black_level_dn, variance_dn2 * gain**2

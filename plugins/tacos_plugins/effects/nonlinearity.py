@@ -1,0 +1,75 @@
+"""A response that bends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.pointwise import Moments, moments_behind
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class Nonlinearity:
+    """Bends the signal y, in shares of full scale above the pedestal, to ``y + a2 y^2 + a3 y^3``.
+
+    It acts on noisy samples: the variance follows the square of the slope, unlike a tone curve drawn
+    over rounded values.
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 2.5 and 6.7: linearity error of the response.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        a2: float = setting(0.0, help="Coefficient of y^2; some -0.1 where the response saturates softly.")
+        a3: float = setting(0.0, help="Coefficient of y^3.")
+
+    stage: ClassVar[Stage] = "readout"
+    rank: ClassVar[int] = 10
+    neutral: ClassVar[Mapping[str, Any]] = {"a2": 0.0, "a3": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples on the bent response."""
+        if self.config.a2 == 0 and self.config.a3 == 0:
+            return signal
+        return self._bent(signal, context)
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Moments of Gaussian noise on the bent response."""
+        if self.config.a2 == 0 and self.config.a3 == 0:
+            return mean_dn, variance_dn2
+        return moments_behind(lambda x: self._bent(x, context), mean_dn, variance_dn2)
+
+    def _bent(self, signal: NDArray[Any], context: ImageContext) -> NDArray[Any]:
+        full_scale_dn = context.white_level_dn - context.black_level_dn
+        y = (signal - context.black_level_dn) / full_scale_dn
+        return signal + full_scale_dn * y**2 * (self.config.a2 + self.config.a3 * y)

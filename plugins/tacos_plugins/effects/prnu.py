@@ -1,0 +1,82 @@
+"""Photosites that respond more or less than their neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.fixed_pattern import PatternSettings, pixel_pattern
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class Prnu:
+    """Photo-response non-uniformity: multiplies the light's signal by ``1 + sigma p``.
+
+    The pattern p has mean 0 and variance 1 and belongs to the sensor: it repeats in every frame, and adds
+    spatial variance in proportion to the squared signal, no temporal variance. It acts before the noise.
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 4.3: PRNU1288.
+    """
+
+    class Config(PatternSettings):
+        """Settings of the effect."""
+
+        sigma: float = setting(
+            0.0, help="Spread of the response, over its mean; 0.003 to 0.015 is usual.", ge=0
+        )
+
+    stage: ClassVar[Stage] = "pixel"
+    rank: ClassVar[int] = 10
+    neutral: ClassVar[Mapping[str, Any]] = {"sigma": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """Each photosite with its own response."""
+        if self.config.sigma == 0:
+            return signal
+        return _scaled(signal, self._response(geometry, signal.shape[-1]), context.black_level_dn)
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Means with the pattern; variance that is already there goes with its square."""
+        if self.config.sigma == 0:
+            return mean_dn, variance_dn2
+        response = self._response(geometry, mean_dn.shape[-1])
+        return _scaled(mean_dn, response, context.black_level_dn), variance_dn2 * response**2
+
+    def _response(self, geometry: ImageGeometry, channels: int) -> NDArray[np.float32]:
+        return 1 + np.float32(self.config.sigma) * pixel_pattern("prnu", self.config, geometry, channels)
+
+
+def _scaled(
+    signal: NDArray[np.floating], factor: NDArray[np.float32], black_level_dn: float
+) -> NDArray[np.floating]:
+    return (signal - black_level_dn) * factor.astype(signal.dtype, copy=False) + black_level_dn

@@ -1,0 +1,72 @@
+"""A converter with fewer codes than the file has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class Quantisation:
+    """Rounds samples to multiples of `step_dn`, to the nearest or downwards.
+
+    A 10-bit converter in a 12-bit file has a step of 4 DN and leaves a comb of empty codes. Rounding
+    downwards darkens the image by half a step. Nothing happens at a step of 1 DN to the nearest, which is how
+    the file is rounded anyway.
+
+    References
+    ----------
+    Widrow & Kollar 2008, "Quantization noise", ch. 4: uniform error of variance step^2 / 12.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        step_dn: float = setting(1.0, help="Distance from code to code.", unit="DN", ge=1)
+        rounding: Literal["nearest", "floor"] = setting("nearest", help="Where values between two codes go.")
+
+    stage: ClassVar[Stage] = "readout"
+    rank: ClassVar[int] = 50
+    neutral: ClassVar[Mapping[str, Any]] = {"step_dn": 1.0, "rounding": "nearest"}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples, rounded."""
+        step = self.config.step_dn
+        if self.config.rounding == "floor":
+            return np.floor(signal / step) * step
+        return np.rint(signal / step) * step if step > 1 else signal
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Moments in excess of the file's own rounding, which adds 1/12 DN^2."""
+        step = self.config.step_dn
+        shift = step / 2 if self.config.rounding == "floor" else 0.0
+        return mean_dn - shift, variance_dn2 + (step**2 - 1) / 12

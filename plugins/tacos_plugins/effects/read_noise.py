@@ -1,0 +1,78 @@
+"""Noise of the read-out beyond what the sensor model holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class ReadNoise:
+    """Adds noise of standard deviation `sigma_dn` to every sample, alike in the dark and in the light.
+
+    With a `tail` the noise follows Student's t distribution of 1 / tail degrees of freedom, scaled to the
+    same variance: the rare large values of random telegraph noise. At tail t below 1/4 its excess kurtosis
+    is 6 t / (1 - 4 t).
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 2.3: dark noise. Wei et al. 2020, "A physics-based noise formation model for
+    extreme low-light raw denoising", CVPR: read noise has longer tails than a Gaussian.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        sigma_dn: float = setting(0.0, help="Standard deviation of the noise added.", unit="DN", ge=0)
+        tail: float = setting(
+            0.0, help="How heavy the tails are: 1 / degrees of freedom; 0 is Gaussian.", ge=0, le=0.45
+        )
+
+    stage: ClassVar[Stage] = "readout"
+    rank: ClassVar[int] = 20
+    neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "tail": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples with the noise."""
+        if self.config.sigma_dn == 0:
+            return signal
+        noise = rng.standard_normal(signal.shape, np.float32)
+        if self.config.tail:
+            freedom = 1 / self.config.tail
+            spread = rng.standard_gamma(freedom / 2, signal.shape, np.float32)  # half of chi squared
+            noise *= np.sqrt(np.float32(freedom / 2 - 1) / spread)  # Student's t of variance 1
+        noise *= np.float32(self.config.sigma_dn)
+        return signal + noise
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Variances with that of the noise."""
+        return mean_dn, variance_dn2 + self.config.sigma_dn**2

@@ -1,0 +1,75 @@
+"""Rows and columns that jump from frame to frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class RowNoise:
+    """Adds an offset to each row and each column of each frame, new in every frame.
+
+    All channels of a row share its offset, as they share its read-out. The offsets do not depend on the
+    light: they are there with the cap on, where flicker is not.
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 4.1: temporal row and column variance.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        sigma_dn: float = setting(0.0, help="Standard deviation of the rows' offsets.", unit="DN", ge=0)
+        column_sigma_dn: float = setting(
+            0.0, help="Standard deviation of the columns' offsets.", unit="DN", ge=0
+        )
+
+    stage: ClassVar[Stage] = "readout"
+    rank: ClassVar[int] = 30
+    neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "column_sigma_dn": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples with the offsets."""
+        if self.config.sigma_dn == 0 and self.config.column_sigma_dn == 0:
+            return signal
+        frames, height, width, _ = signal.shape
+        rows = rng.standard_normal((frames, height, 1, 1), np.float32)
+        columns = rng.standard_normal((frames, 1, width, 1), np.float32)
+        rows *= np.float32(self.config.sigma_dn)
+        columns *= np.float32(self.config.column_sigma_dn)
+        return signal + (rows + columns)
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Variances of a sample with those of the offsets."""
+        return mean_dn, variance_dn2 + self.config.sigma_dn**2 + self.config.column_sigma_dn**2

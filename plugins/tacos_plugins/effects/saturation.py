@@ -1,0 +1,114 @@
+"""Pixels that are full below full scale."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_samples_changed
+
+
+class Saturation:
+    """Cuts noisy samples off at a level: the photosites' full well, or an amplifier's end.
+
+    Electrons above the full well are lost once they are counted, so the effect follows the noise: samples
+    pile up at the level and their variance goes to zero. From the file's white level on it changes nothing
+    that the file would not cut off itself.
+
+    References
+    ----------
+    EMVA 1288, release 4.0, sec. 6.6: the saturation point is where the variance falls. Foi 2009, "Clipped
+    noisy images", Signal Processing 89(12): moments of clipped samples.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        level_dn: float | None = setting(
+            None,
+            help="Level at which pixels are full, pedestal included; the white level by default.",
+            unit="DN",
+            gt=0,
+        )
+
+    stage: ClassVar[Stage] = "pixel"
+    after_noise: ClassVar[bool] = True
+    rank: ClassVar[int] = 50
+    neutral: ClassVar[Mapping[str, Any]] = {"level_dn": None}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
+        """The signal with the effect; the signal itself where the effect is off."""
+        return with_samples_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples, at most at the level."""
+        level = self.config.level_dn
+        if level is None or level >= context.white_level_dn:
+            return signal
+        return np.minimum(signal, signal.dtype.type(level))
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Moments of a Gaussian that is cut off."""
+        level = self.config.level_dn
+        if level is None or level >= context.white_level_dn:
+            return mean_dn, variance_dn2
+        return cut_off_moments(mean_dn, variance_dn2, level)
+
+
+def cut_off_moments(mean_dn: ArrayLike, variance_dn2: ArrayLike, level_dn: float) -> Moments:
+    """Mean and variance of ``min(x, level)`` for Gaussian x.
+
+    Parameters
+    ----------
+    mean_dn, variance_dn2
+        Moments of x; they broadcast [DN, DN^2].
+    level_dn
+        Where x is cut off [DN].
+
+    Examples
+    --------
+    At the level, half of the noise is left:
+
+    >>> mean, variance = cut_off_moments(100.0, 4.0, 100.0)
+    >>> mean.round(4).item(), variance.round(4).item()
+    (99.2021, 1.3634)
+    """
+    mean, variance = np.broadcast_arrays(
+        np.asarray(mean_dn, np.float64), np.asarray(variance_dn2, np.float64)
+    )
+    deviation = np.sqrt(variance)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        z = np.where(deviation > 0, (level_dn - mean) / deviation, np.where(mean > level_dn, -np.inf, np.inf))
+    below = ndtr(z)
+    density = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi)
+    # First and second moment of min(x - level, 0) / deviation.
+    beyond = np.where(np.isfinite(z), z, 0.0)
+    first = -(beyond * below + density)
+    second = (beyond**2 + 1) * below + beyond * density
+    cut_mean = np.where(np.isposinf(z), mean, level_dn + deviation * first)
+    return cut_mean, variance * np.where(np.isposinf(z), 1.0, np.maximum(second - first**2, 0.0))

@@ -1,0 +1,81 @@
+"""Edges that are overdrawn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Stage
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_plugins.effects.correlation import correlate
+from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import with_files_changed
+
+
+class Sharpening:
+    """Unsharp mask: adds `amount` times the difference between the image and its Gaussian blur.
+
+    Overshoot stands at edges, and the power of noise rises at high frequencies.
+
+    References
+    ----------
+    Gonzalez & Woods, "Digital Image Processing", sec. 3.6: unsharp masking.
+    """
+
+    class Config(Settings):
+        """Settings of the effect."""
+
+        amount: float = setting(0.0, help="Factor on what the blur takes away; 0.5 to 2 is usual.", ge=0)
+        radius_px: float = setting(1.0, help="Standard deviation of the blur.", unit="px", gt=0, le=20)
+
+    stage: ClassVar[Stage] = "isp"
+    rank: ClassVar[int] = 70
+    neutral: ClassVar[Mapping[str, Any]] = {"amount": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    @cached_property
+    def _kernel(self) -> NDArray[np.float64]:
+        """(K, K) weights that sum to 1, as far as four standard deviations of the blur."""
+        reach = int(np.ceil(4 * self.config.radius_px))
+        bell = np.exp(-(np.arange(-reach, reach + 1) ** 2) / (2 * self.config.radius_px**2))
+        bell /= bell.sum()
+        kernel = -self.config.amount * np.outer(bell, bell)
+        kernel[reach, reach] += 1 + self.config.amount
+        return kernel
+
+    def apply(
+        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
+    ) -> FrameBatch:
+        """The frames with the effect; the batch itself where the effect is off."""
+        return with_files_changed(image, self, exposure, rng)
+
+    def on_array(
+        self,
+        signal: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        rng: np.random.Generator,
+    ) -> NDArray[np.floating]:
+        """The samples, sharpened."""
+        return correlate(signal, self._kernel) if self.config.amount else signal
+
+    def moments(
+        self,
+        mean_dn: NDArray[np.floating],
+        variance_dn2: NDArray[np.floating],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+    ) -> Moments:
+        """Variances of independent noise, sharpened."""
+        if self.config.amount == 0:
+            return mean_dn, variance_dn2
+        return correlate(mean_dn, self._kernel), correlate(variance_dn2, self._kernel**2)
