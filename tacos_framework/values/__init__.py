@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.values.camera import Camera, Exposure, Rig
+from tacos_framework.values.camera import Camera, Electrons, Exposure, Rig
 from tacos_framework.values.episode import Crossing, Episode, Trajectory
 from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.values.images import Capture, FrameBatch, Signal, View
@@ -13,6 +13,7 @@ __all__ = [
     "Capture",
     "ContextMissing",
     "Crossing",
+    "Electrons",
     "Episode",
     "Exposure",
     "FrameBatch",

@@ -11,6 +11,31 @@ from numpy.typing import NDArray
 from tacos_framework.values.arrays import read_only
 
 
+@dataclass(frozen=True)
+class Electrons:
+    """What is known of a photosite in electrons; None is unknown, and no model may invent it.
+
+    Parameters
+    ----------
+    sensor
+        Name of the image sensor, for messages.
+    quantum_efficiency
+        Electrons per photon [1].
+    full_well_e
+        Electrons a photosite holds before it saturates [e-].
+    read_noise_e
+        Standard deviation of the noise without light [e-].
+    dark_current_e_s
+        Electrons per second without light [e-/s].
+    """
+
+    sensor: str = ""
+    quantum_efficiency: float | None = None
+    full_well_e: float | None = None
+    read_noise_e: float | None = None
+    dark_current_e_s: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Camera:
     """One pinhole camera on the agent.
@@ -35,6 +60,8 @@ class Camera:
         The pitch of a simulated pixel is ``pixel_um * binning``.
     principal_point_px
         (x, y) [px]; the image centre when None.
+    electrons
+        What is known of its photosites in electrons.
     """
 
     name: str
@@ -45,6 +72,7 @@ class Camera:
     agent_from_camera: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
     binning: float = 1.0
     principal_point_px: tuple[float, float] | None = None
+    electrons: Electrons = Electrons()
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:

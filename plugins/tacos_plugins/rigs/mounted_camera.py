@@ -11,7 +11,7 @@ from pydantic import ConfigDict, model_validator
 from tacos_framework.camera.geometry import agent_from_camera
 from tacos_framework.catalog.parts import Part
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera
+from tacos_framework.values import Camera, Electrons
 
 
 class SensorPart(Settings):
@@ -23,6 +23,16 @@ class SensorPart(Settings):
     width_px: int = setting(help="Photosites along the long side.", unit="px", ge=1)
     height_px: int = setting(help="Photosites along the short side.", unit="px", ge=1)
     pixel_um: float = setting(help="Pitch of the photosites.", unit="um", gt=0)
+    quantum_efficiency: float | None = setting(None, help="Electrons per photon, if known.", gt=0, le=1)
+    full_well_e: float | None = setting(
+        None, help="Electrons a photosite holds before it saturates, if known.", unit="e-", gt=0
+    )
+    read_noise_e: float | None = setting(
+        None, help="Standard deviation of the noise without light, if known.", unit="e-", ge=0
+    )
+    dark_current_e_s: float | None = setting(
+        None, help="Electrons per second without light, if known.", unit="e-/s", ge=0
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -38,6 +48,13 @@ class SensorPart(Settings):
     def height_mm(self) -> float:
         """Height of the active area [mm]."""
         return self.height_px * self.pixel_um * 1e-3
+
+    @property
+    def electrons(self) -> Electrons:
+        """What is known of its photosites in electrons."""
+        return Electrons(
+            self.name, self.quantum_efficiency, self.full_well_e, self.read_noise_e, self.dark_current_e_s
+        )
 
 
 DERIVED_UNITS = {
@@ -143,4 +160,5 @@ def mounted_camera(
         focal_length_mm=focal_length_mm,
         agent_from_camera=agent_from_camera(position_m, pitch_deg),
         binning=binning,
+        electrons=sensor.electrons,
     )

@@ -1,0 +1,226 @@
+"""Digital images by the electron model of EMVA 1288: photons, electrons, full well, system gain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.colour import luminance
+from tacos_framework.camera.electrons import Spectrum, count_electrons, photons_per_luminance, system_gain
+from tacos_framework.camera.exposure import digitise, gain_factor
+from tacos_framework.contracts import Effects
+from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Signal, View
+
+NEEDED: Mapping[str, str] = {
+    "quantum_efficiency": "electrons per photon",
+    "full_well_e": "electrons a photosite holds",
+    "read_noise_e": "noise without light, in electrons",
+    "dark_current_e_s": "electrons per second without light",
+}
+"""What the model must know of a photosite: the columns of a catalog, and the settings that stand in."""
+
+
+@dataclass(frozen=True)
+class Photosite:
+    """All that the model needs to know of a camera's photosites; see `NEEDED` for the units."""
+
+    quantum_efficiency: float
+    full_well_e: float
+    read_noise_e: float
+    dark_current_e_s: float
+
+
+class Emva:
+    """A linear camera in electrons, with a full well, quantum efficiency, dark current and read noise.
+
+    What the catalog knows of an image sensor is used; what it does not know, the settings must supply, for
+    all sensors alike. A candidate whose sensor is known by neither fails, and says what is missing.
+
+    The gain is that of the camera itself: at 0 dB the full well just fills the range of the files, unless
+    `system_gain_dn_per_e` says otherwise. So here, unlike in `sensor.affine-noise`, brightness depends on the
+    image sensor: a larger photosite collects more light, and has a larger well to fill.
+
+    Averaging b x b photosites into one simulated pixel (`Camera.binning`) divides the variance by b^2.
+    Effects of the stage pixel act on the signal that light makes; the dark signal joins it when electrons
+    are counted. Effects of the stage readout act on what was read; rounding and clipping come last.
+
+    References
+    ----------
+    `tacos_framework.camera.electrons`, which states the equations.
+
+    Examples
+    --------
+    >>> known = {"full_well_e": 1e4, "read_noise_e": 2.5}  # as of a catalog
+    >>> sensor = Emva(Emva.Config(quantum_efficiency=0.6, dark_current_e_s=5.0, **known))
+    >>> camera = Camera("camera", 640, 480, pixel_um=3.45, focal_length_mm=4.0)
+    >>> wall_cd_m2 = 0.8 * 20 / np.pi  # reflectance 0.8 at 20 lux
+    >>> round(wall_cd_m2 * sensor.electrons_per_luminance(camera, Exposure(0.030, f_number=2.0)))
+    2331
+    """
+
+    class Config(Settings):
+        """Settings of the sensor."""
+
+        quantum_efficiency: float | None = setting(
+            None,
+            help="Electrons per photon of the spectrum, filter and fill factor included, where the catalog "
+            "does not know.",
+            gt=0,
+            le=1,
+        )
+        full_well_e: float | None = setting(
+            None, help="Electrons a photosite holds, where the catalog does not know.", unit="e-", gt=0
+        )
+        read_noise_e: float | None = setting(
+            None,
+            help="Standard deviation of the noise without light, where the catalog does not know.",
+            unit="e-",
+            ge=0,
+        )
+        dark_current_e_s: float | None = setting(
+            None,
+            help="Electrons per second without light, where the catalog does not know.",
+            unit="e-/s",
+            ge=0,
+        )
+        channels: Literal["rgb", "mono"] = setting("rgb", help="Colour images, or luminance in one channel.")
+        channel_response: tuple[float, float, float] = setting(
+            (1.0, 1.0, 1.0), help="Quantum efficiency of R, G and B over quantum_efficiency."
+        )
+        spectrum: Spectrum = setting("daylight", help="The light whose photons a lux stands for.")
+        system_gain_dn_per_e: float | None = setting(
+            None,
+            help="Digital numbers per electron at 0 dB; by default the full well fills the range.",
+            unit="DN/e-",
+            gt=0,
+        )
+        bit_depth: int = setting(12, help="Bits per sample of the images.", unit="bit", ge=1, le=16)
+        black_level_dn: float = setting(
+            0.0, help="Pedestal in the images, which keeps noise around black from clipping.", unit="DN", ge=0
+        )
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.white_level_dn = 2**config.bit_depth - 1
+        faults = []
+        if config.black_level_dn >= self.white_level_dn:
+            faults.append(
+                Fault(
+                    "sensor.emva",
+                    f"black_level_dn is {config.black_level_dn}",
+                    f"below the white level, {self.white_level_dn} DN at {config.bit_depth} bit",
+                    "Lower black_level_dn or raise bit_depth.",
+                )
+            )
+        if not all(response > 0 for response in config.channel_response):
+            faults.append(
+                Fault(
+                    "sensor.emva", f"channel_response is {config.channel_response}", "three numbers above 0"
+                )
+            )
+        if faults:
+            raise UserError(faults)
+
+    def expose(
+        self, capture: Capture, *, exposure: Exposure, rng: np.random.Generator, effects: Effects
+    ) -> FrameBatch:
+        """Linear frames of every camera, RGB or mono: uint8 up to 8 bits, else uint16 [DN].
+
+        Electrons are drawn frame by frame, camera by camera, so that the way an episode is cut into batches
+        does not change them.
+
+        Raises
+        ------
+        CandidateFailed
+            When neither the catalog nor the settings know all that the model needs of an image sensor.
+        """
+        cameras = [view.camera for view in capture.views]
+        sites = [self.photosite(camera) for camera in cameras]
+        gains = [self.gain_dn_per_e(camera, exposure) for camera in cameras]
+        expected = [effects.pixel(self._expected(view, exposure)) for view in capture.views]
+        read = [np.empty(signal.samples_dn.shape, np.float32) for signal in expected]
+        for frame in range(len(capture.episode)):
+            for signal, camera, site, gain, out in zip(expected, cameras, sites, gains, read, strict=True):
+                above_black = signal.samples_dn[frame] - np.float32(signal.black_level_dn)
+                electrons = count_electrons(
+                    above_black / gain + site.dark_current_e_s * exposure.time_s,
+                    full_well_e=site.full_well_e,
+                    read_noise_e=site.read_noise_e,
+                    rng=rng,
+                    photosites=camera.binning**2,
+                    photon_scale=signal.photon_scale,
+                )
+                np.multiply(electrons, np.float32(gain), out=out[frame])
+                out[frame] += np.float32(signal.black_level_dn)
+        return FrameBatch(
+            capture=capture,
+            images=tuple(
+                self._read_out(view, samples, effects)
+                for view, samples in zip(capture.views, read, strict=True)
+            ),
+            black_level_dn=self.config.black_level_dn,
+            white_level_dn=self.white_level_dn,
+        )
+
+    def photosite(self, camera: Camera) -> Photosite:
+        """What is known of a camera's photosites: by the catalog, else by the settings.
+
+        Raises
+        ------
+        CandidateFailed
+            When something is known by neither; says what, for which image sensor.
+        """
+        known = {name: self._known(camera, name) for name in NEEDED}
+        missing = [f"{name} ({NEEDED[name]})" for name, value in known.items() if value is None]
+        if missing:
+            sensor = camera.electrons.sensor or f"of camera {camera.name!r}"
+            raise CandidateFailed(
+                f"sensor.emva does not know {', '.join(missing)} of the image sensor {sensor}: the catalog "
+                "leaves it out, and so do the settings of sensor.emva"
+            )
+        return Photosite(**{name: value for name, value in known.items() if value is not None})
+
+    def gain_dn_per_e(self, camera: Camera, exposure: Exposure) -> float:
+        """System gain K of a camera [DN/e-]."""
+        if self.config.system_gain_dn_per_e is not None:
+            return self.config.system_gain_dn_per_e * gain_factor(exposure.gain_db)
+        range_dn = self.white_level_dn - self.config.black_level_dn
+        return system_gain(self.photosite(camera).full_well_e, range_dn, exposure.gain_db)
+
+    def electrons_per_luminance(self, camera: Camera, exposure: Exposure) -> float:
+        """Electrons that one cd/m2 makes in a photosite, for a channel response of 1 [e- / (cd/m2)]."""
+        photons = photons_per_luminance(
+            time_s=exposure.time_s,
+            f_number=exposure.f_number,
+            pixel_um=camera.pixel_um,
+            spectrum=self.config.spectrum,
+        )
+        return self.photosite(camera).quantum_efficiency * photons
+
+    def _known(self, camera: Camera, name: str) -> float | None:
+        of_catalog: float | None = getattr(camera.electrons, name)
+        of_settings: float | None = getattr(self.config, name)
+        return of_settings if of_catalog is None else of_catalog
+
+    def _expected(self, view: View, exposure: Exposure) -> Signal:
+        light = view.luminance_cd_m2
+        if self.config.channels == "mono":
+            light = luminance(light)[..., None].astype(np.float32)
+        else:
+            light = light * np.array(self.config.channel_response, np.float32)
+        gain = self.gain_dn_per_e(view.camera, exposure)
+        samples = light * np.float32(gain * self.electrons_per_luminance(view.camera, exposure))
+        samples += np.float32(self.config.black_level_dn)
+        return Signal(view, samples, self.config.black_level_dn, self.white_level_dn)
+
+    def _read_out(
+        self, view: View, samples_dn: NDArray[np.float32], effects: Effects
+    ) -> NDArray[np.uint8] | NDArray[np.uint16]:
+        signal = effects.readout(Signal(view, samples_dn, self.config.black_level_dn, self.white_level_dn))
+        return digitise(signal.samples_dn, self.white_level_dn)
