@@ -64,9 +64,9 @@ def reprojected(
     """
     cx, cy = geometry.centre_px
     f = geometry.focal_length_px
-    ray = np.stack(np.broadcast_arrays((x_px - cx) / f, (y_px - cy) / f, 1.0))
-    seen = np.tensordot(other_from_camera[:3, :3], ray, axes=1)
-    seen += other_from_camera[:3, 3].reshape(3, *[1] * (ray.ndim - 1)) * inverse_depth
+    x, y, near = np.broadcast_arrays((x_px - cx) / f, (y_px - cy) / f, inverse_depth)
+    points = np.stack([x, y, np.ones_like(x), near])  # over their depth
+    seen = np.tensordot(other_from_camera[:3], points, axes=1)
     depth_ratio = np.maximum(seen[2], 1e-6)  # what comes to lie behind the camera leaves the image
     return seen[0] / depth_ratio * f + cx, seen[1] / depth_ratio * f + cy, depth_ratio
 

@@ -24,7 +24,9 @@ class BlackLevel:
     class Config(Settings):
         """Settings of the effect."""
 
-        offset_dn: float = setting(0.0, help="Actual minus believed pedestal.", unit="DN")
+        offset_dn: float = setting(
+            0.0, help="Actual minus believed pedestal.", unit="DN", ge=-65535, le=65535
+        )
 
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 40

@@ -32,7 +32,10 @@ class ConversionGainError:
         """Settings of the effect."""
 
         scale: float = setting(
-            1.0, help="Actual over believed conversion gain: factor on the slope of variance over mean.", gt=0
+            1.0,
+            help="Actual over believed conversion gain: factor on the slope of variance over mean.",
+            gt=0,
+            le=1e3,
         )
 
     stage: ClassVar[Stage] = "pixel"

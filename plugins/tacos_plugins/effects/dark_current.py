@@ -35,7 +35,9 @@ class DarkCurrent:
     class Config(Settings):
         """Settings of the effect."""
 
-        rate_dn_s: float = setting(0.0, help="Dark signal of every pixel per second.", unit="DN/s", ge=0)
+        rate_dn_s: float = setting(
+            0.0, help="Dark signal of every pixel per second.", unit="DN/s", ge=0, le=1e6
+        )
         hot_share: float = setting(0.0, help="Share of hot pixels; 1e-5 to 1e-3 is usual.", ge=0, le=1)
         hot_rate_dn_s: float = setting(
             300.0,

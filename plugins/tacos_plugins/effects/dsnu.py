@@ -30,8 +30,10 @@ class Dsnu:
     class Config(PatternSettings):
         """Settings of the effect."""
 
-        sigma_dn: float = setting(0.0, help="Spread of the photosites' offsets.", unit="DN", ge=0)
-        column_sigma_dn: float = setting(0.0, help="Spread of the columns' offsets.", unit="DN", ge=0)
+        sigma_dn: float = setting(0.0, help="Spread of the photosites' offsets.", unit="DN", ge=0, le=65535)
+        column_sigma_dn: float = setting(
+            0.0, help="Spread of the columns' offsets.", unit="DN", ge=0, le=65535
+        )
 
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 30

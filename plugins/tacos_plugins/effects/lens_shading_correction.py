@@ -30,8 +30,8 @@ class LensShadingCorrection:
     class Config(Settings):
         """Settings of the effect."""
 
-        k1: float = setting(0.0, help="Coefficient of r^2; 0.5 to 3 for a small lens.")
-        k2: float = setting(0.0, help="Coefficient of r^4.")
+        k1: float = setting(0.0, help="Coefficient of r^2; 0.5 to 3 for a small lens.", ge=-10, le=100)
+        k2: float = setting(0.0, help="Coefficient of r^4.", ge=-100, le=100)
 
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 10

@@ -29,8 +29,10 @@ class Nonlinearity:
     class Config(Settings):
         """Settings of the effect."""
 
-        a2: float = setting(0.0, help="Coefficient of y^2; some -0.1 where the response saturates softly.")
-        a3: float = setting(0.0, help="Coefficient of y^3.")
+        a2: float = setting(
+            0.0, help="Coefficient of y^2; some -0.1 where the response saturates softly.", ge=-10, le=10
+        )
+        a3: float = setting(0.0, help="Coefficient of y^3.", ge=-10, le=10)
 
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 10

@@ -30,7 +30,7 @@ class Quantisation:
     class Config(Settings):
         """Settings of the effect."""
 
-        step_dn: float = setting(1.0, help="Distance from code to code.", unit="DN", ge=1)
+        step_dn: float = setting(1.0, help="Distance from code to code.", unit="DN", ge=1, le=65535)
         rounding: Literal["nearest", "floor"] = setting("nearest", help="Where values between two codes go.")
 
     stage: ClassVar[Stage] = "readout"

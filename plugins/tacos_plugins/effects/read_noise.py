@@ -31,7 +31,9 @@ class ReadNoise:
     class Config(Settings):
         """Settings of the effect."""
 
-        sigma_dn: float = setting(0.0, help="Standard deviation of the noise added.", unit="DN", ge=0)
+        sigma_dn: float = setting(
+            0.0, help="Standard deviation of the noise added.", unit="DN", ge=0, le=65535
+        )
         tail: float = setting(
             0.0, help="How heavy the tails are: 1 / degrees of freedom; 0 is Gaussian.", ge=0, le=0.45
         )

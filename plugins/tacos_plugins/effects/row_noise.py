@@ -29,9 +29,11 @@ class RowNoise:
     class Config(Settings):
         """Settings of the effect."""
 
-        sigma_dn: float = setting(0.0, help="Standard deviation of the rows' offsets.", unit="DN", ge=0)
+        sigma_dn: float = setting(
+            0.0, help="Standard deviation of the rows' offsets.", unit="DN", ge=0, le=65535
+        )
         column_sigma_dn: float = setting(
-            0.0, help="Standard deviation of the columns' offsets.", unit="DN", ge=0
+            0.0, help="Standard deviation of the columns' offsets.", unit="DN", ge=0, le=65535
         )
 
     stage: ClassVar[Stage] = "readout"

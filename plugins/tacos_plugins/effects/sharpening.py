@@ -30,7 +30,9 @@ class Sharpening:
     class Config(Settings):
         """Settings of the effect."""
 
-        amount: float = setting(0.0, help="Factor on what the blur takes away; 0.5 to 2 is usual.", ge=0)
+        amount: float = setting(
+            0.0, help="Factor on what the blur takes away; 0.5 to 2 is usual.", ge=0, le=100
+        )
         radius_px: float = setting(1.0, help="Standard deviation of the blur.", unit="px", gt=0, le=20)
 
     stage: ClassVar[Stage] = "isp"
@@ -75,7 +77,7 @@ class Sharpening:
         geometry: ImageGeometry,
         context: ImageContext,
     ) -> Moments:
-        """Variances of independent noise, sharpened."""
+        """Moments of noise that was independent; next to the edges the variance is a little larger."""
         if self.config.amount == 0:
             return mean_dn, variance_dn2
         return correlate(mean_dn, self._kernel), correlate(variance_dn2, self._kernel**2)

@@ -37,7 +37,7 @@ class ToneCurve:
     class Config(Settings):
         """Settings of the effect."""
 
-        gamma: float = setting(1.0, help="Exponent of the curve.", gt=0)
+        gamma: float = setting(1.0, help="Exponent of the curve.", gt=0, le=100)
         knots: tuple[tuple[float, float], ...] | None = setting(
             None,
             help="Points (signal, code) the curve passes, rising, from (0, 0) to (1, 1); in place of gamma.",

@@ -25,8 +25,8 @@ class WhiteBalance:
     class Config(Settings):
         """Settings of the effect."""
 
-        red: float = setting(1.0, help="Gain of red.", gt=0)
-        blue: float = setting(1.0, help="Gain of blue.", gt=0)
+        red: float = setting(1.0, help="Gain of red.", gt=0, le=100)
+        blue: float = setting(1.0, help="Gain of blue.", gt=0, le=100)
 
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 20

@@ -28,7 +28,9 @@ class Haze:
     class Config(Settings):
         """Settings of the effect."""
 
-        extinction_per_m: float = setting(0.0, help="Extinction of the air; 0.004 in fog.", unit="1/m", ge=0)
+        extinction_per_m: float = setting(
+            0.0, help="Extinction of the air; 0.004 in fog.", unit="1/m", ge=0, le=10
+        )
         airlight: float = setting(1.0, help="Light of the air over the mean of the image.", ge=0)
 
     stage: ClassVar[Stage] = "scene"
