@@ -74,7 +74,7 @@ class Crosstalk:
         geometry: ImageGeometry,
         context: ImageContext,
     ) -> Moments:
-        """Variances mixed with the squares of the shares."""
+        """Moments of noise that was independent; next to the edges the variance is a little larger."""
         if self.config.share == 0:
             return mean_dn, variance_dn2
         return correlate(mean_dn, self._kernel), correlate(variance_dn2, self._kernel**2)

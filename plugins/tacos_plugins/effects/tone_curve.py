@@ -80,7 +80,7 @@ class ToneCurve:
 
     @cached_property
     def _table(self) -> NDArray[np.float64]:
-        knots = np.array(self.config.knots)
+        knots = np.array(self.config.knots).round(9)  # slopes of subnormal numbers would overflow
         return np.asarray(PchipInterpolator(knots[:, 0], knots[:, 1])(np.linspace(0, 1, _STEPS + 1)))
 
     def _looked_up(self, t: NDArray[Any]) -> NDArray[Any]:
