@@ -13,8 +13,8 @@ from tacos_framework.values import ImageGeometry
 LARGEST_RADIUS_PX = 100.0
 """Wider discs are drawn at this radius [px]."""
 
-_STEP = 1.2  # from each radius to the next
-_FINEST_PX = 0.5
+_STEP = 1.12  # from each radius to the next
+_FINEST_PX = 0.25
 _OCCLUDES_PX = 2.0  # layers whose radii differ by less belong to one surface
 
 

@@ -64,8 +64,7 @@ class BrownConrady(NamedTuple):
         """
         x, y = np.broadcast_arrays(x, y)
         radius = np.hypot(x, y)
-        table = np.linspace(0.0, self._reach(float(radius.max())), _TABLE)
-        imaged, _ = self._replace(p1=0.0, p2=0.0).distorted(table, np.zeros(_TABLE))
+        table, imaged = self._table(float(radius.max()))
         seen = np.minimum(radius, imaged[-1])
         scale = seen / np.maximum(radius, 1e-12)
         target_x, target_y = x * scale, y * scale
@@ -75,16 +74,20 @@ class BrownConrady(NamedTuple):
             u, v = self._newton(u, v, target_x, target_y)
         return u, v
 
-    def _reach(self, needed: float) -> float:
-        """The undistorted radius up to which the image is wanted, and does not fold over."""
-        folds = np.roots([7 * self.k3, 5 * self.k2, 3 * self.k1, 1.0])
-        folds = folds.real[(np.abs(folds.imag) < 1e-9) & (folds.real > 0)]
-        fold = math.sqrt(folds.min()) if folds.size else math.inf
-        reach = needed
+    def _table(self, needed: float) -> Points:
+        """Undistorted radii, rising from 0, and where they are imaged: to `needed`, or to the fold."""
         radial = self._replace(p1=0.0, p2=0.0)
-        while reach < fold and radial.distorted(np.array(reach), np.array(0.0))[0] < needed:
+        reach = needed
+        while True:
+            table = np.linspace(0.0, reach, _TABLE)
+            imaged, _ = radial.distorted(table, np.zeros(_TABLE))
+            falls = np.flatnonzero(np.diff(imaged) <= 0)
+            if falls.size:
+                last = int(falls[0]) + 1
+                return table[:last], imaged[:last]
+            if imaged[-1] >= needed:
+                return table, imaged
             reach *= 1.5
-        return min(reach, fold * (1 - 1e-6))
 
     def _newton(
         self,

@@ -1,0 +1,118 @@
+"""Effects that scale or spread light: exposure, uneven light, glare, flicker, metering."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from tacos_framework.values import ContextMissing, ImageContext
+from tacos_plugins.effects.auto_exposure import AutoExposure
+from tacos_plugins.effects.exposure_error import ExposureError
+from tacos_plugins.effects.flicker import Flicker
+from tacos_plugins.effects.illumination_gradient import IlluminationGradient
+from tacos_plugins.effects.veiling_glare import VeilingGlare
+from tests.effects.light_arrays import GEOMETRY, light, run
+
+FLAT = np.full((1, 72, 96, 3), 8.0)
+
+
+def test_an_exposure_error_scales_all_light():
+    np.testing.assert_allclose(run(ExposureError, light(), scale=1.4), 1.4 * light())
+
+
+def test_uneven_light_rises_by_its_gradient_from_edge_to_edge():
+    field = run(IlluminationGradient, FLAT, gx=0.2, gy=-0.1)[0, :, :, 0] / 8.0
+    assert field.mean() == pytest.approx(1.0)
+    np.testing.assert_allclose(np.diff(field, axis=1), 0.2 / 96)
+    np.testing.assert_allclose(np.diff(field, axis=0), -0.1 / 72)
+
+
+def test_a_crop_lies_in_the_light_of_the_whole_sensor():
+    crop = GEOMETRY.crop(x=50, y=30, width_px=20, height_px=30)
+    whole = run(IlluminationGradient, FLAT, gx=0.2, gy=0.3)
+    part = run(IlluminationGradient, FLAT[:, 30:60, 50:70], gx=0.2, gy=0.3, geometry=crop)
+    np.testing.assert_allclose(part, whole[:, 30:60, 50:70])
+
+
+def test_light_is_never_negative():
+    assert run(IlluminationGradient, FLAT, gx=2.0, gy=2.0).min() == 0.0
+
+
+@pytest.mark.parametrize("spread", [None, 0.3])
+def test_glare_lifts_the_dark_and_keeps_the_mean(spread):
+    scene = np.zeros((2, 72, 96, 3))
+    scene[0, :, 48:] = 10.0
+    veiled = run(VeilingGlare, scene, share=0.04, spread=spread)
+    np.testing.assert_allclose(veiled.mean(axis=(1, 2)), scene.mean(axis=(1, 2)), rtol=1e-6, atol=1e-12)
+    if spread is None:
+        np.testing.assert_allclose(veiled[0, :, :48], 0.04 * 5.0)
+    else:  # nearer to the light there is more of it
+        assert veiled[0, 36, 46, 0] > 2 * veiled[0, 36, 2, 0] > 0
+    assert not veiled[1].any()  # with the cap on
+
+
+def test_stray_light_keeps_its_colour():
+    scene = np.zeros((1, 72, 96, 3))
+    scene[0, :30, :, 0] = 10.0
+    veiled = run(VeilingGlare, scene, share=0.1)
+    assert veiled[0, 60, 50, 0] > 0
+    assert not veiled[..., 1:].any()
+
+
+def test_flicker_is_a_wave_over_the_rows_whose_phase_moves():
+    frames = np.repeat(FLAT, 6, axis=0)
+    waves = run(Flicker, frames, depth=0.2, period_rows=24.0)[:, :, 10, 0] / 8.0
+    spectra = np.fft.rfft(waves, axis=1) / 72
+    np.testing.assert_allclose(np.abs(spectra[:, 3]), 0.1, rtol=1e-9)  # three periods in 72 rows
+    np.testing.assert_allclose(np.abs(np.delete(spectra, [0, 3], axis=1)), 0, atol=1e-12)
+    assert np.ptp(np.angle(spectra[:, 3])) > 1.0
+    assert not run(Flicker, np.zeros_like(frames), depth=0.2).any()
+
+
+def test_flicker_counts_the_rows_of_the_sensor():
+    crop = GEOMETRY.crop(x=0, y=31, width_px=96, height_px=40)
+    whole = run(Flicker, FLAT, depth=0.2, period_rows=17.0, seed=4)
+    part = run(Flicker, FLAT[:, 31:71], depth=0.2, period_rows=17.0, seed=4, geometry=crop)
+    np.testing.assert_allclose(part, whole[:, 31:71])
+
+
+def metered(luminance, **settings):
+    frames = np.ones((len(luminance), 6, 8, 3)) * np.reshape(luminance, (-1, 1, 1, 1))
+    context = ImageContext(exposure_s=0.03, f_number=2.0)
+    exposed = run(AutoExposure, frames, context=context, **settings)
+    mlx_s = 1e3 * exposed[:, 0, 0, 1] * math.pi * 0.03 / (4 * 2.0**2)
+    return mlx_s, exposed[:, 0, 0, 0] / np.asarray(luminance)
+
+
+def test_metering_takes_every_frame_to_the_target():
+    mlx_s, _ = metered([1.0, 2.0, 5.0], target_mlx_s=10.0)
+    np.testing.assert_allclose(mlx_s, 10.0)
+
+
+def test_metering_stops_at_its_limits():
+    _, factors = metered([1e-4, 1e4], target_mlx_s=10.0, shortest=0.1, longest=3.0)
+    np.testing.assert_allclose(factors, [3.0, 0.1])
+
+
+def test_metering_lags_behind_a_change_of_light():
+    _, factors = metered([2.0] + [8.0] * 5, target_mlx_s=10.0, lag_frames=2.0)
+    stops = np.log2(factors / factors[0])
+    np.testing.assert_allclose(stops, -2 * (1 - np.exp(-np.arange(6) / 2)), atol=1e-12)
+
+
+def test_metering_weighs_colours_by_luminance():
+    green = np.zeros((1, 6, 8, 3))
+    green[..., 1] = 4.0
+    context = ImageContext(exposure_s=0.03, f_number=2.0)
+    exposed = run(AutoExposure, green, context=context, target_mlx_s=1.0)
+    assert exposed[0, 0, 0, 1] * 0.7152 * math.pi * 0.03 / 16 * 1e3 == pytest.approx(1.0)
+
+
+def test_metering_refuses_what_it_cannot_do():
+    with pytest.raises(ContextMissing, match="f-number"):
+        run(AutoExposure, FLAT, target_mlx_s=10.0)
+    with pytest.raises(ValidationError, match="above longest"):
+        AutoExposure.Config(shortest=5.0, longest=2.0)
