@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _TABLE = 2048
-_NEWTON_ROUNDS = 4
+_NEWTON_ROUNDS = 3
 _WIDEST_RAD = math.radians(89)
 """A flat image ends before 90 degrees off the axis."""
 
@@ -70,7 +70,7 @@ class BrownConrady(NamedTuple):
         target_x, target_y = x * scale, y * scale
         start = np.interp(seen, imaged, table) / np.maximum(radius, 1e-12)
         u, v = x * start, y * start
-        for _ in range(_NEWTON_ROUNDS):
+        for _ in range(_NEWTON_ROUNDS if self.p1 or self.p2 else 1):  # the table knows radial terms
             u, v = self._newton(u, v, target_x, target_y)
         return u, v
 

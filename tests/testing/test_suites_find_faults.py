@@ -63,6 +63,51 @@ class LeakyVignetting(Vignetting):
         return super().apply(replace(image, views=tuple(views)), rig=rig, exposure=exposure, rng=rng)
 
 
+class BoundlessVignetting(Vignetting):
+    class Config(Settings):
+        k1: float = setting(0.0, help="Coefficient of r^2.")
+        k2: float = setting(0.0, help="Coefficient of r^4.", ge=0)
+        k3: float = setting(0.0, help="Coefficient of r^6.", ge=0, le=1)
+
+
+class JumpyVignetting(Vignetting):
+    """Takes away a tenth of the light as soon as it is on."""
+
+    def on_array(self, signal, **supplied):
+        dimmed = super().on_array(signal, **supplied)
+        return signal if dimmed is signal else dimmed * np.float32(0.9)
+
+
+class CopyingVignetting(Vignetting):
+    def on_array(self, signal, **supplied):
+        return super().on_array(signal, **supplied).copy()
+
+
+class TwofoldVignetting(Vignetting):
+    """Does not do to arrays what it does to captures."""
+
+    def on_array(self, signal, **supplied):
+        return super().on_array(super().on_array(signal, **supplied), **supplied)
+
+    def apply(self, image, *, rig, exposure, rng):
+        return Vignetting(self.config).apply(image, rig=rig, exposure=exposure, rng=rng)
+
+
+class WideningVignetting(Vignetting):
+    def on_array(self, signal, **supplied):
+        return super().on_array(signal, **supplied).astype(np.float64)
+
+
+class MisplacedVignetting(Vignetting):
+    stage = "codec"
+
+
+class VisibleVignetting(EffectConformance):
+    """The suite at values where vignetting can be seen."""
+
+    config: ClassVar = {"k1": -0.4}
+
+
 class MisnamedNeutral(Vignetting):
     neutral: ClassVar = {"k0": 0.0}
 
@@ -156,6 +201,11 @@ FAULTS = [
     (SensorConformance, WritingSensor, "test_it_leaves_the_capture_as_it_was"),
     (EffectConformance, LeakyVignetting, "test_it_is_exactly_off_at_its_neutral_values"),
     (EffectConformance, MisnamedNeutral, "test_its_neutral_values_are_settings"),
+    (EffectConformance, BoundlessVignetting, "test_its_parameters_are_bounded_on_both_sides"),
+    (VisibleVignetting, JumpyVignetting, "test_it_vanishes_as_its_parameters_near_the_neutral_values"),
+    (VisibleVignetting, CopyingVignetting, "test_arrays_pass_unchanged_at_its_neutral_values"),
+    (VisibleVignetting, TwofoldVignetting, "test_on_arrays_it_does_what_it_does_to_an_image"),
+    (VisibleVignetting, MisplacedVignetting, "test_its_stage_fits_the_image_it_takes"),
     (EffectConformance, Vignetting, "test_it_changes_the_image_at_other_values"),  # config left neutral
     (OptimizerConformance, ForgetfulSearch, "test_resumed_after_any_round_it_goes_on_as_if_never_stopped"),
     (OptimizerConformance, HastySearch, "test_a_state_taken_before_the_results_are_told_asks_again"),
@@ -180,6 +230,12 @@ def test_a_fault_is_found(suite, component, test):
     arguments = [bound_suite.make()] if suite is ExecutorConformance else []
     with pytest.raises(AssertionError):
         getattr(bound_suite, test)(*arguments)
+
+
+def test_an_effect_that_changes_the_type_of_an_array_is_found():
+    suite = bound(VisibleVignetting, WideningVignetting)
+    with pytest.raises(AssertionError):
+        suite.test_arrays_keep_shape_and_type(np.float32)
 
 
 def test_a_wrapped_error_is_found():

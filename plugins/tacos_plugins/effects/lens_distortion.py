@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -93,8 +94,13 @@ class LensDistortion:
 
     def source(self, geometry: ImageGeometry) -> Places:
         """Where in the pinhole's image each pixel looks, (H, W) columns and rows [px]."""
-        f = geometry.focal_length_px
-        cx, cy = geometry.centre_px
-        x, y = np.broadcast_arrays(geometry.x_px / f, geometry.y_px / f)
-        x, y = self._lens.undistorted(x, y)
-        return x * f + cx, y * f + cy
+        return _source(self._lens, geometry)
+
+
+@lru_cache(maxsize=2)  # of a design's frames all look alike
+def _source(lens: BrownConrady | Fisheye, geometry: ImageGeometry) -> Places:
+    f = geometry.focal_length_px
+    cx, cy = geometry.centre_px
+    x, y = np.broadcast_arrays(geometry.x_px / f, geometry.y_px / f)
+    x, y = lens.undistorted(x, y)
+    return x * f + cx, y * f + cy
