@@ -22,9 +22,7 @@ from tacos_plugins.effects.white_balance import WhiteBalance
 from tests.effects.sample_arrays import flats, make, moments, run
 
 FRAMES = 4000
-LEVELS_DN = np.array(
-    [[[[20.0, 60.0, 100.0]], [[100.0, 150.0, 210.0]]]]
-)  # (1, 2, 1, 3): two rows of one pixel
+LEVELS_DN = np.array([[[[20.0, 60.0, 100.0]], [[100.0, 150.0, 210.0]]]])  # two rows of one pixel
 SIGMA_DN = 3.0
 
 EFFECTS = {
