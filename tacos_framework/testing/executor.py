@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from tacos_framework.errors import CandidateFailed
+from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.testing.component import ComponentConformance
 
 
@@ -25,6 +25,11 @@ def refuse_three(job: int) -> int:
         error.add_note("in a test")
         raise error
     return job
+
+
+def refuse_all(job: int) -> int:
+    """A job that is the user's mistake, twice."""
+    raise UserError([Fault("recipe.yaml:1:1", f"{job} is wrong"), Fault("recipe.yaml:2:1", "this too")])
 
 
 class ExecutorConformance(ComponentConformance):
@@ -52,6 +57,15 @@ class ExecutorConformance(ComponentConformance):
         with pytest.raises(CandidateFailed, match="three is too many") as raised:
             next(results)
         assert raised.value.__notes__ == ["in a test"]
+
+    def test_errors_keep_what_they_carry(self, executor: Any) -> None:
+        with pytest.raises(UserError) as raised:
+            list(executor.map(refuse_all, [7]))
+        assert [fault.what for fault in raised.value.faults] == ["7 is wrong", "this too"]
+
+    def test_functions_may_change_between_calls(self, executor: Any) -> None:
+        assert list(executor.map(halve, [1, 2])) == [0.5, 1.0]
+        assert list(executor.map(refuse_three, [1, 2])) == [1, 2]
 
     def test_it_works_on_after_an_error(self, executor: Any) -> None:
         with pytest.raises(CandidateFailed):

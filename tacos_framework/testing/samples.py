@@ -141,6 +141,22 @@ def sample_capture(
     return Capture(episode, tuple(_card(camera, poses, luminance_cd_m2, shift_px) for camera in rig.cameras))
 
 
+def part_of(capture: Capture, start: int, stop: int | None) -> Capture:
+    """A run of consecutive frames of a capture."""
+    run = slice(start, stop)
+    views = tuple(
+        View(
+            view.camera,
+            view.world_from_camera[run],
+            view.luminance_cd_m2[run],
+            view.depth_m[run],
+            view.object_id[run],
+        )
+        for view in capture.views
+    )
+    return Capture(capture.episode[run], views)
+
+
 def sample_frames(rig: Rig | None = None, frames: int = 6) -> FrameBatch:
     """Frames of `sample_capture` at 8 bits without noise, mid grey on average."""
     capture = sample_capture(rig, frames, luminance_cd_m2=100.0)

@@ -10,7 +10,7 @@ import numpy as np
 from tacos_framework.testing.call import supplied
 from tacos_framework.testing.component import ComponentConformance
 from tacos_framework.testing.fingerprint import fingerprint
-from tacos_framework.testing.samples import NoEffects, sample_capture, sample_exposure, sample_rig
+from tacos_framework.testing.samples import NoEffects, part_of, sample_capture, sample_exposure, sample_rig
 from tacos_framework.values import Capture, FrameBatch, Signal
 
 
@@ -20,7 +20,13 @@ class SensorConformance(ComponentConformance):
     kind: ClassVar[str] = "sensor"
 
     def expose(
-        self, capture: Capture, *, seed: int = 1, effects: object = None, time_s: float = 0.030
+        self,
+        capture: Capture,
+        *,
+        seed: int = 1,
+        effects: object = None,
+        time_s: float = 0.030,
+        rng: np.random.Generator | None = None,
     ) -> FrameBatch:
         """Frames of a capture by a new instance of the sensor."""
         sensor = self.make()
@@ -28,7 +34,7 @@ class SensorConformance(ComponentConformance):
             sensor.expose,
             rig=sample_rig(*(view.camera.name for view in capture.views)),
             exposure=sample_exposure(time_s=time_s),
-            rng=np.random.default_rng(seed),
+            rng=rng or np.random.default_rng(seed),
             effects=effects or NoEffects(),
         )
         frames = sensor.expose(capture, **keywords)
@@ -59,6 +65,16 @@ class SensorConformance(ComponentConformance):
         before = fingerprint(capture)
         self.expose(capture)
         assert fingerprint(capture) == before
+
+    def test_batches_may_be_cut_anywhere(self) -> None:
+        """One generator runs through the batches of an episode, so noise must be drawn frame by frame."""
+        capture = sample_capture(sample_rig("left", "right"), frames=3)
+        whole = self.expose(capture).images
+        rng = np.random.default_rng(1)
+        parts = [self.expose(part_of(capture, *cut), rng=rng).images for cut in ((0, 1), (1, 3))]
+        for camera, image in enumerate(whole):
+            joined = np.concatenate([part[camera] for part in parts])
+            np.testing.assert_array_equal(joined, image)
 
     def test_more_light_gives_brighter_images(self) -> None:
         capture = sample_capture(luminance_cd_m2=0.5)

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from safetensors.numpy import load, save
 
 from tacos_framework.contracts import Budget, Scores, State
 from tacos_framework.testing.component import ComponentConformance
 from tacos_framework.testing.fingerprint import fingerprint
-from tacos_framework.testing.samples import sample_frames, sample_rig
-from tacos_framework.values import Capture, FrameBatch, View
+from tacos_framework.testing.samples import part_of, sample_frames, sample_rig
+from tacos_framework.values import FrameBatch
 
 
 class TaskConformance(ComponentConformance):
@@ -90,6 +91,30 @@ class TrainableConformance(TaskConformance):
             assert isinstance(array, np.ndarray), f"{name} is a {type(array).__name__}"
             assert array.dtype.kind in "biuf", f"{name} has dtype {array.dtype}, which cannot be kept"
 
+    def test_its_state_survives_being_kept(self) -> None:
+        """States are kept as safetensors between generations, and with the results."""
+        state = self.fit(self.state(self.make()))
+        kept = load(save({name: np.ascontiguousarray(array) for name, array in state.items()}))
+        assert fingerprint(dict(kept)) == fingerprint(dict(state))
+
+    def test_scoring_leaves_the_state_as_it_was(self) -> None:
+        task, frames = self.make(), self.frames()
+        state = self.state(task)
+        before = fingerprint(state)
+        scorer = task.begin(state=state)
+        scorer.update(frames)
+        scorer.scores()
+        assert fingerprint(state) == before
+
+    def test_the_task_itself_learns_nothing(self) -> None:
+        """What is learnt lies in the state alone, or candidates would not start alike."""
+        task, frames = self.make(), self.frames()
+        state = self.state(task)
+        task.fit([frames], state=state, budget=Budget(epochs=1), rng=np.random.default_rng(2))
+        scorer = task.begin(state=state)
+        scorer.update(frames)
+        assert scorer.scores() == self.score([frames])
+
     def test_equal_generators_give_equal_initial_states(self) -> None:
         assert fingerprint(self.state(self.make())) == fingerprint(self.state(self.make()))
 
@@ -112,20 +137,9 @@ class TrainableConformance(TaskConformance):
 
 def batch(frames: FrameBatch, start: int, stop: int | None) -> FrameBatch:
     """A run of consecutive frames of a batch."""
-    run = slice(start, stop)
-    views = tuple(
-        View(
-            view.camera,
-            view.world_from_camera[run],
-            view.luminance_cd_m2[run],
-            view.depth_m[run],
-            view.object_id[run],
-        )
-        for view in frames.capture.views
-    )
     return FrameBatch(
-        Capture(frames.episode[run], views),
-        tuple(image[run] for image in frames.images),
+        part_of(frames.capture, start, stop),
+        tuple(image[start:stop] for image in frames.images),
         frames.black_level_dn,
         frames.white_level_dn,
     )
