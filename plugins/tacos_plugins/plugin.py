@@ -13,6 +13,10 @@ SCENES = {
         "indoor.scene:IndoorScene",
         "Procedural furnished rooms with thresholds at the doors and an agent walking through.",
     ),
+    "grey-bars": (
+        "bench.grey_bars:GreyBars",
+        "A test target of grey bars from black to white, to measure noise with.",
+    ),
 }
 
 RIGS = {
@@ -216,6 +220,17 @@ EXECUTORS = {
     ),
 }
 
+PROCEDURES = {
+    "calibrate-noise": (
+        "noise.calibrate:CalibrateNoise",
+        "From frames of grey bars to an affine noise calibration with confidence intervals.",
+    ),
+    "validate-noise": (
+        "noise.validate:ValidateNoise",
+        "The paper's first check: noise of rendered grey bars against the model, at other gains and times.",
+    ),
+}
+
 FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "scene": SCENES,
     "rig": RIGS,
@@ -225,6 +240,7 @@ FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "task": TASKS,
     "optimizer": OPTIMIZERS,
     "executor": EXECUTORS,
+    "procedure": PROCEDURES,
 }
 """Kind -> name -> module and class within the family's folder, summary, and packages it needs."""
 

@@ -1,0 +1,112 @@
+"""A simulated measuring bench: a target rendered once, and frames of it with fresh noise."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.graph import signature_of
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Use
+from tacos_framework.settings import Path, Settings, check, setting
+from tacos_framework.values import Capture, Exposure, FrameBatch, Rig, Signal
+from tacos_plugins.procedures.noise.frame_files import FrameStack, stack_of
+
+
+class CameraSetting(Settings):
+    """How a scene is exposed."""
+
+    exposure_ms: float = setting(help="Exposure time.", unit="ms", gt=0)
+    gain_db: float = setting(help="Gain.", unit="dB")
+    f_number: float = setting(2.0, help="Focal length over aperture.", gt=0)
+
+    def as_exposure(self) -> Exposure:
+        """For renderers and sensors."""
+        return Exposure(self.exposure_ms * 1e-3, self.f_number, self.gain_db)
+
+    def __str__(self) -> str:
+        return f"{self.exposure_ms:g} ms, {self.gain_db:g} dB"
+
+
+class Bench(Settings):
+    """A target, its light, and how many frames are taken of it."""
+
+    scene: Use = setting(Use(use="scene.grey-bars"), help="The target.")
+    renderer: Use = setting(Use(use="renderer.moderngl"), help="What renders it.")
+    illumination_lux: float = setting(2000.0, help="Illuminance on the target.", unit="lux", gt=0)
+    frames: int = setting(16, help="Frames per setting.", ge=2, le=1000)
+
+
+class SimulatedCamera(Settings):
+    """A camera on the bench."""
+
+    rig: Use = setting(help="The rig; all its variables are given here.")
+    sensor: Use = setting(help="The sensor model.")
+
+
+def built(use: Use, kind: str, plugins: Plugins) -> Any:
+    """A component from its name and settings; raises a `UserError` with all that is wrong with them."""
+    cls = plugins.resolve(use.use, kind, where=use.use)
+    return cls(_checked(cls.Config, use.settings, use.use))
+
+
+def build_rig(use: Use, plugins: Plugins) -> Rig:
+    """A rig from its settings and variables, told apart by name; raises as `built` does."""
+    cls = plugins.resolve(use.use, "rig", where=use.use)
+    variables, settings = cls.Variables.model_fields, cls.Config.model_fields
+    if unknown := [name for name in use.settings if name not in variables and name not in settings]:
+        known = [*variables, *settings]
+        raise UserError(
+            [Fault(use.use, f"unknown key {name!r}", "", did_you_mean(name, known)) for name in unknown]
+        )
+    of_variables = {name: value for name, value in use.settings.items() if name in variables}
+    of_config = {name: value for name, value in use.settings.items() if name in settings}
+    rig: Rig = cls(_checked(cls.Config, of_config, use.use)).build(
+        _checked(cls.Variables, of_variables, use.use)
+    )
+    return rig
+
+
+def capture_of(bench: Bench, rig: Rig, exposure: Exposure, plugins: Plugins) -> Capture:
+    """The light of one frame of the target."""
+    scene = built(bench.scene, "scene", plugins)
+    wanted = signature_of(type(scene), "scene").supplied
+    offered = {"rng": np.random.default_rng(0), "illumination_lux": bench.illumination_lux}
+    episode = scene.episode(**{name: value for name, value in offered.items() if name in wanted})
+    renderer = built(bench.renderer, "renderer", plugins)
+    captured: Capture = renderer.capture(episode[:1], rig=rig, exposure=exposure)
+    return captured
+
+
+def take_frames(
+    sensor: Any, capture: Capture, rig: Rig, exposure: Exposure, frames: int, rng: np.random.Generator
+) -> tuple[FrameStack, FrameBatch]:
+    """Frames of the first camera with fresh noise each, and one batch that tells their levels."""
+    wanted = signature_of(type(sensor), "sensor").supplied
+    offered = {"rig": rig, "exposure": exposure, "rng": rng, "effects": _NoEffects()}
+    supplied = {name: value for name, value in offered.items() if name in wanted}
+    batches = [sensor.expose(capture, **supplied) for _ in range(frames)]
+    images = np.concatenate([batch.images[0] for batch in batches])
+    return stack_of(images, "the rendered frames"), batches[0]
+
+
+def _checked(kind: type[Settings], settings: dict[str, Any], name: str) -> Settings:
+    def where(path: Path) -> str:
+        return ".".join(map(str, (name, *path)))
+
+    checked, faults, _ = check(kind, settings, where)
+    if faults or checked is None:
+        raise UserError(faults)
+    return checked
+
+
+class _NoEffects:
+    """The bench measures the sensor alone."""
+
+    def pixel(self, signal: Signal) -> Signal:
+        return signal
+
+    def readout(self, signal: Signal) -> Signal:
+        return signal

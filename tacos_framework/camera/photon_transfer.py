@@ -1,0 +1,317 @@
+"""Measuring noise: from frames of one static scene to variance over mean, and a straight line through it.
+
+Variance is taken over time, pixel by pixel, from differences of consecutive frames, so that what is fixed to
+the sensor or the scene (pixels of unequal response, uneven light) does not count as noise, and neither does
+light that drifts slowly or flickers as a whole. Pixels are then gathered in levels of equal mean, and a line
+is fitted through the levels, each weighed by how well its variance is known:
+
+    var = s_p (mean - black) + s_t + 1/12          (paper, supplement, Sec. Noise Model Calibration)
+
+where 1/12 DN^2 is the share of rounding, which a simulated camera adds by itself.
+
+References
+----------
+EMVA Standard 1288, Release 4.0, Sec. 6 (difference of two frames); Janesick 2007, "Photon Transfer"; von
+Neumann 1941, "Distribution of the ratio of the mean square successive difference to the variance".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage, stats
+
+ROUNDING_DN2 = 1 / 12
+"""Variance of the error of rounding to whole numbers [DN^2]."""
+
+FINEST_DN2 = 0.25 + ROUNDING_DN2
+"""Below this variance rounding hides part of the noise rather than adding to it [DN^2]."""
+
+CLIPPED_SHARE = 1e-3
+"""Share of samples at either end of the range from which a level counts as censored [1]."""
+
+_LEAST_PIXELS = 100
+_REACH_PX = 4
+_OUTLIER_PROBABILITY = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """What was measured of one channel, level by level, from dark to bright.
+
+    Parameters
+    ----------
+    mean_dn
+        (L,) mean, pedestal included [DN].
+    variance_dn2
+        (L,) variance over time, rounding included [DN^2].
+    error_dn2
+        (L,) its standard error [DN^2].
+    fixed_dn2
+        (L,) variance from pixel to pixel that stays from frame to frame [DN^2].
+    pixels
+        (L,) pixels in the level.
+    clipped
+        (L,) share of samples at 0 or at the white level [1].
+    edge_excess
+        Variance over time where brightness changes, over that of even parts; far above 1 for what moves [1].
+    outliers
+        Pixels left out because they jump: their variance is far beyond chance.
+    frames
+        How many frames there were.
+    """
+
+    mean_dn: NDArray[np.float64]
+    variance_dn2: NDArray[np.float64]
+    error_dn2: NDArray[np.float64]
+    fixed_dn2: NDArray[np.float64]
+    pixels: NDArray[np.int64]
+    clipped: NDArray[np.float64]
+    edge_excess: float
+    outliers: int
+    frames: int
+
+
+@dataclass(frozen=True, eq=False)
+class AffineFit:
+    """A line through the levels of a channel, with 95 % confidence intervals.
+
+    Parameters
+    ----------
+    photon_dn, photon_ci
+        Slope s_p and its interval [DN].
+    thermal_dn2, thermal_ci
+        Variance without signal s_t, rounding taken off, and its interval [DN^2].
+    used
+        (L,) which levels the line rests on.
+    misfit
+        Reduced chi square: 1 where the line explains all but chance [1].
+    bend
+        How far a parabola departs from the line at the brightest level used, relative to its variance [1].
+    bend_z
+        The same in standard errors [1].
+    saturation_dn
+        Mean at which the variance collapses below the white level; None where it does not [DN].
+    """
+
+    photon_dn: float
+    photon_ci: tuple[float, float]
+    thermal_dn2: float
+    thermal_ci: tuple[float, float]
+    used: NDArray[np.bool_]
+    misfit: float
+    bend: float
+    bend_z: float
+    saturation_dn: float | None
+
+    def variance_dn2(self, signal_dn: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Variance on a signal above black, rounding included [DN^2]."""
+        return self.photon_dn * signal_dn + self.thermal_dn2 + ROUNDING_DN2
+
+
+def measure_levels(
+    planes: Sequence[NDArray[np.uint8] | NDArray[np.uint16]], *, white_level_dn: float, levels: int = 64
+) -> Levels:
+    """Mean and variance over time of one channel.
+
+    Parameters
+    ----------
+    planes
+        Arrays (F, H, W) of the same F >= 2 frames; more than one where a mosaic holds a colour twice [DN].
+    white_level_dn
+        Full scale [DN].
+    levels
+        Into how many steps the range of means is cut; those of too few pixels are left out.
+
+    Raises
+    ------
+    ValueError
+        When there are fewer than two frames.
+    """
+    frames = len(planes[0])
+    if frames < 2:
+        raise ValueError(f"variance over time takes at least two frames, not {frames}")
+    stacks = [_Stack.of(plane, white_level_dn) for plane in planes]
+    means = np.concatenate([stack.mean[stack.even] for stack in stacks])
+    if means.size == 0:
+        means = np.concatenate([stack.mean.ravel() for stack in stacks])
+    edges = np.linspace(means.min(), means.max() + 1e-6, levels + 1)
+    gathered = [stack.gathered(edges) for stack in stacks]
+    pixels, mean, variance, fixed_sum, pairs, clipped, outliers, edge, expected = (
+        sum(part) for part in zip(*gathered, strict=True)
+    )
+    kept = pixels >= _LEAST_PIXELS
+    with np.errstate(invalid="ignore", divide="ignore"):
+        variance_dn2 = (variance / pixels)[kept]
+        fixed_dn2 = np.maximum((fixed_sum / pairs)[kept] - variance_dn2 / frames, 0.0)
+        clipped_share = (clipped / pixels)[kept] / frames
+        mean_dn = (mean / pixels)[kept]
+    return Levels(
+        mean_dn=mean_dn,
+        variance_dn2=variance_dn2,
+        error_dn2=variance_dn2 * np.sqrt(_relative_variance(frames) / pixels[kept]),
+        fixed_dn2=np.nan_to_num(fixed_dn2),
+        pixels=pixels[kept].astype(np.int64),
+        clipped=clipped_share,
+        edge_excess=float(edge / expected) if expected > 0 else 1.0,
+        outliers=int(outliers),
+        frames=frames,
+    )
+
+
+def fit_affine(levels: Levels, *, black_level_dn: float) -> AffineFit:
+    """The line of variance over signal, by weighted least squares.
+
+    Weights come from the line itself, in a few rounds: measured variances that chance made small would
+    otherwise weigh too much and pull the line down. Levels that are censored at either end, that noise does
+    not spread over whole numbers, or that lie beyond the point where photosites fill up, are left out.
+    Intervals are widened where levels scatter more than chance allows.
+
+    Raises
+    ------
+    ValueError
+        When fewer than three levels are left, or they are all equally bright.
+    """
+    used = (levels.clipped <= CLIPPED_SHARE) & (levels.variance_dn2 >= FINEST_DN2)
+    saturation_dn = _saturation_dn(levels, used)
+    if saturation_dn is not None:
+        used &= levels.mean_dn < 0.9 * (saturation_dn - black_level_dn) + black_level_dn
+    if used.sum() < 3:
+        raise ValueError(f"{used.sum()} usable levels, and a line with an error takes at least three")
+    signal = levels.mean_dn[used] - black_level_dn
+    variance = levels.variance_dn2[used] - ROUNDING_DN2
+    if np.ptp(signal) < 3 * math.sqrt(variance.max()):
+        raise ValueError("all usable levels are about equally bright")
+    relative = levels.error_dn2[used] / levels.variance_dn2[used]
+    line, covariance, misfit = _weighted_polynomial(signal, variance, relative, degree=1)
+    widened = covariance * max(1.0, misfit)
+    quantile = float(stats.t.ppf(0.975, used.sum() - 2))
+    reach = quantile * np.sqrt(np.diag(widened))
+    bend, bend_z = 0.0, 0.0
+    if used.sum() > 4:
+        parabola, curved, rest = _weighted_polynomial(signal, variance, relative, degree=2)
+        top = signal[-1]
+        bend = float(parabola[2] * top**2 / max(np.polyval(line[::-1], top), 1e-12))
+        bend_z = float(parabola[2] / math.sqrt(curved[2, 2] * max(1.0, rest)))
+    return AffineFit(
+        photon_dn=float(line[1]),
+        photon_ci=(float(line[1] - reach[1]), float(line[1] + reach[1])),
+        thermal_dn2=float(line[0]),
+        thermal_ci=(float(line[0] - reach[0]), float(line[0] + reach[0])),
+        used=used,
+        misfit=misfit,
+        bend=bend,
+        bend_z=bend_z,
+        saturation_dn=saturation_dn,
+    )
+
+
+def _weighted_polynomial(
+    x: NDArray[np.float64], y: NDArray[np.float64], relative_error: NDArray[np.float64], *, degree: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Coefficients from the constant up, their covariance, and the reduced chi square."""
+    powers = np.vander(x, degree + 1, increasing=True)
+    fitted = y
+    for _ in range(6):
+        error = relative_error * np.maximum(fitted + ROUNDING_DN2, FINEST_DN2)
+        scaled = powers / error[:, None]
+        covariance = np.asarray(np.linalg.inv(scaled.T @ scaled), dtype=np.float64)
+        coefficients = covariance @ (scaled.T @ (y / error))
+        fitted = powers @ coefficients
+    freedom = max(len(x) - degree - 1, 1)
+    return coefficients, covariance, float(np.sum(((y - fitted) / error) ** 2) / freedom)
+
+
+def _saturation_dn(levels: Levels, used: NDArray[np.bool_]) -> float | None:
+    """The mean at which variance turns down; the maximum of the photon transfer (EMVA 1288, Sec. 6.6)."""
+    if used.sum() < 5:
+        return None
+    mean, variance = levels.mean_dn[used], levels.variance_dn2[used]
+    top = int(np.argmax(variance))
+    return float(mean[top]) if (variance[top:] < 0.7 * variance[top]).any() else None
+
+
+def _relative_variance(frames: int) -> float:
+    """Variance of half the mean square successive difference of a pixel, for Gaussian noise of variance 1."""
+    return (3 * frames - 4) / (frames - 1) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class _Stack:
+    """Frames of one plane with their mean, the pixels of even brightness, and counts of censored samples."""
+
+    frames: NDArray[np.uint8] | NDArray[np.uint16]
+    mean: NDArray[np.float32]
+    even: NDArray[np.bool_]
+    clipped: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, frames: NDArray[np.uint8] | NDArray[np.uint16], white_level_dn: float) -> _Stack:
+        mean = frames.mean(axis=0, dtype=np.float32)
+        clipped = np.zeros(mean.shape, np.float32)
+        for frame in frames:
+            clipped += (frame == 0) | (frame >= white_level_dn)
+        return cls(frames, mean, _even(frames, mean), clipped)
+
+    def gathered(self, edges: NDArray[np.float64]) -> tuple[NDArray[np.float64] | float, ...]:
+        """Sums over the pixels of each level; see `measure_levels`."""
+        count = len(edges) - 1
+        level = np.clip(np.digitize(self.mean, edges) - 1, 0, count - 1)
+        variance = self._over_time(level, count)
+        at = level[self.even]
+        typical = _per_level(at, variance[self.even], count) / np.maximum(_per_level(at, None, count), 1)
+        freedom = 2 / _relative_variance(len(self.frames))
+        most = stats.chi2.isf(_OUTLIER_PROBABILITY, freedom) / freedom
+        steady = self.even & (variance <= np.maximum(most * typical[level], 1.0))
+        at = level[steady]
+        neighbours = steady[:, 1:] & steady[:, :-1]
+        steps = np.diff(self.mean, axis=1)[neighbours] ** 2 / 2
+        uneven = ~self.even & (self.clipped == 0)
+        return (
+            _per_level(at, None, count),
+            _per_level(at, self.mean[steady], count),
+            _per_level(at, variance[steady], count),
+            _per_level(level[:, 1:][neighbours], steps, count),
+            _per_level(level[:, 1:][neighbours], None, count),
+            _per_level(at, self.clipped[steady], count),
+            float((self.even & ~steady).sum()),
+            float(variance[uneven].sum()),
+            float(typical[level][uneven].sum()),
+        )
+
+    def _over_time(self, level: NDArray[np.intp], count: int) -> NDArray[np.float32]:
+        """Half the mean square of successive differences, each taken about its mean over the level."""
+        total = np.zeros(self.mean.shape, np.float32)
+        of_level = np.maximum(_per_level(level[self.even], None, count), 1)
+        for before, after in zip(self.frames[:-1], self.frames[1:], strict=True):
+            step = after.astype(np.float32) - before
+            shift = _per_level(level[self.even], step[self.even], count) / of_level
+            total += (step - shift.astype(np.float32)[level]) ** 2
+        total /= 2 * (len(self.frames) - 1)
+        return total
+
+
+def _per_level(
+    level: NDArray[np.intp], values: NDArray[np.floating] | None, count: int
+) -> NDArray[np.float64]:
+    return np.bincount(level.ravel(), None if values is None else values.ravel(), count).astype(np.float64)
+
+
+def _even(frames: NDArray[np.uint8] | NDArray[np.uint16], mean: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Pixels around which brightness hardly changes: away from bar edges, within what noise leaves open."""
+    smooth = ndimage.uniform_filter(mean, 5)
+    step = frames[1].astype(np.float32) - frames[0]
+    noise = np.sqrt(ndimage.uniform_filter(step**2, 15) / 2)
+    allowed = 6 * noise * math.sqrt(2 / (25 * len(frames))) + 0.01 * np.ptp(
+        np.percentile(smooth, (0.5, 99.5))
+    )
+    even = np.zeros(mean.shape, bool)
+    inner = np.s_[_REACH_PX:-_REACH_PX, _REACH_PX:-_REACH_PX]
+    across = np.abs(smooth[:, 2 * _REACH_PX :] - smooth[:, : -2 * _REACH_PX])[_REACH_PX:-_REACH_PX]
+    along = np.abs(smooth[2 * _REACH_PX :] - smooth[: -2 * _REACH_PX])[:, _REACH_PX:-_REACH_PX]
+    even[inner] = np.maximum(across, along) <= allowed[inner]
+    return even

@@ -1,0 +1,98 @@
+"""Variance over signal, with the lines that explain it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_framework.report.palette import MUTED, RULE, camera_colour
+
+CHANNEL_COLOURS = {
+    "R": camera_colour(0),
+    "G": camera_colour(2),
+    "B": camera_colour(1),
+    "mono": camera_colour(5),
+}
+"""Of the page's own palette, close to what the channels are."""
+
+_DOT: dict[str, Any] = {
+    "marker": "o",
+    "linestyle": "",
+    "markersize": 3.2,
+    "markeredgewidth": 0,
+    "alpha": 0.75,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Measured levels of a channel and a line to hold against them.
+
+    Parameters
+    ----------
+    channel
+        R, G, B or mono.
+    signal_dn, variance_dn2
+        (L,) measured, above black [DN, DN^2].
+    error_dn2
+        (L,) standard error of the variance [DN^2].
+    used
+        (L,) which levels count; the others are drawn faintly.
+    line_dn2
+        (L,) the line at those signals [DN^2].
+    """
+
+    channel: str
+    signal_dn: NDArray[np.float64]
+    variance_dn2: NDArray[np.float64]
+    error_dn2: NDArray[np.float64]
+    used: NDArray[np.bool_]
+    line_dn2: NDArray[np.float64]
+
+
+def photon_transfer(name: str, panels: Sequence[tuple[str, Sequence[Cloud]]], *, line: str) -> str:
+    """SVG of a panel per setting, each with what is left over below.
+
+    Parameters
+    ----------
+    name
+        Unique among the drawings of a page.
+    panels
+        Title and clouds of each.
+    line
+        What the lines are, for the legend.
+    """
+    figures = ", ".join(title for title, _ in panels)
+    description = f"Variance over mean signal per channel, with {line} and residuals: {figures}."
+
+    def paint(figure: Figure) -> None:
+        grid = figure.subplots(2, len(panels), squeeze=False, sharex="col", height_ratios=(3, 1))
+        for (title, clouds), above, below in zip(panels, grid[0], grid[1], strict=True):
+            for cloud in clouds:
+                colour = CHANNEL_COLOURS[cloud.channel]
+                kept, left = cloud.used, ~cloud.used
+                above.plot(cloud.signal_dn[left], cloud.variance_dn2[left], color=RULE, **_DOT)
+                above.errorbar(
+                    cloud.signal_dn[kept], cloud.variance_dn2[kept], 2 * cloud.error_dn2[kept],
+                    color=colour, ecolor=colour, elinewidth=0.8, **_DOT, label=f"{cloud.channel}, measured",
+                )  # fmt: skip
+                above.plot(cloud.signal_dn, cloud.line_dn2, "-", color=colour, linewidth=1.4)
+                rest = 100 * (cloud.variance_dn2 / cloud.line_dn2 - 1)
+                below.plot(cloud.signal_dn[kept], rest[kept], color=colour, **_DOT)
+            above.set_title(title)
+            above.set_ylim(bottom=0)
+            below.axhline(0, color=MUTED, linewidth=0.8)
+            below.set_xlabel("signal above black [DN]")
+            for axes in (above, below):
+                light_grid(axes, "y")
+        grid[0][0].set_ylabel("variance [DN²]")
+        grid[1][0].set_ylabel("off the line [%]")
+        grid[0][0].legend(loc="upper left", labelcolor=MUTED)
+
+    return draw(name, (4.6 * max(len(panels), 1.6), 4.6), description, paint)

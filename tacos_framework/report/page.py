@@ -1,0 +1,128 @@
+"""A self-contained page of a procedure: text, drawings, pictures and tables in the report's style."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph of plain text."""
+
+    text: str
+    kind: Literal["paragraph"] = "paragraph"
+
+
+@dataclass(frozen=True)
+class Warnings:
+    """Sentences a reader must not miss; nothing where there are none."""
+
+    title: str
+    sentences: tuple[str, ...]
+    kind: Literal["warnings"] = "warnings"
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """An inline SVG, as `tacos_framework.report.figures.canvas.draw` gives it."""
+
+    svg: str
+    caption: str
+    kind: Literal["drawing"] = "drawing"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image as a data URI, as `image_uri` gives it."""
+
+    uri: str
+    caption: str
+    kind: Literal["picture"] = "picture"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of text under a heading."""
+
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str = ""
+    kind: Literal["table"] = "table"
+
+
+@dataclass(frozen=True)
+class Code:
+    """Text to be copied: a command, a file."""
+
+    text: str
+    kind: Literal["code"] = "code"
+
+
+Block = Paragraph | Warnings | Drawing | Picture | Table | Code
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page."""
+
+    title: str
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page.
+
+    Parameters
+    ----------
+    eyebrow
+        What kind of page it is, in small letters above the title.
+    title
+        The finding, in a sentence.
+    lead
+        What stands behind it, in a paragraph.
+    sections
+        Pictures before words.
+    """
+
+    eyebrow: str
+    title: str
+    lead: str
+    sections: Sequence[Section]
+
+
+def image_uri(image: NDArray[np.uint8]) -> str:
+    """An (H, W) or (H, W, 3) RGB image as a PNG in a data URI."""
+    import cv2
+
+    ordered = image if image.ndim == 2 else image[..., ::-1]
+    _, data = cv2.imencode(".png", np.ascontiguousarray(ordered))
+    return f"data:image/png;base64,{base64.b64encode(data.tobytes()).decode()}"
+
+
+def write_page(path: Path, page: Page) -> None:
+    """Write the page as one HTML file that fetches nothing."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    from tacos_framework.report.palette import stylesheet
+
+    environment = Environment(
+        loader=PackageLoader("tacos_framework.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["svg"] = Markup
+    text = environment.get_template("page.html.j2").render(page=page, palette=Markup(stylesheet()))
+    partial = path.with_name(f"{path.name}.partial")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(path)  # a reader never meets half a page
