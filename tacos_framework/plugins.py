@@ -74,10 +74,12 @@ class Plugins:
         return plugins
 
     def _load(self, entry_point: EntryPoint) -> None:
-        distribution = entry_point.dist.name if entry_point.dist else None
+        distribution = _name_of(entry_point)
         try:
             module = entry_point.load()
-        except Exception as error:  # noqa: BLE001 - whatever a stranger's import raises is kept and shown
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # noqa: BLE001 - whatever a stranger's import raises is kept and shown
             reason = f"its import failed: {type(error).__name__}: {error}"
             self.failures.append(PluginFailure(distribution or entry_point.name, reason, error))
             return
@@ -95,8 +97,9 @@ class Plugins:
 
     def _register(self, plugin: Any, name: str, distribution: str | None) -> None:
         known = set(self._manager.get_plugins())
+        unique = f"{distribution}:{name}" if distribution else name  # names are chosen by strangers
         try:
-            self._manager.register(plugin, name)
+            self._manager.register(plugin, unique)
             self._manager.check_pending()
         except (pluggy.PluginValidationError, ValueError) as error:
             if plugin not in known and self._manager.is_registered(plugin):
@@ -104,11 +107,17 @@ class Plugins:
             reason = f"its hooks do not fit: {error}"
             self.failures.append(PluginFailure(distribution or name, reason, error))
             return
+        if not self._manager.get_hookcallers(plugin):
+            reason = "it implements no hook: mark tacos_components with @hookimpl"
+            self.failures.append(PluginFailure(distribution or name, reason))
+            return
         others = [other for other in self._manager.get_plugins() if other is not plugin]
         hooks = self._manager.subset_hook_caller("tacos_components", remove_plugins=others)
         try:
             offered = [component for components in hooks() for component in components]
-        except Exception as error:  # noqa: BLE001 - kept and shown, as above
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # noqa: BLE001 - kept and shown, as above
             reason = f"its tacos_components failed: {type(error).__name__}: {error}"
             self.failures.append(PluginFailure(distribution or name, reason, error))
             return
@@ -131,6 +140,27 @@ class Plugins:
             refuse(f"{component.use} is already offered by {other.distribution or other.plugin}")
         else:
             self._components[component.use] = Registered(component, plugin, distribution)
+
+    def unusable(self) -> list[PluginFailure]:
+        """Components that cannot be imported or do not fit their kind. Imports every one of them.
+
+        Those that only lack an optional package are left out: nothing is wrong with them.
+        """
+        found = []
+        for registered in self:
+            component, plugin = registered.component, registered.distribution or registered.plugin
+            if component.missing_packages():
+                continue
+            try:
+                self.resolve(component.use)
+            except UserError as error:
+                reason, cause = "; ".join(fault.what for fault in error.faults), None
+            except Exception as error:  # noqa: BLE001 - kept and shown, as at discovery
+                reason, cause = f"{component.use} cannot be imported: {type(error).__name__}: {error}", error
+            else:
+                continue
+            found.append(PluginFailure(plugin, reason, cause, (component.use,)))
+        return found
 
     def __iter__(self) -> Iterator[Registered]:
         order = {kind: i for i, kind in enumerate(KINDS)}
@@ -199,6 +229,8 @@ class Plugins:
             )
         try:
             cls = component.load()
+        except SystemExit as error:  # would end the host without a word
+            raise ImportError(f"{component.target} ended the program while {use} was imported") from error
         except Exception as error:
             error.add_note(f"while importing {component.target} for {use} ({where})")
             raise
@@ -207,6 +239,14 @@ class Plugins:
                 [Fault(where, f"{use}: {fault}", remedy="Correct the plugin.") for fault in faults]
             )
         return cls
+
+
+def _name_of(entry_point: EntryPoint) -> str | None:
+    """The distribution an entry point belongs to; None where its metadata does not say."""
+    try:
+        return entry_point.dist.name if entry_point.dist else None
+    except KeyError:  # a folder of metadata without METADATA, as an interrupted uninstall leaves it
+        return None
 
 
 def contract_faults(component: Component, cls: type[Any]) -> list[str]:

@@ -93,7 +93,7 @@ def _doctor(arguments: argparse.Namespace) -> int:
         *itertools.chain(*plugins.hook.tacos_doctor()),
         *(
             Finding(f"plugin {f.plugin}", f.reason, ok=False, remedy="Update or uninstall it.")
-            for f in plugins.failures
+            for f in [*plugins.failures, *plugins.unusable()]
         ),
     ]
     for finding in findings:

@@ -2,33 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-import textwrap
-
 import pytest
 
 from tacos_framework.components import Component
 from tacos_framework.errors import UserError
 from tacos_framework.hookspecs import hookimpl
 from tacos_framework.plugins import Plugins, contract_faults
-
-
-@pytest.fixture
-def distribution(tmp_path, monkeypatch):
-    """Installs a fake distribution that offers a plugin module of the given source."""
-    monkeypatch.syspath_prepend(str(tmp_path))
-
-    def install(name: str, source: str) -> None:
-        module = name.replace("-", "_")
-        (tmp_path / f"{module}.py").write_text(textwrap.dedent(source))
-        info = tmp_path / f"{module}-1.0.dist-info"
-        info.mkdir()
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text(f"[tacos]\n{module} = {module}\n")
-        monkeypatch.delitem(sys.modules, module, raising=False)
-
-    return install
-
 
 GOOD = """
     from tacos_framework import Component, hookimpl
