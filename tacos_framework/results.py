@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import json
 import logging
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -13,17 +15,22 @@ from typing import Any
 import numpy as np
 import yaml
 from numpy.typing import NDArray
-from safetensors.numpy import load_file, save_file
+from safetensors.numpy import load_file, save
 
 from tacos_framework.contracts import State
 from tacos_framework.errors import Fault, UserError
 
+log = logging.getLogger(__name__)
+
 FORMAT = 1
 """Format of ``checkpoint.json``; another one cannot be resumed."""
 
+PARTIAL = ".partial"
+"""Ends the names of files that are being written; what is left of them after a crash counts for nothing."""
+
 
 class Results:
-    """A folder that holds one run.
+    """A folder that holds one run, and is this process's alone until `close`; usable with ``with``.
 
     ======================  ===========================================================================
     ``recipe.yaml``         the resolved recipe, every default filled in
@@ -39,6 +46,13 @@ class Results:
 
     def __init__(self, folder: Path):
         self.folder = Path(folder)
+        self._lock: int | None = None
+
+    def __enter__(self) -> Results:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
     @classmethod
     def create(cls, folder: Path, recipe: Mapping[str, Any]) -> Results:
@@ -50,23 +64,14 @@ class Results:
             When something is there already, or the folder cannot be written.
         """
         results = cls(folder)
-        try:
+        with results.writing(remedy="Name another folder with --out."):
             results.folder.mkdir(parents=True, exist_ok=True)
-            taken = any(results.folder.iterdir())
+            results._hold()
+            taken = not results._empty()
             if not taken:
-                results.write_text(
-                    "recipe.yaml", yaml.safe_dump(dict(recipe), sort_keys=False, allow_unicode=True)
-                )
-        except OSError as error:
-            raise UserError(
-                Fault(
-                    str(folder),
-                    f"the results folder cannot be written: {error.strerror}",
-                    "a folder on a disk with room that you may write to",
-                    "Name another folder with --out.",
-                )
-            ) from error
+                results._write_recipe(recipe)
         if taken:
+            results.close()
             resumable = (results.folder / "checkpoint.json").exists()
             raise UserError(
                 Fault(
@@ -91,8 +96,16 @@ class Results:
         """
         results = cls(folder)
         try:
-            begun = yaml.safe_load((results.folder / "recipe.yaml").read_text("utf-8"))
-        except FileNotFoundError:
+            state = results._checkpoint_of(recipe)
+        except UserError:
+            results.close()
+            raise
+        return results, state
+
+    def _checkpoint_of(self, recipe: Mapping[str, Any]) -> dict[str, Any] | None:
+        """The last checkpoint of the run in the folder, which must be of this recipe."""
+        folder, begun = self.folder, self.folder / "recipe.yaml"
+        if not folder.is_dir() or not (begun.exists() or self._empty()):
             raise UserError(
                 Fault(
                     str(folder),
@@ -100,9 +113,15 @@ class Results:
                     "a folder with recipe.yaml and checkpoint.json",
                     "Leave out --resume to start one.",
                 )
-            ) from None
+            )
+        with self.writing():
+            self._hold()
+            if not begun.exists():  # the run ended before it had begun
+                self._write_recipe(recipe)
+                return None
+        earlier = _read(begun, lambda text: dict(yaml.safe_load(text)))
         differing = [
-            key for key in {*begun, *recipe} if begun.get(key) != recipe.get(key) and key != "executor"
+            key for key in {*earlier, *recipe} if earlier.get(key) != recipe.get(key) and key != "executor"
         ]
         if differing:
             raise UserError(
@@ -113,10 +132,10 @@ class Results:
                     "Resume with those, or name another --out.",
                 )
             )
-        checkpoint = results.folder / "checkpoint.json"
+        checkpoint = folder / "checkpoint.json"
         if not checkpoint.exists():
-            return results, None
-        state = json.loads(checkpoint.read_text("utf-8"))
+            return None
+        state = _read(checkpoint, lambda text: dict(json.loads(text)))
         if state.get("format") != FORMAT:
             raise UserError(
                 Fault(
@@ -126,12 +145,70 @@ class Results:
                     "Resume with the version of tacos-framework it was written by.",
                 )
             )
-        return results, state
+        return state
+
+    # the folder -------------------------------------------------------------------------------------------
+
+    def _empty(self) -> bool:
+        """Whether nothing is there but what a run leaves that was killed before it had begun."""
+        return all(path.name.endswith(PARTIAL) for path in self.folder.iterdir())
+
+    def _write_recipe(self, recipe: Mapping[str, Any]) -> None:
+        self.write_text("recipe.yaml", yaml.safe_dump(dict(recipe), sort_keys=False, allow_unicode=True))
+
+    def _hold(self) -> None:
+        """Keep other runs out; the system lets go of it when this process ends, in whatever way."""
+        self._lock = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.close()
+            raise UserError(
+                Fault(
+                    str(self.folder),
+                    "another run is writing into this folder",
+                    "a folder of its own for every run",
+                    "Wait for it or end it, or name another folder with --out.",
+                )
+            ) from None
+        except OSError as error:  # some network file systems have no locks
+            log.warning("the results folder cannot be locked: %s", error.strerror)
+
+    def close(self) -> None:
+        """Let other runs in; safe to call twice."""
+        lock, self._lock = self._lock, None
+        if lock is not None:
+            os.close(lock)
+
+    @contextmanager
+    def writing(
+        self, remedy: str = "Make room or mend the folder, then go on with --resume."
+    ) -> Iterator[None]:
+        """What the system refuses inside becomes a `UserError` that says what to do.
+
+        Files are replaced whole, so the last checkpoint stays what it was.
+        """
+        try:
+            yield
+        except OSError as error:
+            if self._lock is not None and not self.folder.is_dir():
+                fault = Fault(
+                    str(self.folder), "the results folder was removed meanwhile", "", "Start again."
+                )
+            else:
+                fault = Fault(
+                    str(self.folder),
+                    f"the results cannot be written: {error.strerror or error}",
+                    "a folder on a disk with room that you may write to",
+                    remedy,
+                )
+            raise UserError(fault) from error
 
     @contextmanager
     def logging(self, packages: Iterable[str]) -> Iterator[None]:
         """Write the log of these packages to ``log.txt`` meanwhile."""
-        handler = logging.FileHandler(self.folder / "log.txt", encoding="utf-8")
+        with self.writing():
+            handler = _LogFile(self.folder / "log.txt", encoding="utf-8")
         handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
         loggers = [logging.getLogger(name) for name in sorted(set(packages))]
         for logger in loggers:
@@ -154,13 +231,24 @@ class Results:
 
     def _write(self, name: str, data: bytes) -> Path:
         path = self.folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(path.name + ".partial")
-        with partial.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
+        with self.writing():
+            if not self.folder.is_dir():
+                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(self.folder))
+            path.parent.mkdir(parents=True, exist_ok=True)
+            partial = path.with_name(path.name + PARTIAL)
+            try:
+                with partial.open("wb") as file:
+                    file.write(data)
+                    _to_disk(file.fileno())
+            except OSError:
+                partial.unlink(missing_ok=True)  # a full disk needs the room
+                raise
+            partial.replace(path)
+            folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                _to_disk(folder)
+            finally:
+                os.close(folder)
         return path
 
     def write_checkpoint(self, state: Mapping[str, Any]) -> None:
@@ -175,8 +263,11 @@ class Results:
 
     def append_line(self, name: str, line: Any) -> None:
         """Add one JSON line to a file."""
-        with (self.folder / name).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line, allow_nan=False, ensure_ascii=False) + "\n")
+        text = json.dumps(line, allow_nan=False, ensure_ascii=False) + "\n"
+        with self.writing(), (self.folder / name).open("a", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            _to_disk(file.fileno())
 
     def read_lines(self, name: str) -> list[Any]:
         """The JSON lines of a file; empty when it is not there. A last line cut short is left out."""
@@ -188,11 +279,8 @@ class Results:
 
     def write_state(self, name: str, state: State) -> None:
         """Keep the state of a trainable task under ``weights/``."""
-        path = self.folder / "weights" / f"{name}.safetensors"
-        path.parent.mkdir(exist_ok=True)
-        partial = path.with_suffix(".partial")
-        save_file({key: np.ascontiguousarray(value) for key, value in state.items()}, partial)
-        partial.replace(path)
+        arrays = {key: np.ascontiguousarray(value) for key, value in state.items()}
+        self._write(f"weights/{name}.safetensors", save(arrays))
 
     def read_state(self, name: str) -> State:
         """A state kept by `write_state`."""
@@ -215,3 +303,34 @@ class Results:
         relative = f"samples/{name}.png"
         self._write(relative, data.tobytes())
         return relative
+
+
+def _to_disk(descriptor: int) -> None:
+    """Have the system write out what it holds back, so that it outlives the machine's power."""
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno != errno.EINVAL:  # file systems that cannot, for folders
+            raise
+
+
+def _read(path: Path, parse: Callable[[str], dict[str, Any]]) -> dict[str, Any]:
+    """What a file of the run holds, or what is wrong with it."""
+    try:
+        return parse(path.read_text("utf-8"))
+    except (OSError, ValueError, TypeError, yaml.YAMLError) as error:
+        raise UserError(
+            Fault(
+                str(path),
+                f"the file cannot be read: {error}",
+                "the file as the run left it",
+                "Start a new run.",
+            )
+        ) from error
+
+
+class _LogFile(logging.FileHandler):
+    """A log that goes quiet where it cannot be written; the run says what is wrong, and the log need not."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Drop the line."""

@@ -93,23 +93,23 @@ def _run_procedure(
         "resume": resume,
     }
     began = time.monotonic()
-    with results.logging({"tacos_framework", plan.cls.__module__.partition(".")[0]}):
+    with results, results.logging({"tacos_framework", plan.cls.__module__.partition(".")[0]}):
         try:
             found: Mapping[str, Any] = procedure.run(
                 **{name: value for name, value in supplied.items() if name in plan.asks_for}
             )
         finally:
             executor.close()
-    workers = getattr(executor, "workers", 1)
-    result = {
-        "tacos": __version__,
-        "name": recipe.name or recipe.use,
-        "procedure": recipe.use,
-        "seed": recipe.seed,
-        "seconds": round(time.monotonic() - began, 3),
-        "environment": describe_environment(workers, chain(*plugins.hook.tacos_doctor())),
-        "command": command,
-        **found,
-    }
-    results.write_json("result.json", result)
+        workers = getattr(executor, "workers", 1)
+        result = {
+            "tacos": __version__,
+            "name": recipe.name or recipe.use,
+            "procedure": recipe.use,
+            "seed": recipe.seed,
+            "seconds": round(time.monotonic() - began, 3),
+            "environment": describe_environment(workers, chain(*plugins.hook.tacos_doctor())),
+            "command": command,
+            **found,
+        }
+        results.write_json("result.json", result)
     return result

@@ -50,11 +50,11 @@ def run_study(
     plan = make_plan(recipe, plugins)
     data = recipe.as_data()
     results, checkpoint = Results.resume(out, data) if resume else (Results.create(out, data), None)
-    executor = plan.executor.make()
-    study = Study(plan, plugins, results, executor, progress or Silent(), command)
     parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
     packages = {part.cls.__module__.partition(".")[0] for part in parts}
-    with results.logging({"tacos_framework", *packages}):
+    with results, results.logging({"tacos_framework", *packages}):
+        executor = plan.executor.make()
+        study = Study(plan, plugins, results, executor, progress or Silent(), command)
         try:
             study.restore(checkpoint)
             study.run()
@@ -67,7 +67,8 @@ def run_study(
         if report:
             from tacos_framework.report import write_report
 
-            write_report(results.folder)
+            with results.writing():
+                write_report(results.folder)
     return result
 
 

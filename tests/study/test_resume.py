@@ -6,7 +6,10 @@ import json
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
 import toy_plugin
@@ -60,6 +63,52 @@ def test_a_killed_run_resumes_to_the_same_result(toys, tmp_path, generations_bef
     records = [_timeless(json.loads(line)) for line in lines.read_text().splitlines()]
     unbroken = (tmp_path / "whole" / "generations.jsonl").read_text().splitlines()
     assert records == [_timeless(json.loads(line)) for line in unbroken]
+
+
+def _dying(*arguments: object) -> None:
+    """Run the script of dying studies, on one thread, so that its children can be forked."""
+    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    tests = Path(__file__).parents[1]
+    script = Path(__file__).with_name("dying.py")
+    done = subprocess.run(
+        [sys.executable, script, *map(str, arguments)],
+        env={**os.environ, **one_thread, "PYTHONPATH": str(tests)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def _left_in(out: Path) -> dict[str, object]:
+    """All that a run leaves, but for times and the machine."""
+    files: dict[str, object] = {
+        str(path.relative_to(out)): path.read_bytes()
+        for folder in ("samples", "weights")
+        for path in sorted((out / folder).iterdir())
+    }
+    files["result.json"] = comparable(json.loads((out / "result.json").read_text()))
+    lines = (out / "generations.jsonl").read_text().splitlines()
+    files["generations.jsonl"] = [_timeless(json.loads(line)) for line in lines]
+    files["names"] = sorted(path.name for path in out.iterdir())
+    return files
+
+
+@pytest.mark.parametrize("stride", [5, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_run_that_dies_at_any_file_operation_resumes_to_the_same_result(tmp_path, stride):
+    _dying("each", tmp_path, stride)
+    whole = _left_in(tmp_path / "whole")
+    died = [path for path in tmp_path.iterdir() if path.name.isdecimal()]
+    assert len(died) > 60 / stride
+    for out in died:
+        assert _left_in(out) == whole, out.name
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_run_killed_again_and_again_at_random_moments_ends_with_the_same_result(tmp_path, seed):
+    _dying("random", tmp_path, seed, 8)
+    assert _left_in(tmp_path / "killed") == _left_in(tmp_path / "whole")
 
 
 def _timeless(line):
