@@ -39,6 +39,11 @@ RENDERERS = {
         "analytic:AnalyticRenderer",
         "Small ray caster without OpenGL, for tests and machines without it.",
     ),
+    "mitsuba": (
+        "mitsuba.renderer:MitsubaRenderer",
+        "Path tracing with Mitsuba 3: slow, the reference the rasterizer is compared with.",
+        "mitsuba=tacos-framework[mitsuba]",
+    ),
 }
 
 EFFECTS = {
@@ -206,6 +211,20 @@ OPTIMIZERS = {
     "random": (
         "random_search:RandomSearch",
         "Independent uniform draws: the baseline any search must beat.",
+    ),
+    "sobol": (
+        "sobol:Sobol",
+        "Scrambled Sobol points: covers the space more evenly than random draws.",
+    ),
+    "cma-es": (
+        "cma_es:CmaEs",
+        "Covariance matrix adaptation with restarts, on snapped candidates.",
+        "cma",
+    ),
+    "optuna": (
+        "optuna_search:OptunaSearch",
+        "Optuna's samplers: Parzen estimators (tpe) and Gaussian processes (gp).",
+        "optuna",
     ),
 }
 

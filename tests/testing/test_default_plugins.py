@@ -55,9 +55,13 @@ from tacos_plugins.effects.vignetting import Vignetting
 from tacos_plugins.effects.white_balance import WhiteBalance
 from tacos_plugins.executors.local import LocalExecutor
 from tacos_plugins.executors.process import ProcessExecutor
+from tacos_plugins.optimizers.cma_es import CmaEs
 from tacos_plugins.optimizers.genetic import Genetic
+from tacos_plugins.optimizers.optuna_search import OptunaSearch
 from tacos_plugins.optimizers.random_search import RandomSearch
+from tacos_plugins.optimizers.sobol import Sobol
 from tacos_plugins.renderers.analytic import AnalyticRenderer
+from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.rigs.stereo import StereoRig
@@ -82,6 +86,15 @@ class TestModernglRenderer(RendererConformance):
 
 class TestAnalyticRenderer(RendererConformance):
     component = AnalyticRenderer
+
+
+class TestMitsubaRenderer(RendererConformance):
+    component = MitsubaRenderer
+    config = {"samples": 16}
+
+    @pytest.fixture(autouse=True)
+    def _needs_mitsuba(self):
+        pytest.importorskip("mitsuba", reason="the extra mitsuba is not installed")
 
 
 class TestMonocularRig(RigConformance):
@@ -325,6 +338,40 @@ class TestGeneticThatRedraws(OptimizerConformance):
 class TestRandomSearch(OptimizerConformance):
     component = RandomSearch
     config = {"evaluations": 10, "batch": 4}
+
+
+class TestSobol(OptimizerConformance):
+    component = Sobol
+    config = {"evaluations": 10, "batch": 4}
+
+
+class TestCmaEs(OptimizerConformance):
+    component = CmaEs
+    config = {"evaluations": 30, "initial": 6}
+
+
+class TestCmaEsThatStartsAnywhere(OptimizerConformance):
+    component = CmaEs
+    config = {"evaluations": 30, "initial": 0, "population": 4, "restarts": "ipop"}
+
+
+class TestOptunaTpe(OptimizerConformance):
+    component = OptunaSearch
+    config = {"evaluations": 24, "batch": 4, "initial": 8}
+
+    @pytest.fixture(autouse=True)
+    def _needs_optuna(self):
+        pytest.importorskip("optuna", reason="the extra optuna is not installed")
+
+
+class TestOptunaGp(OptimizerConformance):
+    component = OptunaSearch
+    config = {"sampler": "gp", "evaluations": 10, "batch": 2, "initial": 4}
+
+    @pytest.fixture(autouse=True)
+    def _needs_optuna_and_torch(self):
+        pytest.importorskip("optuna", reason="the extra optuna is not installed")
+        pytest.importorskip("torch", reason="torch is not installed")
 
 
 class TestLocalExecutor(ExecutorConformance):

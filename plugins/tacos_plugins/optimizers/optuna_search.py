@@ -1,0 +1,213 @@
+"""The samplers of Optuna: tree-structured Parzen estimators and Gaussian processes."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from tacos_framework.contracts import Evaluated
+from tacos_framework.design_space import Candidate, Categorical, DesignSpace
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.settings import Settings, setting
+
+if TYPE_CHECKING:
+    import optuna
+
+
+class OptunaSearch:
+    """Asks a model of the fitness where the next candidate is most likely to be better.
+
+    ``tpe`` models where good and bad candidates lie, all genes together; ``gp`` models the fitness as a
+    Gaussian process, and takes the candidate of the largest log expected improvement. A Gaussian process
+    needs few evaluations but some tenths of a second of thought for each, so it suits those that cost more.
+
+    Candidates that failed count as the worst fitness told so far: where they lie is worth avoiding.
+
+    Each round draws with a sampler of its own, seeded from the study's generator. What is told is then all
+    there is to remember, and a resumed search goes on exactly as an unbroken one, without thinking it all
+    through again.
+
+    Examples
+    --------
+    >>> from tacos_framework.design_space import Continuous
+    >>> space = DesignSpace([Continuous("baseline_m", 0.01, 3, "m")])
+    >>> config = OptunaSearch.Config(evaluations=40)
+    >>> search, best = OptunaSearch(config, space=space, rng=np.random.default_rng(1)), -np.inf
+    >>> while not (reason := search.stop()):
+    ...     told = [Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()]
+    ...     best = max(best, *(result.fitness for result in told))
+    ...     search.tell(told)
+    >>> reason, bool(best > -0.1)
+    ('all 40 candidates were evaluated', True)
+
+    References
+    ----------
+    Akiba et al. 2019, "Optuna"; Bergstra et al. 2011, "Algorithms for hyper-parameter optimization" (tpe);
+    Ament et al. 2023, "Unexpected improvements to expected improvement" (gp).
+    """
+
+    class Config(Settings):
+        """Settings of the optimizer."""
+
+        sampler: Literal["tpe", "gp"] = setting(
+            "tpe", help="Parzen estimators (tpe), or a Gaussian process (gp), which needs torch installed."
+        )
+        evaluations: int = setting(200, help="Candidates asked in all.", ge=1)
+        batch: int = setting(
+            1,
+            help="Candidates asked at a time; more keep workers busy, but learn nothing from one another.",
+            ge=1,
+        )
+        initial: int = setting(10, help="Candidates drawn at random before the model is asked.", ge=1)
+
+    def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:
+        if config.sampler == "gp" and find_spec("torch") is None:
+            raise UserError(
+                Fault("optimizer.optuna", "sampler gp needs torch", "", "Install torch, or use sampler tpe.")
+            )
+        self.config = config
+        self._space = space
+        self._rng = rng
+        self._distributions = _distributions_of(space)
+        self._begin([])
+
+    def _begin(self, told: Sequence[Mapping[str, Any]]) -> None:
+        import optuna
+
+        with _quiet():
+            self._study = optuna.create_study(direction="maximize")
+        self._told: list[Mapping[str, Any]] = []
+        self._trials: list[optuna.trial.Trial] = []
+        self._asked: list[Candidate] = []
+        for entry in told:
+            self._study.add_trial(
+                optuna.trial.create_trial(
+                    params=dict(entry["genes"]), distributions=self._distributions, **self._outcome(entry)
+                )
+            )
+            self._told.append(entry)
+        self._next_round()
+
+    def _next_round(self) -> None:
+        self._round_seed = int(self._rng.integers(2**32))
+        self._trials, self._asked = [], []
+
+    @property
+    def expected_candidates(self) -> int:
+        """All evaluations."""
+        return self.config.evaluations
+
+    def ask(self) -> list[Candidate]:
+        """The next batch; the same one until it is told."""
+        if not self._asked:
+            count = min(self.config.batch, self.config.evaluations - len(self._told))
+            with _quiet():
+                self._study.sampler = self._sampler()
+                self._trials = [self._study.ask(self._distributions) for _ in range(count)]
+            names = [gene.name for gene in self._space.genes]
+            self._asked = [
+                self._space.decode([trial.params[name] for name in names]) for trial in self._trials
+            ]
+        return list(self._asked)
+
+    def tell(self, evaluated: Sequence[Evaluated]) -> None:
+        """Take in the fitness of the batch.
+
+        Raises
+        ------
+        ValueError
+            When a fitness is NaN or infinite, or the results are not those of the candidates asked.
+        """
+        for result in evaluated:
+            if result.fitness is not None and not math.isfinite(result.fitness):
+                raise ValueError(f"the fitness of candidate {result.candidate.key} is not a finite number")
+        if [result.candidate for result in evaluated] != self._asked:
+            raise ValueError("tell takes the results of the candidates last asked, in their order")
+        for trial, result in zip(self._trials, evaluated, strict=True):
+            entry = {"genes": trial.params, "fitness": result.fitness}
+            outcome = self._outcome(entry)
+            with _quiet():
+                self._study.tell(trial, outcome.get("value"), state=outcome["state"])
+            self._told.append(entry)
+        self._next_round()
+
+    def stop(self) -> str | None:
+        """A reason once all evaluations are told."""
+        if len(self._told) < self.config.evaluations:
+            return None
+        return f"all {self.config.evaluations} candidates were evaluated"
+
+    def state(self) -> dict[str, Any]:
+        """What was told, the seed of the round in flight and the generator, as JSON values."""
+        return {
+            "told": list(self._told),
+            "round_seed": self._round_seed,
+            "rng": self._rng.bit_generator.state,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a `state`."""
+        self._begin(state["told"])
+        self._round_seed = state["round_seed"]
+        self._rng.bit_generator.state = state["rng"]
+
+    def _outcome(self, entry: Mapping[str, Any]) -> dict[str, Any]:
+        """How a result enters the model: what failed counts as the worst so far, or not at all."""
+        from optuna.trial import TrialState
+
+        known = [e["fitness"] for e in (*self._told, entry) if e["fitness"] is not None]
+        if not known:
+            return {"state": TrialState.FAIL}
+        value = min(known) if entry["fitness"] is None else entry["fitness"]
+        return {"state": TrialState.COMPLETE, "value": value}
+
+    def _sampler(self) -> optuna.samplers.BaseSampler:
+        from optuna.samplers import GPSampler, TPESampler
+
+        if self.config.sampler == "gp":
+            return GPSampler(
+                seed=self._round_seed, n_startup_trials=self.config.initial, deterministic_objective=True
+            )
+        return TPESampler(
+            seed=self._round_seed,
+            n_startup_trials=self.config.initial,
+            multivariate=True,
+            constant_liar=self.config.batch > 1,
+        )
+
+
+def _distributions_of(space: DesignSpace) -> dict[str, Any]:
+    """Optuna's description of each gene; values without an order are told as such."""
+    from optuna.distributions import CategoricalDistribution, FloatDistribution, IntDistribution
+
+    unordered = {variable.name for variable in space.variables if isinstance(variable, Categorical)}
+    found: dict[str, Any] = {}
+    for gene in space.genes:
+        if gene.variable in unordered:
+            found[gene.name] = CategoricalDistribution(range(int(gene.upper) + 1))
+        elif gene.kind == "continuous":
+            found[gene.name] = FloatDistribution(gene.lower, gene.upper)
+        else:
+            found[gene.name] = IntDistribution(int(gene.lower), int(gene.upper))
+    return found
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Optuna's log of every trial, and its notes that a sampler is new, from the user of a study."""
+    import optuna
+
+    verbosity = optuna.logging.get_verbosity()
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+            yield
+    finally:
+        optuna.logging.set_verbosity(verbosity)

@@ -1,0 +1,93 @@
+"""Scrambled Sobol points: random search that leaves no holes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from tacos_framework.contracts import Evaluated
+from tacos_framework.design_space import Candidate, DesignSpace
+from tacos_framework.settings import Settings, setting
+from tacos_plugins.optimizers.unit_cube import UnitCube
+
+
+class Sobol:
+    """Fills the design space evenly with a scrambled Sobol sequence, whatever the fitness says.
+
+    In every coordinate and every pair of coordinates the points are spread more evenly than random ones. The
+    scrambling is drawn from the seed, so that seeds give independent sequences. Balance is best where
+    ``evaluations`` is a power of two.
+
+    Examples
+    --------
+    >>> from tacos_framework.design_space import Continuous
+    >>> space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg")])
+    >>> search = Sobol(Sobol.Config(evaluations=4, batch=4), space=space, rng=np.random.default_rng(1))
+    >>> sorted(int(candidate.genes[0] // 15) for candidate in search.ask())
+    [-2, -1, 0, 1]
+
+    References
+    ----------
+    Sobol 1967; Owen 1998, "Scrambling Sobol' and Niederreiter-Xing points". The implementation is SciPy's.
+    """
+
+    class Config(Settings):
+        """Settings of the optimizer."""
+
+        evaluations: int = setting(256, help="Candidates drawn in all.", ge=1, le=2**30)
+        batch: int = setting(8, help="Candidates asked at a time; the last batch may be smaller.", ge=1)
+
+    def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:
+        self.config = config
+        self._cube = UnitCube(space)
+        self._begin(int(rng.integers(2**63)))
+
+    def _begin(self, scrambling: int) -> None:
+        self._scrambling = scrambling
+        self._sequence = qmc.Sobol(max(self._cube.dimension, 1), seed=np.random.default_rng(scrambling))
+        self._evaluated = 0
+        self._asked = self._draw()
+
+    @property
+    def expected_candidates(self) -> int:
+        """All evaluations."""
+        return self.config.evaluations
+
+    def ask(self) -> list[Candidate]:
+        """The next batch; the same one until it is told."""
+        return list(self._asked)
+
+    def tell(self, evaluated: Sequence[Evaluated]) -> None:
+        """Count the batch; what it scored changes nothing."""
+        self._evaluated += len(evaluated)
+        self._asked = self._draw()
+
+    def stop(self) -> str | None:
+        """A reason once all evaluations are told."""
+        if self._evaluated < self.config.evaluations:
+            return None
+        return f"all {self.config.evaluations} candidates were evaluated"
+
+    def state(self) -> dict[str, Any]:
+        """The scrambling and how far the sequence was told, as JSON values."""
+        return {"scrambling": self._scrambling, "evaluated": self._evaluated}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a `state`."""
+        self._begin(state["scrambling"])
+        while self._evaluated < state["evaluated"]:
+            self._evaluated += len(self._asked)
+            self._asked = self._draw()
+
+    def _draw(self) -> list[Candidate]:
+        count = min(self.config.batch, self.config.evaluations - self._evaluated)
+        if count == 0:
+            return []
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # that the first batch is no power of two
+            points = self._sequence.random(count)
+        return [self._cube.candidate(point[: self._cube.dimension]) for point in points]

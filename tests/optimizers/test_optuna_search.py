@@ -1,0 +1,124 @@
+"""Optuna's samplers."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tacos_framework.contracts import Evaluated
+from tacos_framework.design_space import Categorical, Continuous, DesignSpace, Integer
+from tacos_framework.errors import UserError
+from tacos_plugins.optimizers import optuna_search
+from tacos_plugins.optimizers.optuna_search import OptunaSearch
+from tacos_plugins.optimizers.random_search import RandomSearch
+from tests.optimizers.landscapes import MIXED, mixed, regret, search
+
+optuna = pytest.importorskip("optuna", reason="the extra optuna is not installed")
+
+
+def make(space: DesignSpace = MIXED, seed: int = 1, **config) -> OptunaSearch:
+    return OptunaSearch(OptunaSearch.Config(**config), space=space, rng=np.random.default_rng(seed))
+
+
+def draws(seed: int, evaluations: int) -> RandomSearch:
+    return RandomSearch(
+        RandomSearch.Config(evaluations=evaluations), space=MIXED, rng=np.random.default_rng(seed)
+    )
+
+
+def test_tpe_finds_an_optimum_in_120_evaluations_closer_than_random_search():
+    found = regret(lambda seed: make(seed=seed, evaluations=120, batch=2), mixed, seeds=5)
+    drawn = regret(lambda seed: draws(seed, 120), mixed, seeds=5)
+    assert found < 0.1
+    assert drawn > 0.15
+
+
+def test_gp_finds_an_optimum_in_40_evaluations_where_random_search_does_not():
+    pytest.importorskip("torch", reason="torch is not installed")
+    found = regret(lambda seed: make(seed=seed, sampler="gp", evaluations=40), mixed, seeds=3)
+    drawn = regret(lambda seed: draws(seed, 40), mixed, seeds=3)
+    assert found < 0.1
+    assert drawn > 0.2
+
+
+def test_gp_without_torch_says_what_to_install(monkeypatch):
+    monkeypatch.setattr(optuna_search, "find_spec", lambda _: None)
+    with pytest.raises(UserError, match="Install torch, or use sampler tpe"):
+        make(sampler="gp")
+
+
+def test_failures_are_avoided():
+    """Half of the space fails; the model learns to stay out of it."""
+
+    def fenced(candidate):
+        return None if candidate.genes[1] < 50 else mixed(candidate)
+
+    optimizer, late = make(evaluations=80), []
+    while optimizer.stop() is None:
+        told = [Evaluated(candidate, fenced(candidate)) for candidate in optimizer.ask()]
+        late = [*late, *(result.fitness is None for result in told)][-30:]
+        optimizer.tell(told)
+    assert np.mean(late) < 0.2
+
+
+def test_its_logs_and_warnings_stay_out_of_a_study(capfd):
+    optuna.logging.set_verbosity(optuna.logging.DEBUG)
+    try:
+        search(make(evaluations=15), mixed)
+        assert optuna.logging.get_verbosity() == optuna.logging.DEBUG
+    finally:
+        optuna.logging.set_verbosity(optuna.logging.INFO)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_values_without_order_are_told_as_such():
+    space = DesignSpace([Categorical("lens", ("wide", "tele")), Integer("n", 1, 4)])
+    kinds = {name: type(kind).__name__ for name, kind in make(space)._distributions.items()}
+    assert kinds == {"lens": "CategoricalDistribution", "n": "IntDistribution"}
+
+
+@pytest.mark.parametrize("wrong", [float("nan"), float("inf")])
+def test_a_fitness_that_is_no_finite_number_is_refused(wrong):
+    optimizer = make()
+    with pytest.raises(ValueError, match="not a finite number"):
+        optimizer.tell([Evaluated(candidate, wrong) for candidate in optimizer.ask()])
+
+
+def test_results_of_other_candidates_are_refused():
+    optimizer = make(batch=2)
+    with pytest.raises(ValueError, match="candidates last asked"):
+        optimizer.tell([Evaluated(candidate, 1.0) for candidate in optimizer.ask()[::-1]])
+
+
+def test_a_product_that_leaves_nothing_free_is_searched_all_the_same():
+    assert search(make(DesignSpace([]), evaluations=3), lambda _: 1.0) == 1.0
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    seed=st.integers(0, 2**32),
+    batch=st.integers(1, 4),
+    fitness=st.lists(st.none() | st.floats(-1e6, 1e6), min_size=1, max_size=20),
+    after=st.integers(0, 8),
+)
+def test_any_fitness_can_be_resumed_bit_by_bit(seed, batch, fitness, after):
+    space = DesignSpace([Continuous("a", 0, 1, "m"), Categorical("lens", ("wide", "normal", "tele"))])
+
+    def told(optimizer):
+        return [Evaluated(c, fitness[int(c.key, 16) % len(fitness)]) for c in optimizer.ask()]
+
+    config = {"evaluations": 24, "batch": batch, "initial": 5}
+    unbroken, resumed = make(space, seed, **config), make(space, 0, **config)
+    for _ in range(after):
+        if unbroken.stop() is None:
+            unbroken.tell(told(unbroken))
+    resumed.restore(json.loads(json.dumps(unbroken.state(), allow_nan=False)))
+    while unbroken.stop() is None:
+        assert [c.genes for c in resumed.ask()] == [c.genes for c in unbroken.ask()]
+        resumed.tell(told(resumed))
+        unbroken.tell(told(unbroken))
+    assert resumed.stop() == unbroken.stop()
