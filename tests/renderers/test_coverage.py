@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tacos_plugins.renderers.moderngl.coverage import blend_edges
+from tacos_plugins.renderers.moderngl.coverage import find_edges
 
 
 def blended(colour, surface):
     copy = np.array(colour, np.float32)
-    blend_edges(copy, np.asarray(surface, np.float32))
+    find_edges(np.asarray(surface, np.float32)).blend(copy)
     return copy
 
 

@@ -61,8 +61,12 @@ class Culling:
         """Those chunks that hold any of the surfaces in an image of surface numbers."""
         if len(chunk) == 0:
             return chunk
-        count = np.bincount(surface_seen.reshape(-1).astype(np.int64), minlength=self._surfaces)
-        seen = np.logical_or.reduceat(count[self._surface_in_chunk] > 0, self._first_pair)
+        flat = surface_seen.reshape(-1)
+        starts = np.flatnonzero(flat[1:] != flat[:-1]) + 1  # of runs, which are few
+        is_seen = np.zeros(self._surfaces, dtype=bool)
+        is_seen[flat[:1].astype(np.intp)] = True
+        is_seen[flat[starts].astype(np.intp)] = True
+        seen = np.logical_or.reduceat(is_seen[self._surface_in_chunk], self._first_pair)
         return chunk[seen[chunk]]
 
     def draw_list(

@@ -26,7 +26,8 @@ class Programs:
     def __init__(self, context: moderngl.Context):
         filters = not describe_gl().is_software and context.max_anisotropy > 1
         self._extra = ("FILTER_IN_HARDWARE",) if filters else ()
-        self.truth = compile_program(context, "truth.vert", "truth.frag")
+        self.truth = compile_program(context, "truth.vert", "truth.frag", ("DEPTH",))
+        self.surfaces = compile_program(context, "truth.vert", "truth.frag")
         self.context = context
         self._surface: dict[SurfaceKind, moderngl.Program] = {}
 
@@ -72,47 +73,50 @@ class Painter:
     def __init__(self, programs: Programs, world: GpuWorld):
         self.world = world
         self._context, self._programs = programs.context, programs
-        self._surfaces = {kind: world.surface_arrays(programs.surface(kind)) for kind in world.kinds}
+        self._shaded = {kind: world.surface_arrays(programs.surface(kind)) for kind in world.kinds}
         self._truth = world.truth_arrays(programs.truth)
+        self._surfaces = world.truth_arrays(programs.surfaces)
 
-    def colour(self, view: Viewpoint, target: Target, seen: NDArray[np.float32] | None = None) -> None:
+    def in_view(self, view: Viewpoint) -> NDArray[np.intp]:
+        """The chunks of the world that a camera may see."""
+        return self.world.culling.in_frustum(view.clip_from_world)
+
+    def with_surfaces(self, chunks: NDArray[np.intp], seen: NDArray[np.float32]) -> NDArray[np.intp]:
+        """Those chunks that hold any of the surfaces in an image of surface numbers."""
+        return self.world.culling.with_surfaces(chunks, seen)
+
+    def truth(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
+        """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
+        program = self._programs.truth
+        _write(program, "depth_from_world", view.camera_from_world[2].astype("f4").tobytes())
+        self._clear(target, (np.inf, 0.0, 0.0, 0.0))
+        self._draw_alike(program, self._truth, view, chunks)
+
+    def surfaces(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
+        """Draw the surface number into a target of 1 channel; 0 for nothing."""
+        self._clear(target, (0.0, 0.0, 0.0, 0.0))
+        self._draw_alike(self._programs.surfaces, self._surfaces, view, chunks)
+
+    def colour(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
         """Draw luminance into a target of 4 channels [cd/m2].
 
-        Parameters
-        ----------
-        seen
-            An image of the surfaces in view, as `truth` draws; chunks without them are left out.
+        Over the depth buffer of a target that holds the truth of the same view, only what is seen is shaded.
         """
         world = self.world
         red, green, blue = map(float, world.ambient_cd_m2)
-        target.framebuffer.use()
-        target.framebuffer.clear(color=(red, green, blue, 1.0), depth=1.0)
+        self._clear(target, (red, green, blue, 1.0))
         for unit, name in enumerate(_UNITS):
             world.textures[name].use(unit)
-        chunk = world.culling.in_frustum(view.clip_from_world)
-        if seen is not None:
-            chunk = world.culling.with_surfaces(chunk, seen)
-        every_bit = ~SurfaceKind(0)
-        draws = world.culling.draw_list(chunk, view.eye_m, every_bit)
+        self._context.depth_func = "<="
+        draws = world.culling.draw_list(chunks, view.eye_m, ~SurfaceKind(0))
         for bits, first, count in draws.groups:
             kind = SurfaceKind(bits)
             program = self._programs.surface(kind)
             _write(program, "clip_from_world", _columns(view.clip_from_world))
             if SurfaceKind.GLOSSY in kind:
                 self._set_rays(program, view)
-            self._draw(self._surfaces[kind], kind, draws.commands[first : first + count])
-
-    def truth(self, view: Viewpoint, target: Target) -> None:
-        """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
-        target.framebuffer.use()
-        target.framebuffer.clear(color=(np.inf, 0.0, 0.0, 0.0), depth=1.0)
-        program = self._programs.truth
-        _write(program, "clip_from_world", _columns(view.clip_from_world))
-        _write(program, "depth_from_world", view.camera_from_world[2].astype("f4").tobytes())
-        chunk = self.world.culling.in_frustum(view.clip_from_world)
-        draws = self.world.culling.draw_list(chunk, view.eye_m, SurfaceKind.CLOSED)
-        for bits, first, count in draws.groups:
-            self._draw(self._truth, SurfaceKind(bits), draws.commands[first : first + count])
+            self._draw(self._shaded[kind], kind, draws.commands[first : first + count])
+        self._context.depth_func = "<"
 
     def viewpoint(self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float) -> Viewpoint:
         """A camera in this world."""
@@ -127,9 +131,26 @@ class Painter:
 
     def release(self) -> None:
         """Give the world and all that belongs to it back."""
-        for arrays in (*self._surfaces.values(), self._truth):
+        for arrays in (*self._shaded.values(), self._truth, self._surfaces):
             arrays.release()
         self.world.release()
+
+    def _clear(self, target: Target, colour: tuple[float, float, float, float]) -> None:
+        target.framebuffer.use()
+        target.framebuffer.clear(color=colour, depth=1.0)
+
+    def _draw_alike(
+        self,
+        program: moderngl.Program,
+        arrays: moderngl.VertexArray,
+        view: Viewpoint,
+        chunks: NDArray[np.intp],
+    ) -> None:
+        """Draw chunks with one program, whatever they are made of."""
+        _write(program, "clip_from_world", _columns(view.clip_from_world))
+        draws = self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
+        for bits, first, count in draws.groups:
+            self._draw(arrays, SurfaceKind(bits), draws.commands[first : first + count])
 
     def _draw(self, arrays: moderngl.VertexArray, kind: SurfaceKind, commands: NDArray[np.uint32]) -> None:
         if SurfaceKind.CLOSED in kind:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
-from tacos_plugins.renderers.moderngl.coverage import blend_edges
+from tacos_plugins.renderers.moderngl.coverage import find_edges
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.targets import TargetPool
 
@@ -65,10 +65,11 @@ class Multisampling:
         view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
         size = (self._camera.width_px, self._camera.height_px)
         truth = self._targets.get(size, channels=2)
-        painter.truth(view, truth)
+        chunks = painter.in_view(view)
+        painter.truth(view, truth, chunks)
         truth.read(self._truth)
         colour = self._targets.get(size, channels=4, samples=self._samples)
-        painter.colour(view, colour)
+        painter.colour(view, colour, chunks)
         colour.read(self._luminance)
         return Picture(self._luminance, self._truth[..., 0], self._truth[..., 1])
 
@@ -87,23 +88,36 @@ class EdgeBlending:
     def __init__(self, targets: TargetPool, camera: Camera, near_m: float):
         self._targets, self._camera, self._near_m = targets, camera, near_m
         self._half_pixels = half_pixel_camera(camera)
-        self._luminance = np.empty((camera.height_px, camera.width_px, 3), np.float32)
-        self._truth = np.empty((self._half_pixels.height_px, self._half_pixels.width_px, 2), np.float32)
+        height, width = camera.height_px, camera.width_px
+        self._luminance = np.empty((height, width, 3), np.float32)
+        self._truth = np.empty((height, width, 2), np.float32)
+        self._surface = np.empty((2 * height + 1, 2 * width + 1, 1), np.float32)
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
         """The picture from a pose."""
-        fine = self._half_pixels
-        truth = self._targets.get((fine.width_px, fine.height_px), channels=2)
-        painter.truth(painter.viewpoint(fine, world_from_camera, self._near_m), truth)
-        truth.read(self._truth)
-        surface = np.ascontiguousarray(self._truth[..., 1])
+        camera, finer = self._camera, self._half_pixels
+        view = painter.viewpoint(camera, world_from_camera, self._near_m)
+        fine = painter.viewpoint(finer, world_from_camera, self._near_m)
+        size = (camera.width_px, camera.height_px)
+        truth = self._targets.get(size, channels=2)
+        coverage = self._targets.get((finer.width_px, finer.height_px), channels=1)
+        colour = self._targets.get(size, channels=4, depth_of=2)
 
-        view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
-        colour = self._targets.get((self._camera.width_px, self._camera.height_px), channels=4)
-        painter.colour(view, colour, seen=surface)
+        chunks = painter.in_view(fine)  # which sees half a pixel more on every side
+        painter.truth(view, truth, chunks)
+        truth.read(self._truth)
+        seen = np.ascontiguousarray(self._truth[..., 1])
+        chunks = painter.with_surfaces(chunks, seen)
+        painter.surfaces(fine, coverage, chunks)
+        painter.colour(view, colour, chunks)
+
+        coverage.read(self._surface)
+        surface = self._surface[..., 0]
+        surface[1::2, 1::2] = seen  # rounding may differ between sizes of image
+        edges = find_edges(surface)  # while other threads draw colour
         colour.read(self._luminance)
-        blend_edges(self._luminance, surface)
-        return Picture(self._luminance, self._truth[1::2, 1::2, 0], surface[1::2, 1::2])
+        edges.blend(self._luminance)
+        return Picture(self._luminance, self._truth[..., 0], seen)
 
 
 def half_pixel_camera(camera: Camera) -> Camera:

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-_KEPT = 8
+_SIZES_KEPT = 8
 
 
 class Target:
@@ -21,18 +21,29 @@ class Target:
     size
         Width and height [px].
     channels
-        2 or 4 floats per pixel [1].
+        1, 2 or 4 floats per pixel [1].
     samples
         Samples per pixel; 1 lies at the pixel centre [1].
+    depth
+        A depth buffer of that size to draw over, of which another target is the owner.
     """
 
-    def __init__(self, context: moderngl.Context, size: tuple[int, int], channels: int, samples: int):
-        self._context = context
+    def __init__(
+        self,
+        context: moderngl.Context,
+        size: tuple[int, int],
+        channels: int,
+        samples: int,
+        depth: moderngl.Renderbuffer | None = None,
+    ):
+        self._context, self._owns_depth = context, depth is None
         several = samples if samples > 1 else 0
+        self.depth = depth or context.depth_renderbuffer(size, samples=several)
         self.framebuffer = context.framebuffer(
             context.renderbuffer(size, channels, samples=several, dtype="f4"),
-            context.depth_renderbuffer(size, samples=several),
+            self.depth,
         )
+        self.framebuffer.depth_mask = self._owns_depth
         self._resolved = None
         if several:
             self._resolved = context.framebuffer(context.renderbuffer(size, channels, dtype="f4"))
@@ -50,25 +61,39 @@ class Target:
         for framebuffer in (self.framebuffer, self._resolved):
             if framebuffer is None:
                 continue
-            for attachment in (*framebuffer.color_attachments, framebuffer.depth_attachment):
-                if attachment is not None:
-                    attachment.release()
+            for attachment in framebuffer.color_attachments:
+                attachment.release()
             framebuffer.release()
+        if self._owns_depth:
+            self.depth.release()
 
 
 class TargetPool:
-    """Targets by size, channels and samples; the least recently used are released."""
+    """Targets by size; all of the sizes least recently used are released."""
 
     def __init__(self, context: moderngl.Context):
         self._context = context
-        self._targets: OrderedDict[tuple[int, int, int, int], Target] = OrderedDict()
+        self._targets: OrderedDict[tuple[int, int], dict[tuple[int, int, int], Target]] = OrderedDict()
 
-    def get(self, size: tuple[int, int], channels: int, samples: int = 1) -> Target:
-        """The target, made on first use."""
-        key = (*size, channels, samples)
-        if key not in self._targets:
-            while len(self._targets) >= _KEPT:
-                self._targets.popitem(last=False)[1].release()
-            self._targets[key] = Target(self._context, size, channels, samples)
-        self._targets.move_to_end(key)
-        return self._targets[key]
+    def get(
+        self, size: tuple[int, int], channels: int, samples: int = 1, depth_of: int | None = None
+    ) -> Target:
+        """The target, made on first use.
+
+        Parameters
+        ----------
+        depth_of
+            Channels of the target of the same size whose depth is tested against and kept.
+        """
+        if size not in self._targets:
+            while len(self._targets) >= _SIZES_KEPT:
+                for target in self._targets.popitem(last=False)[1].values():
+                    target.release()
+            self._targets[size] = {}
+        self._targets.move_to_end(size)
+        of_size = self._targets[size]
+        key = (channels, samples, depth_of or 0)
+        if key not in of_size:
+            depth = None if depth_of is None else self.get(size, depth_of, samples).depth
+            of_size[key] = Target(self._context, size, channels, samples, depth)
+        return of_size[key]

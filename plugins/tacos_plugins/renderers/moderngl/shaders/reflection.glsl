@@ -6,14 +6,15 @@ uniform vec4 ray_x;      // world direction of a pixel centre: x * ray_x + y * r
 uniform vec4 ray_y;
 uniform vec4 ray_origin;
 uniform vec3 eye;        // optical centre in the world [m]
-uniform sampler2D materials;    // three texels each, see textures.material_table
-uniform sampler2D probe_boxes;  // three texels each: centre; lower and upper corner of the box [m]
 uniform sampler2DArray probes;  // octahedral luminance [cd/m2], one layer per probe and roughness
 uniform float probe_scale;      // of octahedral coordinates into a layer, which has a border
-uniform int probe_levels;       // layers per probe
 
 in vec3 normal;
-flat in ivec2 gloss; // material and probe
+flat in vec4 base_roughness;
+flat in vec4 emission_metallic;
+flat in vec4 centre_layer; // of the probe's box [m], and its layer
+flat in vec3 lower;        // corners of the box [m]
+flat in vec3 upper;
 #ifdef BUMPY
 in vec4 tangent; // w: sign of the bitangent
 #endif
@@ -32,32 +33,27 @@ vec2 octahedral(vec3 d) {
 }
 
 vec3 mirrored(vec3 texel, vec3 n, float unshadowed) {
-    vec4 base = texelFetch(materials, ivec2(0, gloss.x), 0);
-    vec4 kind = texelFetch(materials, ivec2(1, gloss.x), 0); // roughness, metallic, level
-    vec3 emission = texelFetch(materials, ivec2(2, gloss.x), 0).rgb;
+    float roughness = base_roughness.w, metallic = emission_metallic.w;
     vec3 ray = gl_FragCoord.x * ray_x.xyz + gl_FragCoord.y * ray_y.xyz + ray_origin.xyz;
     vec3 position = eye + ray / gl_FragCoord.w;
     vec3 view = -normalize(ray);
     float nv = clamp(dot(n, view), 0.02, 1.0);
     vec3 out_of = reflect(-view, n);
 
-    vec3 centre = texelFetch(probe_boxes, ivec2(0, gloss.y), 0).xyz;
-    vec3 lower = texelFetch(probe_boxes, ivec2(1, gloss.y), 0).xyz;
-    vec3 upper = texelFetch(probe_boxes, ivec2(2, gloss.y), 0).xyz;
     vec3 inside = clamp(position, lower, upper);
     vec3 safe = mix(vec3(1e-6), out_of, greaterThan(abs(out_of), vec3(1e-6)));
     vec3 far = max((lower - inside) / safe, (upper - inside) / safe);
-    vec3 seen = inside + out_of * min(far.x, min(far.y, far.z)) - centre;
+    vec3 seen = inside + out_of * min(far.x, min(far.y, far.z)) - centre_layer.xyz;
     vec2 at = octahedral(seen) * probe_scale + 0.5;
-    vec3 around = texture(probes, vec3(at, float(gloss.y * probe_levels) + kind.z)).rgb;
+    vec3 around = texture(probes, vec3(at, centre_layer.w)).rgb;
 
     // How much a rough mirror returns at this angle (Karis, "Physically based shading on mobile", 2014).
-    vec4 r = kind.x * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float x = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
     vec2 scale_and_bias = vec2(-1.04, 1.04) * x + r.zw;
-    float sheen = clamp((MATTE - kind.x) / 0.4, 0.0, 1.0);
-    float strength = max(sheen, kind.y);
-    vec3 f0 = mix(vec3(DIELECTRIC * sheen), base.rgb * texel, kind.y);
+    float sheen = clamp((MATTE - roughness) / 0.4, 0.0, 1.0);
+    float strength = max(sheen, metallic);
+    vec3 f0 = mix(vec3(DIELECTRIC * sheen), base_roughness.rgb * texel, metallic);
     vec3 returned = f0 * scale_and_bias.x + strength * scale_and_bias.y;
-    return returned * around * mix(HIDDEN, 1.0, clamp(unshadowed, 0.0, 1.0)) + emission;
+    return returned * around * mix(HIDDEN, 1.0, clamp(unshadowed, 0.0, 1.0)) + emission_metallic.rgb;
 }

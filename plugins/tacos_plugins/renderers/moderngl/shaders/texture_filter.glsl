@@ -18,12 +18,14 @@ vec3 filtered(sampler2DArray stack, vec2 at, float layer) {
     float area = abs(dx.x * dy.y - dx.y * dy.x);
     float ratio = clamp(max(x2, y2) / max(area, 1e-20), 1.0, MOST_TAPS);
     int taps = int(ratio + 0.5);
-    float bias = BIAS - log2(ratio);
+    // The level for the footprint of one tap, found once: the driver would find it for each.
+    float edge = float(textureSize(stack, 0).x);
+    float level = 0.5 * log2(max(max(x2, y2) * edge * edge, 1e-20)) - log2(ratio) + BIAS;
     vec2 stride = along / float(taps);
     vec2 first = at - 0.5 * (along - stride);
     vec3 total = vec3(0.0);
     for (int i = 0; i < taps; ++i)
-        total += texture(stack, vec3(first + stride * float(i), layer), bias).rgb;
+        total += textureLod(stack, vec3(first + stride * float(i), layer), level).rgb;
     return total / float(taps);
 }
 #endif
