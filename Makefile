@@ -31,8 +31,9 @@ format: setup ## Put the code into its format
 	$(bin)/ruff check --fix .
 	$(bin)/ruff format .
 
-docs: setup ## Write the generated pages of docs/reference anew
+docs: setup ## Write the generated pages of docs/reference, and the code that other pages show, anew
 	$(bin)/python -m tacos_framework.reference docs/reference
+	$(bin)/python scripts/fill_docs.py
 
 slow: setup ## Run the slow tests (minutes each)
 	$(bin)/pytest -m slow tests

@@ -1,4 +1,4 @@
-"""Broken plugins as users have them: listed by the commands, in nobody's way, and named where they are needed."""
+"""Broken plugins as users have them: listed, in nobody's way, and named where they are needed."""
 
 from __future__ import annotations
 
