@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -25,7 +25,7 @@ class ConversionGainError:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 2.2: the photon-transfer method, var = K^2 var_d + K (mean - mean_dark).
+    EMVA 1288, release 4.0: the photon-transfer method, var = K^2 var_d + K (mean - mean_dark).
     """
 
     class Config(Settings):
@@ -41,6 +41,10 @@ class ConversionGainError:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"scale": 1.3},
+        {"scale": 0.75},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

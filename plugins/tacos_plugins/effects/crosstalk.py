@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -41,6 +41,7 @@ class Crosstalk:
     after_noise: ClassVar[bool] = True
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.02},)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -29,7 +29,7 @@ class DarkCurrent:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 2.4 (dark current) and sec. 4.4 (histograms of defect pixels).
+    EMVA 1288, release 4.0: dark current, and logarithmic histograms of defect pixels.
     """
 
     class Config(Settings):
@@ -54,6 +54,11 @@ class DarkCurrent:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"rate_dn_s": 0.0, "hot_share": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"rate_dn_s": 10.0},
+        {"rate_dn_s": 1.0, "hot_share": 0.0002, "hot_rate_dn_s": 50.0},
+        {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 50.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

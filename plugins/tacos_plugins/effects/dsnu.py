@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,7 +24,7 @@ class Dsnu:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 4.2: DSNU1288 and its column component.
+    EMVA 1288, release 4.0: DSNU1288 and its column component.
     """
 
     class Config(PatternSettings):
@@ -38,6 +38,10 @@ class Dsnu:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "column_sigma_dn": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"sigma_dn": 1.0},
+        {"column_sigma_dn": 0.5},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ class Nonlinearity:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 2.5 and 6.7: linearity error of the response.
+    EMVA 1288, release 4.0: linearity error of the response.
     """
 
     class Config(Settings):
@@ -37,6 +37,10 @@ class Nonlinearity:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"a2": 0.0, "a3": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"a2": -0.1},
+        {"a3": -0.1},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,7 +24,7 @@ class Prnu:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 4.3: PRNU1288.
+    EMVA 1288, release 4.0: PRNU1288.
     """
 
     class Config(PatternSettings):
@@ -37,6 +37,7 @@ class Prnu:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"sigma": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"sigma": 0.01},)
 
     def __init__(self, config: Config) -> None:
         self.config = config

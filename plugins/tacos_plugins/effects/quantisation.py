@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -24,7 +24,7 @@ class Quantisation:
 
     References
     ----------
-    Widrow & Kollar 2008, "Quantization noise", ch. 4: uniform error of variance step^2 / 12.
+    Widrow & Kollar 2008, "Quantization noise": uniform error of variance step^2 / 12.
     """
 
     class Config(Settings):
@@ -36,6 +36,15 @@ class Quantisation:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"step_dn": 1.0, "rounding": "nearest"}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"rounding": "floor"},
+        {"step_dn": 2},
+        {"step_dn": 3},
+        {"step_dn": 4},
+        {"step_dn": 5},
+        {"step_dn": 8},
+        {"step_dn": 16},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

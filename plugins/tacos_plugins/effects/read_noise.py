@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,7 +24,7 @@ class ReadNoise:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 2.3: dark noise. Wei et al. 2020, "A physics-based noise formation model for
+    EMVA 1288, release 4.0: dark noise. Wei et al. 2020, "A physics-based noise formation model for
     extreme low-light raw denoising", CVPR: read noise has longer tails than a Gaussian.
     """
 
@@ -41,6 +41,10 @@ class ReadNoise:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "tail": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"sigma_dn": 1.0},
+        {"sigma_dn": 1.0, "tail": 0.05},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

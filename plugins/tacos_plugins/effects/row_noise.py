@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ class RowNoise:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 4.1: temporal row and column variance.
+    EMVA 1288, release 4.0: temporal row and column variance.
     """
 
     class Config(Settings):
@@ -39,6 +39,10 @@ class RowNoise:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "column_sigma_dn": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"sigma_dn": 0.5},
+        {"column_sigma_dn": 0.5},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,7 +25,7 @@ class Saturation:
 
     References
     ----------
-    EMVA 1288, release 4.0, sec. 6.6: the saturation point is where the variance falls. Foi 2009, "Clipped
+    EMVA 1288, release 4.0: the saturation point is where the variance falls. Foi 2009, "Clipped
     noisy images", Signal Processing 89(12): moments of clipped samples.
     """
 
@@ -43,6 +43,7 @@ class Saturation:
     after_noise: ClassVar[bool] = True
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"level_dn": None}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = ()
 
     def __init__(self, config: Config) -> None:
         self.config = config

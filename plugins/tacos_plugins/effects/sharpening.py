@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -24,7 +24,7 @@ class Sharpening:
 
     References
     ----------
-    Gonzalez & Woods, "Digital Image Processing", sec. 3.6: unsharp masking.
+    Gonzalez & Woods, "Digital Image Processing": unsharp masking.
     """
 
     class Config(Settings):
@@ -38,6 +38,10 @@ class Sharpening:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 70
     neutral: ClassVar[Mapping[str, Any]] = {"amount": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"amount": 0.5, "radius_px": 1.0},
+        {"amount": 0.5, "radius_px": 2.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config
