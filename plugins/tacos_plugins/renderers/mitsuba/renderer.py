@@ -1,0 +1,151 @@
+"""The component: traces the pictures of an episode path by path."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.geometry import world_from_camera
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View, World
+from tacos_plugins.renderers.mitsuba.library import Backend, mitsuba_for
+from tacos_plugins.renderers.mitsuba.pinhole import sensor
+from tacos_plugins.renderers.mitsuba.traced_world import TracedWorld
+
+_PATHS_AT_ONCE = 1 << 22
+"""Paths of one pass where Mitsuba traces many at once; bounds memory."""
+
+
+class MitsubaRenderer:
+    """Path tracing with Mitsuba 3: slow, and right to within its noise.
+
+    The reference for `renderer.moderngl`, with its geometry, units and materials. Light is not baked but
+    traced, with all reflections, for every picture. Surfaces that glow light the world. A light that no
+    surface shows is a black surface of its own, which is seen (`renderer.moderngl` draws none), though not in
+    depth and ids.
+
+    Noise falls with the square root of `samples`. It is drawn from `seed` and the frame's number in the
+    episode, so a frame comes out the same however an episode is cut.
+
+    References
+    ----------
+    Jakob, W., et al. (2022). Mitsuba 3 renderer.
+    """
+
+    class Config(Settings):
+        """Settings of `renderer.mitsuba`."""
+
+        samples: int = setting(64, help="Paths per pixel.", ge=1, le=1 << 20)
+        max_depth: int = setting(
+            12, help="Most legs of a path from the camera to a light; 2 is direct light alone.", ge=2, le=128
+        )
+        motion_samples: int = setting(
+            1, help="Poses averaged over the exposure for motion blur; 1 is none.", ge=1, le=256
+        )
+        near_m: float = setting(0.05, help="Surfaces nearer than this are not seen.", unit="m", gt=0)
+        backend: Backend = setting(
+            "scalar",
+            help="What computes: scalar (any processor), llvm (faster, needs LLVM 19 or later), or cuda.",
+        )
+        seed: int = setting(0, help="Seed of the noise.", ge=0)
+
+    reads: ClassVar[frozenset[str]] = frozenset(
+        {
+            "width_px",
+            "height_px",
+            "pixel_um",
+            "binning",
+            "focal_length_mm",
+            "principal_point_px",
+            "agent_from_camera",
+            "time_s",
+        }
+    )
+
+    def __init__(self, config: Config):
+        self._config = config
+        self._kept: tuple[str, TracedWorld] | None = None
+
+    def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
+        """One view per camera of the rig for every frame of the batch.
+
+        Raises
+        ------
+        UserError
+            When Mitsuba is not installed or its backend does not work here, saying what to do.
+        """
+        mitsuba = mitsuba_for(self._config.backend)
+        traced = self._translated(mitsuba, episode.world)
+        views = (
+            self._view(mitsuba, traced, episode, camera, number, exposure)
+            for number, camera in enumerate(rig.cameras)
+        )
+        return Capture(episode, tuple(views))
+
+    def _translated(self, mitsuba: ModuleType, world: World) -> TracedWorld:
+        if self._kept is None or self._kept[0] != world.key:
+            self._kept = (world.key, TracedWorld(mitsuba, world))
+        return self._kept[1]
+
+    def _view(
+        self,
+        mitsuba: ModuleType,
+        traced: TracedWorld,
+        episode: Episode,
+        camera: Camera,
+        number: int,
+        exposure: Exposure,
+    ) -> View:
+        config = self._config
+        poses = world_from_camera(episode.trajectory.at(episode.time_s), camera.agent_from_camera)
+        shape = (len(poses), camera.height_px, camera.width_px)
+        luminance = np.zeros((*shape, 3), np.float32)
+        depth = np.empty(shape, np.float32)
+        object_id = np.empty(shape, np.int32)
+        for frame, pose in enumerate(poses):
+            depth[frame], object_id[frame] = traced.truth(camera, pose, config.near_m)
+            moments = moments_s(float(episode.time_s[frame]), exposure.time_s, config.motion_samples)
+            samples = -(-config.samples // len(moments))  # rounded up
+            during = world_from_camera(episode.trajectory.at(moments), camera.agent_from_camera)
+            for moment, at in enumerate(during):
+                noise = np.random.SeedSequence((config.seed, episode.first_frame + frame, number, moment))
+                seen = sensor(mitsuba, camera, at, config.near_m)
+                luminance[frame] += self._traced(mitsuba, traced, seen, samples, noise)
+            luminance[frame] /= np.float32(len(moments))
+        return View(camera, poses, luminance, depth, object_id)
+
+    def _traced(
+        self,
+        mitsuba: ModuleType,
+        traced: TracedWorld,
+        seen: dict[str, Any],
+        samples: int,
+        noise: np.random.SeedSequence,
+    ) -> NDArray[np.float64]:
+        """(H, W, 3) luminance through a sensor [cd/m2], the mean of passes that fit into memory."""
+        integrator = mitsuba.load_dict({"type": "path", "max_depth": self._config.max_depth})
+        through = mitsuba.load_dict(seen)
+        height, width = seen["film"]["height"], seen["film"]["width"]
+        most = max(_PATHS_AT_ONCE // (width * height), 1)
+        passes = [most] * (samples // most) + [samples % most] * (samples % most > 0)
+        total = np.zeros((height, width, 3))
+        for paths, seed in zip(passes, noise.generate_state(len(passes)), strict=True):
+            picture = mitsuba.render(
+                traced.scene, sensor=through, integrator=integrator, spp=paths, seed=int(seed)
+            )
+            total += paths * np.asarray(picture, np.float64)
+        return np.maximum(total / samples, 0.0)
+
+
+def moments_s(middle_s: float, exposure_s: float, count: int) -> NDArray[np.float64]:
+    """(count,) moments spread evenly over an exposure [s].
+
+    Examples
+    --------
+    >>> moments_s(1.0, 0.4, 2).tolist()
+    [0.9, 1.1]
+    """
+    return middle_s + ((np.arange(count) + 0.5) / count - 0.5) * exposure_s
