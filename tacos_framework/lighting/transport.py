@@ -11,9 +11,13 @@ from scipy.sparse import csr_array
 
 from tacos_framework.lighting.direct import SURFACE_OFFSET_M, direct_irradiance
 from tacos_framework.lighting.occlusion import Occlusion
+from tacos_framework.lighting.refinement import refined
 from tacos_framework.lighting.reflectance import mean_reflectance
 from tacos_framework.lighting.sites import Sites, merge_vertices
 from tacos_framework.values import World
+
+LONGEST_EDGE_M = 0.8
+"""Larger triangles are split: light is interpolated between their corners [m]."""
 
 
 class LightTransport:
@@ -46,6 +50,7 @@ class LightTransport:
 
     def __init__(self, world: World, *, rays: int = 64, merge_m: float = 0.08, bounces: int = 12) -> None:
         self._world = world
+        self._surfaces = refined(world, LONGEST_EDGE_M)
         self._fan = cosine_fan(rays)
         self._merge_m = merge_m
         self._bounces = bounces
@@ -53,12 +58,12 @@ class LightTransport:
 
     @cached_property
     def occlusion(self) -> Occlusion:
-        """The world's triangles."""
-        return Occlusion(self._world)
+        """The world's triangles, the large ones split."""
+        return Occlusion(self._surfaces)
 
     @cached_property
     def _sites(self) -> Sites:
-        return merge_vertices(self._world, self.occlusion, self._merge_m)
+        return merge_vertices(self._surfaces, self.occlusion, self._merge_m)
 
     @cached_property
     def _radiosity_lux(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -115,8 +120,11 @@ class LightTransport:
     def vertex_indirect_lux(self) -> tuple[NDArray[np.float32], ...]:
         """One (V, 3) array a part: indirect irradiance at its vertices, as `World.indirect_lux` [lux]."""
         of_vertex = self._radiosity_lux[0][self._sites.of_vertex].astype(np.float32)
-        ends = np.cumsum([len(part.vertices_m) for part in self._world.parts])
-        return tuple(np.split(of_vertex, ends[:-1])) if len(ends) else ()
+        ends = np.cumsum([len(part.vertices_m) for part in self._surfaces.parts])
+        per_part = np.split(of_vertex, ends[:-1]) if len(ends) else []
+        return tuple(
+            lux[: len(part.vertices_m)] for lux, part in zip(per_part, self._world.parts, strict=True)
+        )
 
 
 def bake_indirect(

@@ -14,6 +14,8 @@ from tacos_plugins.scenes.indoor.piece import BACKGROUND, Piece
 from tacos_plugins.scenes.indoor.shapes import box, disc_stack, extruded
 
 _DROP_M = 0.075
+_PROUD_M = 0.001
+"""The diffuser stands out of its fitting so little that hardly any light leaves it sideways [m]."""
 _GAP_M = 0.003
 """The light lies this far below the surface that shows it [m]."""
 
@@ -46,14 +48,16 @@ def ceiling_lights(
 def _panel(rng: np.random.Generator, rim: Finish, along_x: bool) -> tuple[Piece, tuple[float, float]]:
     length, breadth = (0.6, 0.6) if rng.uniform() < 0.5 else (1.2, 0.3)
     size = (length, breadth) if along_x else (breadth, length)
-    body = box((size[0] + 0.05, size[1] + 0.05, _DROP_M - 0.005), (0, 0, 0.005), bevel_m=0.006)
+    body = box((size[0] + 0.05, size[1] + 0.05, _DROP_M - _PROUD_M), (0, 0, _PROUD_M), bevel_m=0.006)
     glow = box((size[0], size[1], 0.02), (0, 0, 0), bevel_m=0.002)
     return Piece(BACKGROUND, ((body, rim), (glow, _DIFFUSER))), size
 
 
 def _disc(rng: np.random.Generator, rim: Finish) -> tuple[Piece, tuple[float, float]]:
     radius = rng.uniform(0.2, 0.3)
-    body = disc_stack([(radius + 0.02, 0.012), (radius + 0.025, 0.02), (radius + 0.025, _DROP_M)], sides=24)
+    body = disc_stack(
+        [(radius + 0.02, _PROUD_M), (radius + 0.025, 0.02), (radius + 0.025, _DROP_M)], sides=24
+    )
     turn = np.arange(24) * 2 * np.pi / 24
     glow = extruded(radius * np.column_stack([np.cos(turn), np.sin(turn)]), 0.03)
     edge = float(np.sqrt(np.pi)) * radius  # the square of equal area
