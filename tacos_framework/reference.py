@@ -17,6 +17,7 @@ from pydantic import BaseModel
 
 from tacos_framework import hookspecs
 from tacos_framework.components import Component
+from tacos_framework.contracts import acts_after_noise, formation_order
 from tacos_framework.graph import signature_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
@@ -162,6 +163,39 @@ def _listed(names: Any) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
+def effects_page(components: Iterable[Component]) -> str:
+    """The effects in the order in which they act, with the values at which each is off."""
+    effects = [component for component in components if component.kind == "effect"]
+    ordered = sorted(effects, key=lambda effect: formation_order(effect.load()))
+    lines = [
+        "| effect | stage | side of the noise | off at | what it is |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for effect in ordered:
+        cls = effect.load()
+        side = "after it" if acts_after_noise(cls) else "before it"
+        off = ", ".join(_off_value(cls, name, value) for name, value in cls.neutral.items())
+        lines.append(f"| `{effect.name}` | {cls.stage} | {side} | {off} | {effect.summary} |")
+    sections = [
+        "# Effects",
+        _NOTICE,
+        "The effects that ship with tacos-framework, in the order in which they act whatever the order of a "
+        "recipe. Bounds and meanings are among the [settings](settings.md); "
+        "[what effects are](../explanation/effects.md) explains them.",
+        "\n".join(lines),
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+def _off_value(cls: type[Any], name: str, value: Any) -> str:
+    if value is None:
+        return f"no `{name}`"
+    extra = cls.Config.model_fields[name].json_schema_extra
+    unit = "" if extra["unit"] == "1" else f" {extra['unit']}"
+    plain = f"{value:g}" if isinstance(value, float) else value
+    return f"`{name}` {plain}{unit}"
+
+
 def recipe_page() -> str:
     """Every key of a recipe."""
     sections = [
@@ -200,6 +234,7 @@ def default_components() -> list[Component]:
 
 PAGES: Mapping[str, Callable[[], str]] = {
     "settings.md": lambda: settings_page(default_components()),
+    "effects.md": lambda: effects_page(default_components()),
     "recipe_keys.md": recipe_page,
     "hooks.md": hooks_page,
 }
