@@ -13,6 +13,7 @@ from tacos_framework.testing import (
     EffectConformance,
     ExecutorConformance,
     OptimizerConformance,
+    ProcedureConformance,
     RendererConformance,
     RigConformance,
     SceneConformance,
@@ -60,11 +61,14 @@ from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.optuna_search import OptunaSearch
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.optimizers.sobol import Sobol
+from tacos_plugins.procedures.noise.calibrate import CalibrateNoise
+from tacos_plugins.procedures.noise.validate import ValidateNoise
 from tacos_plugins.renderers.analytic import AnalyticRenderer
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.rigs.stereo import StereoRig
+from tacos_plugins.scenes.bench.grey_bars import GreyBars
 from tacos_plugins.scenes.indoor.scene import IndoorScene
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.emva import Emva
@@ -77,6 +81,10 @@ SENSOR = {"name": "test", "width_px": 640, "height_px": 480, "pixel_um": 3.0}
 class TestIndoorScene(SceneConformance):
     component = IndoorScene
     config = {"size_m": (11.0, 5.5), "frames": 8, "clutter": 0.0}
+
+
+class TestGreyBars(SceneConformance):
+    component = GreyBars
 
 
 @pytest.mark.gl
@@ -372,6 +380,32 @@ class TestOptunaGp(OptimizerConformance):
     def _needs_optuna_and_torch(self):
         pytest.importorskip("optuna", reason="the extra optuna is not installed")
         pytest.importorskip("torch", reason="torch is not installed")
+
+
+BENCH = {"renderer": {"use": "renderer.analytic"}, "frames": 4}
+BENCH_CAMERA = {
+    "rig": {
+        "use": "rig.monocular",
+        "focal_length_mm": 1.2,
+        "sensor": {"name": "test", "width_px": 200, "height_px": 80, "pixel_um": 1.55},
+    },
+    "sensor": {"use": "sensor.affine-noise", "responsivity_dn_per_lux_s": 68},
+}
+
+
+class TestCalibrateNoise(ProcedureConformance):
+    component = CalibrateNoise
+    config = {"rendering": {**BENCH_CAMERA, "exposure": {"exposure_ms": 30, "gain_db": 15}, "bench": BENCH}}
+    files = ("calibration.yaml", "report.html")
+
+
+class TestValidateNoise(ProcedureConformance):
+    component = ValidateNoise
+    config = {
+        "bench": BENCH,
+        "cameras": ({**BENCH_CAMERA, "title": "test", "settings": ({"exposure_ms": 30, "gain_db": 15},)},),
+    }
+    files = ("report.html",)
 
 
 class TestLocalExecutor(ExecutorConformance):

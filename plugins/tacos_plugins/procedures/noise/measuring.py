@@ -104,15 +104,7 @@ def measure(
 
 def _unusable(where: str, levels: Levels, reason: str) -> Fault:
     """Why no line could be fitted, as far as it shows."""
-    if not levels.variance_dn2.any():
-        return Fault(
-            where,
-            "all frames are the same: nothing changes from one to the next",
-            "frames taken one after another",
-            "Copies of one file hold no noise. Switch off denoising in the camera, or raise its gain.",
-        )
     clipped = levels.clipped > CLIPPED_SHARE
-    fine = levels.variance_dn2 < FINEST_DN2
     if clipped.mean() > 0.5:
         return Fault(
             where,
@@ -120,6 +112,14 @@ def _unusable(where: str, levels: Levels, reason: str) -> Fault:
             "bars between black and white",
             "Change the exposure, or set bit_depth to that of the camera's samples.",
         )
+    if not levels.variance_dn2.any():
+        return Fault(
+            where,
+            "all frames are the same: nothing changes from one to the next",
+            "frames taken one after another",
+            "Copies of one file hold no noise. Switch off denoising in the camera, or raise its gain.",
+        )
+    fine = levels.variance_dn2 < FINEST_DN2
     if fine.mean() > 0.5:
         return Fault(
             where,
