@@ -17,6 +17,7 @@ HALF_STEP_S = 0.5e-3
 """Motion is the difference of poses this long before and after a moment [s]."""
 
 _ROUNDS = 6
+_CLOSE_PX = 1e-4
 
 
 def inverse_depth(depth_m: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -94,7 +95,10 @@ def source_of(geometry: ImageGeometry, forward: Callable[..., Places], frames: i
     x, y = to_x, to_y
     for _ in range(_ROUNDS):
         there_x, there_y = forward(x, y)
-        x, y = x + (to_x - there_x), y + (to_y - there_y)
+        left_x, left_y = to_x - there_x, to_y - there_y
+        x, y = x + left_x, y + left_y
+        if max(np.abs(left_x).max(), np.abs(left_y).max()) < _CLOSE_PX:
+            break
     return x, y
 
 
