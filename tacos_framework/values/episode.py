@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation, Slerp
 
 from tacos_framework.values.arrays import read_only
 from tacos_framework.values.world import World
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Slerp
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +39,8 @@ class Trajectory:
 
     @cached_property
     def _slerp(self) -> Slerp:
+        from scipy.spatial.transform import Rotation, Slerp  # late: checking a recipe interpolates nothing
+
         return Slerp(self.time_s, Rotation.from_matrix(self.world_from_agent[:, :3, :3]))
 
     def at(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:

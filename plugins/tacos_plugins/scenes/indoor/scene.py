@@ -11,12 +11,7 @@ from pydantic import Field, model_validator
 
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Episode
-from tacos_plugins.scenes.indoor.assembly import assemble
-from tacos_plugins.scenes.indoor.building import draw_building
-from tacos_plugins.scenes.indoor.finishes import TextureLibrary
-from tacos_plugins.scenes.indoor.furnishing.catalogue import Catalogue
 from tacos_plugins.scenes.indoor.piece import Piece
-from tacos_plugins.scenes.indoor.walk.trip import draw_trip
 
 Metres = Annotated[float, Field(gt=0)]
 
@@ -93,6 +88,13 @@ class IndoorScene:
         illumination_lux
             Mean illuminance on a plane 1 m above the floors of all rooms [lux].
         """
+        # Late: what builds worlds takes a while to import, and checking a recipe builds none.
+        from tacos_plugins.scenes.indoor.assembly import assemble
+        from tacos_plugins.scenes.indoor.building import draw_building
+        from tacos_plugins.scenes.indoor.finishes import TextureLibrary
+        from tacos_plugins.scenes.indoor.furnishing.catalogue import Catalogue
+        from tacos_plugins.scenes.indoor.walk.trip import draw_trip
+
         if not illumination_lux > 0:
             raise ValueError(f"illumination_lux must be above 0, not {illumination_lux}")
         config = self.config

@@ -1,0 +1,93 @@
+"""What reads files that users write, and examples to start from; shared by the tests and the harness."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.catalog import camera_names, find_catalog, load_calibration
+from tacos_framework.errors import UserError
+from tacos_framework.loading import read_any_recipe
+from tacos_framework.plan import make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.procedure import plan_procedure
+from tacos_framework.recipe import Recipe
+from tacos_framework.yaml_reader import read_yaml
+
+ROOT = Path(__file__).parents[2]
+
+
+@cache
+def _plugins() -> Plugins:
+    return Plugins.discover()
+
+
+def _plan(path: Path) -> object:
+    recipe, faults = read_any_recipe(path)
+    plan: Callable[..., object] = make_plan if isinstance(recipe, Recipe) else plan_procedure
+    return plan(recipe, _plugins(), faults)
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A way to read one kind of file.
+
+    Parameters
+    ----------
+    suffix
+        How the file's name ends.
+    read
+        Reads it.
+    example
+        A valid file.
+    """
+
+    suffix: str
+    read: Callable[[Path], object]
+    example: str
+
+    @property
+    def data(self) -> Any:
+        """What the example holds, for files of YAML."""
+        return read_yaml(self.example).data
+
+
+def _shipped(name: str) -> str:
+    return (ROOT / name).read_text("utf-8")
+
+
+def _first_parts(text: str, section: str, count: int) -> str:
+    """A catalog cut down to its first parts, so that reading it is quick."""
+    data = read_yaml(text).data
+    data[section] = dict(list(data[section].items())[:count])
+    return json.dumps(data)
+
+
+READERS: Mapping[str, Reader] = {
+    "recipe": Reader(".yaml", _plan, _shipped("recipes/headset_quick.yaml")),
+    "procedure": Reader(".yaml", _plan, "tacos: 1\nuse: procedure.none\nseed: 1\nnotes: [a]\n"),
+    "catalog": Reader(
+        ".yaml", find_catalog, _first_parts(_shipped("catalogs/image_sensors.yaml"), "parts", 3)
+    ),
+    "table": Reader(
+        ".csv", find_catalog, "name,width_px,height_px,pixel_um,maker\na,640,480,3.5,x\nb,,1,unknown,\n"
+    ),
+    "cameras": Reader(".yaml", camera_names, _first_parts(_shipped("catalogs/cameras.yaml"), "cameras", 2)),
+    "calibration": Reader(".yaml", load_calibration, _shipped("catalogs/noise/flea3_imx172.yaml")),
+}
+
+
+def read_or_refuse(reader: Reader, content: bytes, folder: Path) -> object | UserError:
+    """What a file of this content gives; any exception but `UserError` is a defect and passes."""
+    path = folder / f"file{reader.suffix}"
+    path.write_bytes(content)
+    try:
+        return reader.read(path)
+    except UserError as error:
+        if not error.faults:
+            raise ValueError("a UserError without any fault") from error
+        return error
