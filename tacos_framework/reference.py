@@ -154,6 +154,8 @@ def _facts(kind: str, cls: type[Any]) -> Iterator[str]:
         yield f"reads: {_listed(sorted(cls.reads))}"
     if kind == "effect":
         yield f"stage: {cls.stage}"
+    if kind == "procedure":
+        yield f"asks for: {_listed(name for name in inspect.signature(cls.run).parameters if name != 'self')}"
     if kind == "rig":
         quantities = (f"`{name}` [{unit}]" for name, unit in cls.derived_quantities.items())
         yield f"derived quantities: {', '.join(quantities)}"

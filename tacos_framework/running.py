@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework import __version__
+from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
@@ -24,6 +25,7 @@ def run(
     *,
     out: str | Path,
     plugins: Plugins | None = None,
+    executor: Executor | None = None,
     resume: bool = False,
     progress: Progress | None = None,
     command: str = "",
@@ -39,6 +41,8 @@ def run(
         The results folder: new or empty, or with `resume` that of a run to go on with.
     plugins
         The plugins to use; those installed if None.
+    executor
+        Evaluates instead of the recipe's executor, and is left open: for a host with workers of its own.
     resume
         Go on with the run in `out`. The result equals that of an unbroken run.
     progress
@@ -60,11 +64,12 @@ def run(
     plugins = plugins or Plugins.discover()
     progress = progress or Silent()
     if isinstance(recipe, ProcedureRecipe):
-        return _run_procedure(recipe, Path(out), plugins, resume, progress, command)
+        return _run_procedure(recipe, Path(out), plugins, executor, resume, progress, command)
     return run_study(
         recipe,
         out=Path(out),
         plugins=plugins,
+        executor=executor,
         resume=resume,
         progress=progress,
         command=command,
@@ -73,7 +78,13 @@ def run(
 
 
 def _run_procedure(
-    recipe: ProcedureRecipe, out: Path, plugins: Plugins, resume: bool, progress: Progress, command: str
+    recipe: ProcedureRecipe,
+    out: Path,
+    plugins: Plugins,
+    executor: Executor | None,
+    resume: bool,
+    progress: Progress,
+    command: str,
 ) -> dict[str, Any]:
     plan = plan_procedure(recipe, plugins)
     if resume and "resume" not in plan.asks_for:
@@ -83,12 +94,12 @@ def _run_procedure(
     procedure = plan.cls(plan.config)
     data = plan.as_data()
     results = Results.resume(out, data)[0] if resume else Results.create(out, data)
-    executor = plan.executor_cls(plan.executor_config)
+    evaluates = executor or plan.executor_cls(plan.executor_config)
     supplied = {
         "out": out,
         "seed": recipe.seed,
         "plugins": plugins,
-        "executor": executor,
+        "executor": evaluates,
         "progress": progress,
         "resume": resume,
     }
@@ -99,8 +110,9 @@ def _run_procedure(
                 **{name: value for name, value in supplied.items() if name in plan.asks_for}
             )
         finally:
-            executor.close()
-        workers = getattr(executor, "workers", 1)
+            if executor is None:
+                evaluates.close()
+        workers = getattr(evaluates, "workers", 1)
         result = {
             "tacos": __version__,
             "name": recipe.name or recipe.use,

@@ -41,6 +41,7 @@ def run_study(
     *,
     out: Path,
     plugins: Plugins,
+    executor: Executor | None = None,
     resume: bool = False,
     progress: Progress | None = None,
     command: str = "",
@@ -53,8 +54,8 @@ def run_study(
     parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
     packages = {part.cls.__module__.partition(".")[0] for part in parts}
     with results, results.logging({"tacos_framework", *packages}):
-        executor = plan.executor.make()
-        study = Study(plan, plugins, results, executor, progress or Silent(), command)
+        evaluates = executor or plan.executor.make()
+        study = Study(plan, plugins, results, evaluates, progress or Silent(), command)
         try:
             study.restore(checkpoint)
             study.run()
@@ -62,7 +63,8 @@ def run_study(
             study.interrupted = True
             log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
         finally:
-            executor.close()
+            if executor is None:
+                evaluates.close()
         result = study.finish()
         if report:
             from tacos_framework.report import write_report
