@@ -278,6 +278,8 @@ class _Checker:
             return None
         space = DesignSpace(tuple(variables))
         self._refused_by_rig(rig, fixed, space, given)
+        if not self.faults:
+            self._unknown_to_sensors(rig, fixed, space, nodes)
         return space
 
     def _unit(self, name: str, rig: Part | None, nodes: Mapping[str, Part]) -> str | None:
@@ -343,6 +345,43 @@ class _Checker:
                 if fault.where not in seen:
                     seen.add(fault.where)
                     self.faults.append(fault)
+
+    def _unknown_to_sensors(
+        self, rig: Part, fixed: Mapping[str, Any], space: DesignSpace, nodes: Mapping[str, Part]
+    ) -> None:
+        """Ask sensors that need to know more of a camera whether they know it of any that can be chosen."""
+        asking = {
+            name: part
+            for name, part in nodes.items()
+            if callable(getattr(part.cls, "lacks", None))
+            and not any(variable.name.startswith(f"{name}.") for variable in space.variables)
+        }
+        if not asking:
+            return
+        rigs = self._choosable_rigs(rig, fixed, space)
+        for name, part in asking.items():
+            reasons = [part.make().lacks(each) for each in rigs]
+            if reasons and all(reasons):
+                self._add(
+                    ("nodes", name),
+                    min(map(str, reasons), key=len),  # of the camera that lacks least
+                    f"a camera of which it knows enough; of {len(reasons)} tried there is none",
+                    "Give the missing figures as settings of the node, or choose from a catalog that knows.",
+                )
+
+    def _choosable_rigs(self, rig: Part, fixed: Mapping[str, Any], space: DesignSpace) -> list[Any]:
+        """The rig for every row of each catalog the recipe chooses from; all else at its lower bound."""
+        corner = space.decode([gene.lower for gene in space.genes]).as_dict()
+        own = {name: value for name, value in corner.items() if "." not in name}
+        choices = [v for v in space.variables if isinstance(v, CatalogChoice) and v.name in own]
+        tried = [{**own, choice.name: row.as_dict()} for choice in choices for row in choice.rows] or [own]
+        builder = rig.make()
+        built = []
+        for values in tried:
+            variables, faults, _ = check(rig.cls.Variables, {**fixed, **values}, self.recipe.where)
+            if not faults:
+                built.append(builder.build(variables))
+        return built
 
     def _where_variable(self, fixed: Mapping[str, Any], path: Path) -> str:
         section = "rig" if path and path[0] in fixed else "design"

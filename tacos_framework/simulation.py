@@ -316,6 +316,9 @@ class Simulation:
                 raise
 
     def _evaluate(self, job: ScoreJob, derived: dict[str, float], setup: _Setup, clock: Clock) -> Evaluation:
+        for component in setup.components.values():  # before anything is rendered in vain
+            if callable(lacks := getattr(component, "lacks", None)) and (reason := lacks(setup.rig)):
+                raise CandidateFailed(reason)
         images = 0
         states = dict(job.states)
         if job.training is not None:

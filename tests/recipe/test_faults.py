@@ -179,3 +179,28 @@ def test_relative_paths_start_from_the_folder_of_the_recipe(toys, tmp_path, monk
     recipe, faults = read_recipe(tmp_path / "mine" / "r.yaml")
     config = make_plan(recipe, toys, faults).nodes["frames"].config
     assert config.calibration == str(tmp_path / "mine" / "own.yaml")
+
+
+EMVA = RIGHT.replace("use: sensor.affine-noise", "use: sensor.emva").replace(
+    ", calibration: flea3_imx172", ""
+)
+
+
+def test_a_sensor_that_knows_enough_of_no_camera_says_what_it_lacks(toys):
+    (fault,) = faults_of(EMVA, toys)
+    assert fault.startswith(
+        "r.yaml:15:3: sensor.emva does not know quantum_efficiency (electrons per photon), dark"
+    )
+    assert "of 43 tried there is none" in fault
+    assert "Give the missing figures as settings of the node" in fault
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        "quantum_efficiency: 0.5, dark_current_e_s: 5",  # the catalog knows the rest of some sensors
+        "quantum_efficiency: 0.5, dark_current_e_s: 5, full_well_e: 9000, read_noise_e: 3",
+    ],
+)
+def test_a_sensor_that_knows_enough_of_some_camera_has_no_fault(toys, known):
+    assert plan(EMVA.replace("in: {capture: capture}}", f"in: {{capture: capture}}, {known}}}"), toys).nodes

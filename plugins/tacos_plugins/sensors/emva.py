@@ -15,7 +15,7 @@ from tacos_framework.camera.exposure import digitise, gain_factor
 from tacos_framework.contracts import Effects
 from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Signal, View
+from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Rig, Signal, View
 
 NEEDED: Mapping[str, str] = {
     "quantum_efficiency": "electrons per photon",
@@ -167,6 +167,15 @@ class Emva:
             black_level_dn=self.config.black_level_dn,
             white_level_dn=self.white_level_dn,
         )
+
+    def lacks(self, rig: Rig) -> str | None:
+        """What is not known of a rig's image sensors, in a sentence; None where all is known."""
+        for camera in rig.cameras:
+            try:
+                self.photosite(camera)
+            except CandidateFailed as error:
+                return str(error)
+        return None
 
     def photosite(self, camera: Camera) -> Photosite:
         """What is known of a camera's photosites: by the catalog, else by the settings.
