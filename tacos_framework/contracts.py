@@ -203,7 +203,14 @@ class Effects(Protocol):
 
 
 class Sensor(Protocol):
-    """Turns light into digital images, with noise."""
+    """Turns light into digital images, with noise.
+
+    A further member is optional:
+
+    ``lacks(rig) -> str | None``
+        What the sensor would have to know of a rig's cameras and does not, in a sentence. A recipe none of
+        whose cameras it can serve is refused with it; a candidate it cannot serve fails.
+    """
 
     Config: ClassVar[type[Settings]]
 
