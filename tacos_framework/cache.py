@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import json
 from collections import OrderedDict
@@ -50,6 +51,17 @@ def _feed(digest: hashlib.blake2b, value: Any) -> None:
         raise TypeError(f"cannot make a content key of a {type(value).__name__}")
 
 
+def _give_back_memory() -> None:
+    """Return what was freed to the system, where glibc would keep it in pieces.
+
+    A world is some hundred thousand allocations; without this, memory creeps up by about ten megabytes with
+    each new one, although nothing holds on to it.
+    """
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
+
+
 class Recent(Generic[Made]):
     """The `size` most recently used things, made when first asked for.
 
@@ -75,5 +87,6 @@ class Recent(Generic[Made]):
         else:
             while len(self._held) >= self._size:  # let go first: two worlds at once may not fit
                 self._held.popitem(last=False)
+                _give_back_memory()
             self._held[key] = make()
         return self._held[key]
