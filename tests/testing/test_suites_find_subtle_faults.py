@@ -147,21 +147,6 @@ class CameraByCameraSensor(AffineNoise):
         return replace(parts[0], capture=capture, images=tuple(part.images[0] for part in parts))
 
 
-class AliasingSearch(RandomSearch):
-    """Hands out its own lists as its state."""
-
-    def __init__(self, config, *, space, rng):
-        self._history = []
-        super().__init__(config, space=space, rng=rng)
-
-    def tell(self, evaluated):
-        self._history.append(len(evaluated))
-        super().tell(evaluated)
-
-    def state(self):
-        return {**super().state(), "history": self._history}
-
-
 class RestlessSearch(RandomSearch):
     def ask(self):
         return self._draw()
@@ -292,7 +277,6 @@ FAULTS = [
     (RendererConformance, SecretlyExposedRenderer, "test_what_it_does_not_read_changes_nothing"),
     (RendererConformance, MisreadingRenderer, "test_it_reads_fields_of_camera_and_exposure"),
     (SensorConformance, CameraByCameraSensor, "test_batches_may_be_cut_anywhere"),
-    (OptimizerConformance, AliasingSearch, "test_a_state_is_a_snapshot"),
     (OptimizerConformance, RestlessSearch, "test_it_asks_the_same_until_it_is_told"),
     (ExecutorConformance, FirstFaultExecutor, "test_errors_keep_what_they_carry"),
     (ExecutorConformance, StickyExecutor, "test_functions_may_change_between_calls"),
