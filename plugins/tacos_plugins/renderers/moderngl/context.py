@@ -95,6 +95,14 @@ def write_level(texture: moderngl.TextureArray, level: int, texels: NDArray[np.u
     write(_GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, *size, *pixels)
 
 
+def flush() -> None:
+    """Let all that was asked for begin, without waiting for it."""
+    gl_context()
+    begin = ctypes.CDLL(_library).glFlush
+    begin.restype, begin.argtypes = None, []
+    begin()
+
+
 def _info_of(context: moderngl.Context) -> GlInfo:
     renderer = context.info["GL_RENDERER"]
     return GlInfo(

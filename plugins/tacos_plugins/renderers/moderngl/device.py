@@ -17,6 +17,7 @@ from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh, light_world
 from tacos_plugins.renderers.moderngl.painter import Painter, Programs
+from tacos_plugins.renderers.moderngl.panorama import FaceStore
 from tacos_plugins.renderers.moderngl.pictures import Multisampling
 from tacos_plugins.renderers.moderngl.probes import look_around, nearest_visible, probe_places
 from tacos_plugins.renderers.moderngl.targets import TargetPool
@@ -44,6 +45,7 @@ class Device:
         self.most_samples = context.max_samples
         self._context = context
         self._programs = Programs(context)
+        self.faces = FaceStore(0)
         self._painters: OrderedDict[tuple[str, float], Painter] = OrderedDict()
 
     def painter(self, world: World, texel_m: float) -> Painter:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
+from tacos_plugins.renderers.moderngl.context import flush
 from tacos_plugins.renderers.moderngl.coverage import find_edges
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.targets import TargetPool
@@ -37,7 +38,7 @@ class Photographer(Protocol):
     """Takes pictures with one camera."""
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
-        """The picture from a pose."""
+        """The picture from a pose. Its arrays may be overwritten by the next picture."""
         ...
 
 
@@ -109,9 +110,10 @@ class EdgeBlending:
         seen = np.ascontiguousarray(self._truth[..., 1])
         chunks = painter.with_surfaces(chunks, seen)
         painter.surfaces(fine, coverage, chunks)
+        coverage.read(self._surface)  # before colour is asked for, as reading waits for all that was
         painter.colour(view, colour, chunks)
+        flush()
 
-        coverage.read(self._surface)
         surface = self._surface[..., 0]
         surface[1::2, 1::2] = seen  # rounding may differ between sizes of image
         edges = find_edges(surface)  # while other threads draw colour

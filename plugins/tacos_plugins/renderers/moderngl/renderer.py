@@ -12,7 +12,9 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View
 from tacos_plugins.renderers.moderngl.device import Device, device
 from tacos_plugins.renderers.moderngl.painter import Painter
+from tacos_plugins.renderers.moderngl.panorama import cube_camera
 from tacos_plugins.renderers.moderngl.pictures import EdgeBlending, Multisampling, Photographer
+from tacos_plugins.renderers.moderngl.resample import Resampling
 
 
 class ModernglRenderer:
@@ -49,6 +51,18 @@ class ModernglRenderer:
             0.06, help="Distance of light map texels on large flat surfaces.", unit="m", ge=0.005
         )
 
+        reuse: Literal["off", "cube-map"] = setting(
+            "off",
+            help="Keep what is seen from each place in all directions (cube-map) and take from it the "
+            "pictures of all cameras put there whose pixels are no finer; off draws each picture.",
+        )
+        reuse_face_px: int = setting(
+            1024, help="Pixels across each of the six faces of a cube map.", unit="px", ge=64, le=8192
+        )
+        reuse_memory_mb: int = setting(
+            2048, help="Memory for cube maps in each process; those used longest ago go.", unit="MB", ge=64
+        )
+
     reads: ClassVar[frozenset[str]] = frozenset(
         {
             "width_px",
@@ -74,6 +88,7 @@ class ModernglRenderer:
             When there is no OpenGL, saying what to install.
         """
         used = device()
+        used.faces.most_bytes = self._config.reuse_memory_mb * 10**6
         painter = used.painter(episode.world, self._config.light_texel_m)
         return Capture(
             episode, tuple(self._view(used, painter, episode, camera, exposure) for camera in rig.cameras)
@@ -83,6 +98,8 @@ class ModernglRenderer:
         self, used: Device, painter: Painter, episode: Episode, camera: Camera, exposure: Exposure
     ) -> View:
         photographer = self._photographer(used, camera)
+        if self._config.reuse == "cube-map":
+            photographer = self._resampling(used, episode.world.key, camera, photographer)
         poses = world_from_camera(episode.trajectory.at(episode.time_s), camera.agent_from_camera)
         shape = (len(episode), camera.height_px, camera.width_px)
         luminance = np.empty((*shape, 3), np.float32)
@@ -98,6 +115,17 @@ class ModernglRenderer:
                     luminance[frame] += photographer.take(painter, moment).luminance_cd_m2
                 luminance[frame] *= np.float32(1 / self._config.motion_samples)
         return View(camera, poses, luminance, depth, object_id)
+
+    def _resampling(self, used: Device, world_key: str, camera: Camera, direct: Photographer) -> Photographer:
+        config = self._config
+        return Resampling(
+            used.faces,
+            (world_key, config.light_texel_m, config.near_m, config.antialiasing, config.samples),
+            camera,
+            config.reuse_face_px,
+            of_faces=self._photographer(used, cube_camera(config.reuse_face_px)),
+            direct=direct,
+        )
 
     def _photographer(self, used: Device, camera: Camera) -> Photographer:
         config = self._config
