@@ -240,6 +240,10 @@ EXECUTORS = {
 }
 
 PROCEDURES = {
+    "compare-optimizers": (
+        "optimizers_compared.compare:CompareOptimizers",
+        "Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",
+    ),
     "calibrate-noise": (
         "noise.calibrate:CalibrateNoise",
         "From frames of grey bars to an affine noise calibration with confidence intervals.",

@@ -1,0 +1,1 @@
+"""Comparing optimizers on one design problem, with equal images."""
