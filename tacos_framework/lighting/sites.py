@@ -54,7 +54,10 @@ def merge_vertices(world: World, occlusion: Occlusion, merge_m: float) -> Sites:
         for axis in range(3):
             key = key * size + column[:, axis]
     _, chosen, of_vertex = np.unique(key, return_index=True, return_inverse=True)
-    points = occlusion.vertices_m + _inward(occlusion)
+    inward = _inward(occlusion)
+    # On a rounded edge the triangles lie below the tangent plane, and the way to them leads inside the thing.
+    below = np.minimum(np.einsum("ij,ij->i", inward, normals), 0)
+    points = occlusion.vertices_m + inward - below[:, None] * normals
     return Sites(
         points_m=points[chosen].astype(np.float32),
         normals=normals[chosen],
