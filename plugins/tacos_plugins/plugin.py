@@ -240,6 +240,10 @@ EXECUTORS = {
 }
 
 PROCEDURES = {
+    "diagnose": (
+        "diagnose:Diagnose",
+        "Where a simulation and real captures part, which effect causes it, and how far adding it helps.",
+    ),
     "compare-optimizers": (
         "optimizers_compared.compare:CompareOptimizers",
         "Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",

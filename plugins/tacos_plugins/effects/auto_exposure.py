@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -72,6 +72,7 @@ class AutoExposure:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"target_mlx_s": None}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = ()
 
     def __init__(self, config: Config) -> None:
         self.config = config

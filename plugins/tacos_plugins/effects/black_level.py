@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -31,6 +31,10 @@ class BlackLevel:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"offset_dn": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"offset_dn": 2.0},
+        {"offset_dn": -2.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -49,6 +49,9 @@ class ColourMatrix:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"matrix": IDENTITY}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"matrix": ((1.2, -0.1, -0.1), (-0.1, 1.2, -0.1), (-0.1, -0.1, 1.2))},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -57,6 +57,10 @@ class Defocus:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"radius_px": 0.0, "focus_m": None}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"radius_px": 1.5},
+        {"radius_px": 4.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -41,6 +41,11 @@ class Demosaic:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"method": "none"}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"method": "bilinear"},
+        {"method": "gradient-corrected"},
+        {"method": "edge-aware"},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import cv2
@@ -49,6 +49,10 @@ class Denoise:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"strength": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"strength": 1.0},
+        {"strength": 3.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -29,6 +29,10 @@ class ExposureError:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"scale": 1.1},
+        {"scale": 0.9},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

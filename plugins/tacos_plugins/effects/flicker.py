@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -35,6 +35,7 @@ class Flicker:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"depth": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"depth": 0.05, "period_rows": 150.0},)
 
     def __init__(self, config: Config) -> None:
         self.config = config

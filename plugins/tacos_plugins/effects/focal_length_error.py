@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -38,6 +38,11 @@ class FocalLengthError:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0, "dx_px": 0.0, "dy_px": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"scale": 1.01},
+        {"dx_px": 2.0},
+        {"dy_px": 2.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

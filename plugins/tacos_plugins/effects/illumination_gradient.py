@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -33,6 +33,10 @@ class IlluminationGradient:
     stage: ClassVar[Stage] = "scene"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"gx": 0.0, "gy": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"gx": 0.1},
+        {"gy": 0.1},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

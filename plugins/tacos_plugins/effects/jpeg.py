@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import cv2
@@ -43,6 +43,15 @@ class Jpeg:
 
     stage: ClassVar[Stage] = "codec"
     neutral: ClassVar[Mapping[str, Any]] = {"quality": 100}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"quality": 97, "subsampling": "4:2:0"},
+        {"quality": 93, "subsampling": "4:2:0"},
+        {"quality": 88, "subsampling": "4:2:0"},
+        {"quality": 80, "subsampling": "4:2:0"},
+        {"quality": 70, "subsampling": "4:2:0"},
+        {"quality": 50, "subsampling": "4:2:0"},
+        {"quality": 30, "subsampling": "4:2:0"},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -41,6 +41,12 @@ class LateralChromaticAberration:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"red": 0.0, "blue": 0.0, "red_r2": 0.0, "blue_r2": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"red": 0.001},
+        {"blue": 0.001},
+        {"red_r2": 0.001},
+        {"blue_r2": 0.001},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

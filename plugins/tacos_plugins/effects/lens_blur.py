@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -46,6 +46,11 @@ class LensBlur:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_px": 0.0, "growth": 0.0, "wavelength_nm": None}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"sigma_px": 0.8, "growth": 0.0},
+        {"sigma_px": 0.5, "growth": 1.5},
+        {"sigma_px": 2.0, "growth": 0.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

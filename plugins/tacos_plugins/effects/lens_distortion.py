@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
@@ -60,6 +60,13 @@ class LensDistortion:
         "p1": 0.0,
         "p2": 0.0,
     }
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"k1": -0.1},
+        {"k2": -0.05},
+        {"k3": -0.05},
+        {"p1": 0.002},
+        {"p2": 0.002},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

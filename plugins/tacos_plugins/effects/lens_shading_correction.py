@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -36,6 +36,10 @@ class LensShadingCorrection:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"k1": 0.3},
+        {"k2": 0.3},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -39,6 +39,12 @@ class MotionBlur:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"length_px": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"length_px": 5.0, "angle_deg": 0.0},
+        {"length_px": 5.0, "angle_deg": 45.0},
+        {"length_px": 5.0, "angle_deg": 90.0},
+        {"length_px": 5.0, "angle_deg": 135.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

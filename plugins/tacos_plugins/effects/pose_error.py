@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -45,6 +45,7 @@ class PoseError:
     stage: ClassVar[Stage] = "scene"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = dict.fromkeys(("rx", "ry", "rz", "tx", "ty", "tz"), 0.0)
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"rx": 0.2}, {"ry": 0.2}, {"rz": 0.3})
 
     def __init__(self, config: Config) -> None:
         self.config = config

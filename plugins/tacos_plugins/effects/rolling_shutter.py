@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -45,6 +45,10 @@ class RollingShutter:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = {"row_time_us": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"row_time_us": 30.0},
+        {"row_time_us": -30.0},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

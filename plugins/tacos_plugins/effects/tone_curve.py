@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -60,6 +60,11 @@ class ToneCurve:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"gamma": 1.0, "knots": None}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"gamma": 0.85},
+        {"gamma": 1.2},
+        {"gamma": 0.45},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import cv2
@@ -48,6 +48,7 @@ class VeilingGlare:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.03},)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -36,6 +36,11 @@ class Vignetting:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0, "k3": 0.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"k1": -0.2},
+        {"k2": -0.2},
+        {"k3": -0.2},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -31,6 +31,10 @@ class WhiteBalance:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"red": 1.0, "blue": 1.0}
+    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+        {"red": 1.1},
+        {"blue": 1.1},
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -1,0 +1,246 @@
+"""Which effects: forward selection with removals, scored on held-out conditions.
+
+Every effect is first tried at the severities it names, once. What those trials change is kept as directions,
+so that later rounds are screened without simulating anew; only the most promising are fitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.gap.fit import Fitted, fit, theta_of
+from tacos_framework.gap.parameters import Term
+from tacos_framework.gap.problem import Hypothesis, Problem, bent
+from tacos_framework.gap.starts import terms_for
+from tacos_framework.gap.unknown import unexplained
+
+LARGEST = 3
+"""Most effects in one explanation."""
+
+PRICE = 6.0
+"""What an effect must gain on held-out conditions to be believed in [nat]."""
+
+LEAST_SHARE = 0.003
+"""What it must gain, over what all effects have gained so far: no model is exact, and a rest is always there."""
+
+TRIED = 4
+"""Effects fitted in each round."""
+
+Notify = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """An effect at a start: what it changes in the residuals."""
+
+    term: Term
+    change: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Attribution:
+    """What was found.
+
+    Parameters
+    ----------
+    best
+        The explanation; an empty hypothesis where nothing is explained.
+    null
+        The hypothesis without effects.
+    slots
+        For each effect of `best`, the score of every effect tried in its place, itself included; ``""``
+        stands for leaving it out [nat].
+    fits
+        All sets of effects that were fitted.
+    """
+
+    best: Fitted
+    null: Fitted
+    slots: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    fits: Mapping[tuple[str, ...], Fitted] = field(default_factory=dict)
+
+
+class Search:
+    """Looks for the effects behind a gap.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    effects
+        Name and class of every candidate.
+    workers
+        Threads.
+    notify
+        Told what is being done.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        effects: Mapping[str, type[Any]],
+        workers: int = 2,
+        notify: Notify | None = None,
+    ):
+        self.problem = problem
+        self._notify = notify or (lambda text: None)
+        self._workers = workers
+        self._effects = effects
+        self._fits: dict[tuple[str, ...], Fitted] = {}
+
+    def run(self) -> Attribution:
+        """Search, and compare what was found with its rivals."""
+        null = fit(self.problem, ())
+        assert null is not None
+        self._fits[()] = null
+        with ThreadPoolExecutor(self._workers) as pool:
+            self._pool = pool
+            self.trials = self._try_all()
+            best = null
+            while len(best.hypothesis) < LARGEST and unexplained(self.problem, best.z).stands_out:
+                better = self._extended(best)
+                if better is None:
+                    break
+                best = self._thinned(better)
+                self._notify(" + ".join(best.names))
+            slots = {name: self._rivals(best, name) for name in best.names}
+            return self._settled(best, null, slots)
+
+    # trials -----------------------------------------------------------------------------------------------
+
+    def _try_all(self) -> dict[str, list[Trial]]:
+        terms = [
+            term
+            for name, cls in self._effects.items()
+            for term in terms_for(name, cls, self.problem.evidence)
+        ]
+        residuals = self._pool.map(lambda term: self.problem.residual((term,)), terms)
+        trials: dict[str, list[Trial]] = {}
+        for term, z in zip(terms, residuals, strict=True):
+            if z is not None and not np.array_equal(z, self.problem.null):
+                trials.setdefault(term.name, []).append(Trial(term, z - self.problem.null))
+        return trials
+
+    def _promise(self, name: str, base: NDArray[np.float64]) -> tuple[float, Term]:
+        """How much an effect could gain on top of `base`, and where its fit should begin.
+
+        Each trial is scaled along its own direction; trials whose free parameters differ are also combined.
+        """
+        cost = float(np.sum(bent(base) ** 2))
+        best = (-np.inf, self.trials[name][0].term)
+        for trial in self.trials[name]:
+            for scale in _scales(trial):
+                gain = cost - float(np.sum(bent(base + scale * trial.change) ** 2))
+                if gain > best[0]:
+                    best = (gain, _scaled(trial.term, scale))
+        combined = self._combined(name, base)
+        if combined is not None and (gain := cost - combined[0]) > best[0]:
+            best = (gain, combined[1])
+        return best
+
+    def _combined(self, name: str, base: NDArray[np.float64]) -> tuple[float, Term] | None:
+        """Trials of one free parameter each, combined by least squares."""
+        single = {next(iter(t.term.free)): t for t in self.trials[name] if len(t.term.free) == 1}
+        if len(single) < 2 or len(single) < len(self.trials[name]) / 2:
+            return None
+        directions = np.stack([t.change for t in single.values()], axis=1)
+        weights = 1 / (1 + (base / 10) ** 2) ** 0.5
+        normal = (directions * weights[:, None]).T @ directions
+        ridge = 1e-4 * float(np.trace(normal)) / len(normal)
+        scales = -np.linalg.solve(normal + ridge * np.eye(len(normal)), directions.T @ (weights * base))
+        scales = np.clip(scales, -4, 4)
+        values: dict[str, Any] = {}
+        free: dict[str, float] = {}
+        for (key, trial), scale in zip(single.items(), scales, strict=True):
+            values |= {**trial.term.values, key: _scaled(trial.term, float(scale)).values[key]}
+            free[key] = trial.term.free[key]
+        term = replace(trial.term, values=values, free=free)
+        if term.make() is None:
+            return None
+        return float(np.sum(bent(base + directions @ scales) ** 2)), term
+
+    # rounds -----------------------------------------------------------------------------------------------
+
+    def _extended(self, base: Fitted) -> Fitted | None:
+        """The best explanation with one more effect; None when none is worth its price."""
+        tried = self._fitted([(*base.hypothesis, start) for start in self._promising(base, TRIED)])
+        if not tried:
+            return None
+        best = max(tried, key=lambda fitted: fitted.score)
+        return best if best.score > base.score + self._price(best) else None
+
+    def _price(self, fitted: Fitted) -> float:
+        """What one more effect must gain [nat]."""
+        return max(PRICE, LEAST_SHARE * (fitted.score - self._fits[()].score))
+
+    def _promising(self, base: Fitted, count: int, without: Sequence[str] = ()) -> list[Term]:
+        """Starts of the effects that promise most on top of `base`."""
+        free = [name for name in self.trials if name not in base.names and name not in without]
+        promises = sorted((self._promise(name, base.z) for name in free), key=lambda p: -p[0])
+        return [start for gain, start in promises[:count] if gain > 0]
+
+    def _thinned(self, fitted: Fitted) -> Fitted:
+        """Without effects that another made superfluous, and with each replaced by a better rival."""
+        for name in fitted.names:
+            fewer = self._fitted([tuple(t for t in fitted.hypothesis if t.name != name)])
+            if fewer and fewer[0].score > fitted.score - self._price(fitted):
+                fitted = fewer[0]
+        return fitted
+
+    def _rivals(self, fitted: Fitted, name: str) -> dict[str, float]:
+        """Scores with other effects in the place of `name`."""
+        rest = tuple(term for term in fitted.hypothesis if term.name != name)
+        (without,) = self._fitted([rest])
+        starts = self._promising(without, TRIED, without=[name])
+        scores = {name: fitted.score, "": without.score + PRICE}
+        for rival in self._fitted([(*rest, start) for start in starts]):
+            scores[rival.names[-1]] = rival.score
+        return scores
+
+    def _settled(self, best: Fitted, null: Fitted, slots: dict[str, dict[str, float]]) -> Attribution:
+        """Where a rival turned out better, it takes the place."""
+        for name, scores in slots.items():
+            rival = max(scores, key=lambda key: scores[key])
+            if rival not in ("", name) and rival not in best.names and scores[rival] > scores[name] + 1e-9:
+                names = tuple(rival if other == name else other for other in best.names)
+                key = tuple(sorted(names))
+                if key in self._fits:
+                    renamed = {(rival if k == name else k): v for k, v in slots.items()}
+                    return Attribution(self._fits[key], null, renamed, self._fits)
+        return Attribution(best, null, slots, self._fits)
+
+    def _fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
+        """Fit them, in parallel; each set of effects is fitted once, but begun anew where it got stuck."""
+        wanted = [h for h in hypotheses if tuple(sorted(t.name for t in h)) not in self._fits]
+        for fitted in self._pool.map(lambda h: fit(self.problem, h), wanted):
+            if fitted is not None:
+                self._fits[tuple(sorted(fitted.names))] = fitted
+        keys = [tuple(sorted(t.name for t in h)) for h in hypotheses]
+        return [self._fits[key] for key in keys if key in self._fits]
+
+
+def _scales(trial: Trial) -> tuple[float, ...]:
+    """Multiples of a trial's change to look at; discrete effects are there or not."""
+    if not trial.term.free:
+        return (1.0,)
+    return (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
+
+
+def _scaled(term: Term, scale: float) -> Term:
+    """A term with its free parameters moved to `scale` times their distance from neutral."""
+    if not term.free or scale == 1.0:
+        return term
+    neutral = {key: float(value) for key, value in term.cls.neutral.items() if isinstance(value, float)}
+    theta = theta_of((term,))
+    moved = []
+    for key, value in zip(term.free, theta, strict=True):
+        at = 0.0 if key.startswith("matrix.") else neutral.get(key)
+        moved.append(value if at is None else at + scale * (value - at))
+    changed = term.with_free(moved)
+    return changed if changed.make() is not None else term

@@ -1,0 +1,6 @@
+"""Folders of captures: real images, and what a simulator expects of them."""
+
+from tacos_framework.gap.captures.capture import Board, Capture, CaptureFolder, Noise
+from tacos_framework.gap.captures.reader import read_captures
+
+__all__ = ["Board", "Capture", "CaptureFolder", "Noise", "read_captures"]

@@ -1,0 +1,108 @@
+"""A capture in memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import ImageContext, ImageGeometry
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Affine noise of the files, before rounding and clipping.
+
+    Parameters
+    ----------
+    photon_dn
+        Variance per DN of signal above the pedestal, one per channel or one for all [DN].
+    thermal_dn2
+        Variance at no signal, likewise [DN^2].
+    known
+        False where it was estimated from the real frames: it then says nothing about the simulator.
+    """
+
+    photon_dn: tuple[float, ...]
+    thermal_dn2: tuple[float, ...]
+    known: bool = True
+
+    def variance_dn2(self, signal_dn: NDArray[np.float32], photon_scale: float = 1.0) -> NDArray[np.float32]:
+        """Variance for a signal above the pedestal, (..., C) [DN^2]."""
+        photon = np.asarray(self.photon_dn, np.float32) * np.float32(photon_scale)
+        return photon * np.maximum(signal_dn, 0) + np.asarray(self.thermal_dn2, np.float32)
+
+
+@dataclass(frozen=True)
+class Board:
+    """A chessboard: inner corners (columns, rows) and the side of its squares."""
+
+    inner_corners: tuple[int, int]
+    square_mm: float
+
+
+@dataclass(frozen=True, eq=False)
+class Capture:
+    """Real frames of one thing under one setting, and what the simulator expects.
+
+    Parameters
+    ----------
+    id, kind
+        Its name; dark, flat, bracket, edge, board, chart, scene or sequence.
+    real_dn
+        (N, H, W, C) float32 files, C = 1 or 3 [DN].
+    expected_dn
+        (1 or N, H, W, C) float32 noise-free expected values with the pedestal [DN]; None for a board.
+    valid
+        (H, W) bool; False where `expected_dn` says nothing.
+    geometry, context
+        Where the pixels lie, and what else is known of the capture.
+    noise
+        The simulator's noise.
+    exposure_stated
+        Whether ``exposure_ms`` was given.
+    group, level_uncertainty, expected_frames, board
+        As in ``captures.yaml``; `expected_frames` 0 stands for an expectation without noise.
+    edge_angle_deg
+        Angle of a straight edge; None without one [deg].
+    patches
+        (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
+    """
+
+    id: str
+    kind: str
+    real_dn: NDArray[np.float32]
+    expected_dn: NDArray[np.float32] | None
+    valid: NDArray[np.bool_]
+    geometry: ImageGeometry
+    context: ImageContext
+    noise: Noise
+    exposure_stated: bool = True
+    group: str | None = None
+    level_uncertainty: float = 0.0
+    expected_frames: int = 0
+    board: Board | None = None
+    edge_angle_deg: float | None = None
+    patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def frames(self) -> int:
+        """Number of real frames."""
+        return len(self.real_dn)
+
+    @property
+    def is_structured(self) -> bool:
+        """Whether it shows edges or texture, rather than an even field."""
+        return self.kind not in ("dark", "flat", "board") and self.expected_dn is not None
+
+
+@dataclass(frozen=True, eq=False)
+class CaptureFolder:
+    """All captures of a folder, and what was noticed while reading that is no error."""
+
+    path: Path
+    captures: tuple[Capture, ...]
+    limitations: tuple[str, ...] = field(default=())

@@ -1,0 +1,133 @@
+"""The form of ``captures.yaml``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from tacos_framework.settings import Settings, setting
+
+Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]
+Size = Annotated[int, Field(ge=1, le=100_000)]
+NonNegative = Annotated[float, Field(ge=0)]
+
+
+class CropEntry(Settings):
+    """Where the files sit on the sensor."""
+
+    x: int = setting(0, help="Sensor column of the files' first column.", unit="px", ge=0)
+    y: int = setting(0, help="Sensor row of the files' first row.", unit="px", ge=0)
+    full_width_px: Size = setting(help="Width of the sensor.", unit="px")
+    full_height_px: Size = setting(help="Height of the sensor.", unit="px")
+
+
+class CameraEntry(Settings):
+    """What the simulator believes of the camera."""
+
+    width_px: Size = setting(help="Width of the files.", unit="px")
+    height_px: Size = setting(help="Height of the files.", unit="px")
+    pixel_um: float = setting(3.0, help="Pitch of the pixels.", unit="um", gt=0)
+    focal_length_mm: float = setting(4.0, help="Focal length.", unit="mm", gt=0)
+    principal_point_px: tuple[float, float] | None = setting(
+        None, help="Principal point in the files; their centre (or the sensor's) if absent.", unit="px"
+    )
+    crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
+    f_number: float | None = setting(None, help="Focal length over aperture.", gt=0)
+    bit_depth: int = setting(8, help="Bits of a sample.", unit="bit", ge=1, le=16)
+    white_level_dn: float | None = setting(
+        None, help="Largest value of the files; 2**bit_depth - 1 if absent.", unit="DN", gt=0
+    )
+    black_level_dn: float = setting(0.0, help="Pedestal in the files.", unit="DN", ge=0)
+    channels: Literal[1, 3] = setting(1, help="1 for mono or a mosaic, 3 for RGB.")
+    cfa: Literal["RGGB", "BGGR", "GRBG", "GBRG"] | None = setting(
+        None, help="Colour filters of a mosaic, from the top-left pixel of the files on."
+    )
+
+    @model_validator(mode="after")
+    def _levels(self) -> CameraEntry:
+        if self.black_level_dn >= self.white:
+            raise ValueError(f"black_level_dn is below the white level, {self.white:g}")
+        if self.cfa is not None and self.channels != 1:
+            raise ValueError("a mosaic (cfa) has 1 channel")
+        return self
+
+    @property
+    def white(self) -> float:
+        """The white level [DN]."""
+        return self.white_level_dn or 2.0**self.bit_depth - 1
+
+
+class NoiseEntry(Settings):
+    """The simulator's affine noise at a gain, before rounding and clipping."""
+
+    photon_dn: NonNegative | tuple[NonNegative, NonNegative, NonNegative] = setting(
+        help="Variance per DN of signal above the pedestal; one, or one per channel.", unit="DN"
+    )
+    thermal_dn2: NonNegative | tuple[NonNegative, NonNegative, NonNegative] = setting(
+        help="Variance at no signal; one, or one per channel.", unit="DN^2"
+    )
+    gain_db: float = setting(0.0, help="The gain it holds at.", unit="dB")
+
+
+class BoardEntry(Settings):
+    """A chessboard."""
+
+    inner_corners: tuple[Annotated[int, Field(ge=3)], Annotated[int, Field(ge=3)]] = setting(
+        help="Inner corners along its rows and columns."
+    )
+    square_mm: float = setting(help="Side of its squares.", unit="mm", gt=0)
+
+
+class EdgeEntry(Settings):
+    """A straight slanted edge."""
+
+    angle_deg: float = setting(help="Angle to the nearest image axis.", unit="deg", ge=-45, le=45)
+
+
+class ChartEntry(Settings):
+    """A colour chart."""
+
+    patches: str = setting(help="CSV with id, x, y, width, height [px], r, g, b [linear DN].")
+
+
+class CaptureEntry(Settings):
+    """One capture: frames taken with the same settings, or the frames of a sequence."""
+
+    id: str = setting(help="Its name.", min_length=1, max_length=200)
+    kind: Kind = setting(help="What it shows.")
+    real: str | tuple[str, ...] = setting(help="Files of the frames, or a glob.", min_length=1)
+    simulated: float | str | tuple[str, ...] | None = setting(
+        None, help="Expected file values without noise: a file, one per frame, or a number.", unit="DN"
+    )
+    scene: str | None = setting(None, help="A recipe that renders the expected values.")
+    exposure_ms: float | None = setting(None, help="Exposure time.", unit="ms", gt=0)
+    gain_db: float = setting(0.0, help="Gain.", unit="dB")
+    group: str | None = setting(None, help="Captures of one group differ in exposure_ms only.")
+    level_uncertainty: float = setting(0.0, help="Relative scale within which nobody errs.", ge=0, le=1)
+    mask: str | None = setting(None, help="Image, 0 where `simulated` says nothing.")
+    simulated_frames: int | None = setting(None, help="Noisy frames that `simulated` is the mean of.", ge=1)
+    width_px: Size | None = setting(None, help="Width of the files, where it is not the camera's.", unit="px")
+    height_px: Size | None = setting(None, help="Height of the files.", unit="px")
+    crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
+    board: BoardEntry | None = setting(None, help="The board, for kind board.")
+    edge: EdgeEntry | None = setting(None, help="The edge; without it, edges of any direction.")
+    chart: ChartEntry | None = setting(None, help="The patches of a chart.")
+    depth: str | None = setting(None, help="Depth along the optical axis, .npy.", unit="m")
+    velocity_px_s: tuple[float, float] | str | None = setting(
+        None, help="Motion in the image, or a .npy of (height, width, 2).", unit="px/s"
+    )
+    frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0)
+    row_time_us: float = setting(0.0, help="Readout from row to row the simulator has.", unit="us", ge=0)
+    row_time_reference: float = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
+
+
+class FolderEntry(Settings):
+    """``captures.yaml``."""
+
+    tacos_captures: Literal[1] = setting(help="Format of the file.")
+    camera: CameraEntry = setting(help="What the simulator believes of the camera.")
+    noise: Literal["unknown"] | NoiseEntry | tuple[NoiseEntry, ...] = setting(
+        "unknown", help="The simulator's noise, or unknown."
+    )
+    captures: tuple[CaptureEntry, ...] = setting(help="The captures.", min_length=1)

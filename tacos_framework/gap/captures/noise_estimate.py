@@ -1,0 +1,73 @@
+"""Noise of real frames, where the simulator's is unknown."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.gap.captures.capture import Noise
+
+BINS = 12
+_LAPLACIAN_GAIN = 36.0
+"""Sum of squares of the kernel [[1, -2, 1], [-2, 4, -2], [1, -2, 1]] (Immerkaer 1996)."""
+
+
+def estimate_noise(
+    real_dn: NDArray[np.float32],
+    expected_dn: NDArray[np.float32] | None,
+    valid: NDArray[np.bool_],
+    black_level_dn: float,
+    white_level_dn: float,
+) -> Noise:
+    """A straight line through variance against signal, per channel.
+
+    Differences of frames give the variance where there are two; else a high-pass that lets no plane through
+    (Immerkaer 1996, "Fast noise variance estimation", CVIU 64(2)), by its median, so that edges count little.
+
+    Parameters
+    ----------
+    real_dn
+        (N, H, W, C) frames [DN].
+    expected_dn
+        Expected values; unused but for their shape where there are two frames of a moving thing.
+    valid
+        (H, W) pixels that count.
+    black_level_dn, white_level_dn
+        Levels of the files [DN].
+    """
+    level = real_dn.mean(axis=0)
+    static = len(real_dn) > 1 and (expected_dn is None or len(expected_dn) == 1)
+    variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(real_dn[0])
+    photon, thermal = [], []
+    for channel in range(real_dn.shape[-1]):
+        inside = valid & (level[..., channel] < 0.95 * white_level_dn) & (level[..., channel] > 0)
+        signal = level[..., channel][inside] - black_level_dn
+        slope, intercept = _line(signal, variance[..., channel][inside], robust=not static)
+        photon.append(slope)
+        thermal.append(intercept)
+    return Noise(tuple(photon), tuple(thermal), known=False)
+
+
+def _line(signal: NDArray[np.float32], variance: NDArray[np.float32], robust: bool) -> tuple[float, float]:
+    if signal.size < 100:
+        return 0.0, 1.0
+    edges = np.quantile(signal, np.linspace(0, 1, BINS + 1))
+    which = np.clip(np.searchsorted(edges, signal, side="right") - 1, 0, BINS - 1)
+    filled = [b for b in range(BINS) if (which == b).sum() >= 20]
+    x = np.array([signal[which == b].mean() for b in filled])
+    # the median of a squared Gaussian is 0.455 of its mean
+    middle = (lambda v: np.median(v) / 0.455) if robust else np.mean
+    y = np.array([middle(variance[which == b]) for b in filled])
+    if len(x) < 2 or np.ptp(x) < 5:
+        return 0.0, float(max(y.mean(), 0.01)) if len(y) else 1.0
+    slope, intercept = np.polyfit(x, y, 1)
+    slope = max(float(slope), 0.0)
+    return slope, float(max(intercept if slope else y.mean(), 0.01))
+
+
+def _high_pass_variance(frame: NDArray[np.float32]) -> NDArray[np.float32]:
+    import cv2
+
+    kernel = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
+    filtered = cv2.filter2D(frame, cv2.CV_32F, kernel, borderType=cv2.BORDER_REFLECT)
+    return np.asarray(filtered.reshape(frame.shape) ** 2 / _LAPLACIAN_GAIN, np.float32)

@@ -1,0 +1,121 @@
+"""Effects as hypotheses: which, with which parameters free, starting where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect of a hypothesis.
+
+    Parameters
+    ----------
+    name
+        The effect's name, without ``effect.``.
+    cls
+        Its class.
+    values
+        Parameters that differ from the class's defaults.
+    free
+        Names of those that are fitted, each with a step that matters.
+    """
+
+    name: str
+    cls: type[Any]
+    values: Mapping[str, Any]
+    free: Mapping[str, float]
+
+    def make(self) -> Any | None:
+        """The component; None where its settings refuse the values."""
+        try:
+            return self.cls(self.cls.Config(**_nested(self.values)))
+        except (ValidationError, ValueError):
+            return None
+
+    def with_free(self, theta: Sequence[float]) -> Term:
+        """With other values of the free parameters."""
+        changed = {name: float(value) for name, value in zip(self.free, theta, strict=True)}
+        return replace(self, values={**self.values, **changed})
+
+    @property
+    def theta(self) -> NDArray[np.float64]:
+        """The free parameters' values."""
+        return np.array([self.values[name] for name in self.free], float)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Its values as a recipe has them."""
+        return _nested(self.values)
+
+
+def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Put the six free entries of a matrix, ``matrix.row.column``, together; its rows sum to 1."""
+    plain = {name: value for name, value in values.items() if "." not in name}
+    entries = {name: value for name, value in values.items() if "." in name}
+    if entries:
+        matrix = np.zeros((3, 3))
+        for name, value in entries.items():
+            _, row, column = name.split(".")
+            matrix[int(row), int(column)] = value
+        matrix[np.diag_indices(3)] = 1 - matrix.sum(axis=1)
+        plain["matrix"] = tuple(tuple(float(v) for v in row) for row in matrix)
+    return plain
+
+
+def starts_of(
+    name: str, cls: type[Any], suggested: Sequence[Mapping[str, Any]] | None = None
+) -> Iterator[Term]:
+    """Where the search for an effect begins.
+
+    Those `suggested`, where given. Else a class may name starts itself, as ``probes``: mappings from
+    parameters to values of a severity that is met in the field, of which the floats are fitted. Without them,
+    each float with a neutral value is moved a little to either side of it.
+    """
+    neutral = {k: v for k, v in cls.neutral.items() if isinstance(v, float)}
+    probes = getattr(cls, "probes", None) if suggested is None else suggested
+    if probes is None:
+        probes = [{key: value + side * step(cls, key)} for key, value in neutral.items() for side in (1, -1)]
+    for probe in probes:
+        values = _flattened(probe)
+        free = {
+            key: max(abs(value - neutral.get(key, 0.0)), 1e-9)
+            for key, value in values.items()
+            if isinstance(value, float)
+        }
+        term = Term(name, cls, values, free)
+        if term.make() is not None:
+            yield term
+
+
+def _flattened(probe: Mapping[str, Any]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in probe.items():
+        if key == "matrix":
+            flat |= {f"matrix.{r}.{c}": float(value[r][c]) for r in range(3) for c in range(3) if r != c}
+        else:
+            flat[key] = value
+    return flat
+
+
+def step(cls: type[Any], name: str) -> float:
+    """A change of a parameter that matters: a twentieth of its bounds' span, at most a tenth of its scale."""
+    field = cls.Config.model_fields[name]
+    bounds = [getattr(m, key) for m in field.metadata for key in ("ge", "gt", "le", "lt") if hasattr(m, key)]
+    neutral = float(cls.neutral[name])
+    if len(bounds) == 2:
+        return min(abs(bounds[1] - bounds[0]) / 20, max(abs(neutral), 1.0) / 10)
+    return max(abs(neutral), 1.0) / 10
+
+
+def unit_of(cls: type[Any], name: str) -> str:
+    """Unit of a parameter."""
+    field = cls.Config.model_fields.get(name.partition(".")[0])
+    extra = field.json_schema_extra if field is not None else None
+    return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"

@@ -1,0 +1,122 @@
+"""All evidence of a folder together, and how a hypothesis fares on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.gap.evidence import Evidence, Label
+from tacos_framework.gap.parameters import Term
+from tacos_framework.values.image_geometry import ContextMissing
+
+BEND = 10.0
+"""Beyond so many units of the floor residuals count less and less: asinh in place of the straight line."""
+
+Hypothesis = tuple[Term, ...]
+
+
+def bent(z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Residuals that a few wild ones cannot rule; nearly the same below `BEND`."""
+    return np.asarray(BEND * np.arcsinh(z / BEND))
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Where the numbers of a capture stand in the whole."""
+
+    start: int
+    stop: int
+
+
+class Problem:
+    """Evidence of all captures as one vector of residuals.
+
+    Parameters
+    ----------
+    evidence
+        One per capture, or view.
+    """
+
+    def __init__(self, evidence: Sequence[Evidence]):
+        self.evidence = list(evidence)
+        sizes = [len(e.labels) for e in self.evidence]
+        ends = np.cumsum([0, *sizes])
+        self.slots = [Slot(int(a), int(b)) for a, b in pairwise(ends)]
+        self.labels: list[Label] = [label for e in self.evidence for label in e.labels]
+        self.null = np.concatenate([e.residual(()) for e in self.evidence]) if self.evidence else np.zeros(0)
+        self.floor = np.concatenate([e.floor for e in self.evidence], axis=1)
+        self.evaluations = 0
+        self._kept: dict[str, NDArray[np.float64]] = {}
+        self._lock = Lock()
+
+    def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
+        """(K,) residuals in units of the floor; None where an effect refuses its parameters."""
+        key = repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
+        effects = [effect for term in hypothesis if (effect := term.make()) is not None]
+        if len(effects) < len(hypothesis):
+            return None
+        with self._lock:
+            if key in self._kept:
+                return self._kept[key]
+            self.evaluations += 1
+        z = self.null.copy()
+        for evidence, slot in zip(self.evidence, self.slots, strict=True):
+            try:
+                z[slot.start : slot.stop] = evidence.residual(effects)
+            except ContextMissing:
+                return None
+        z = np.nan_to_num(z, nan=1e3, posinf=1e3, neginf=-1e3)
+        with self._lock:
+            self._kept[key] = z
+        return z
+
+    # what counts how much ---------------------------------------------------------------------------------
+
+    @cached_property
+    def weight(self) -> float:
+        """How many independent numbers one of these is worth, as they vary together (Satterthwaite)."""
+        squares = (bent(self.floor) ** 2).sum(axis=1)
+        spread = float(squares.var(ddof=1))
+        return float(np.clip(2 * squares.mean() / max(spread, 1e-9), 0.02, 1.0))
+
+    @cached_property
+    def floor_size(self) -> float:
+        """Root mean square of the floor's own residuals."""
+        return float(np.sqrt(np.mean(bent(self.floor) ** 2)))
+
+    def gap(self, z: NDArray[np.float64], part: NDArray[np.bool_] | None = None) -> float:
+        """Root mean square residual, in units of that of the floor [floor]."""
+        chosen = z if part is None else z[part]
+        return float(np.sqrt(np.mean(bent(chosen) ** 2)) / self.floor_size) if chosen.size else 0.0
+
+    @cached_property
+    def floor_gaps(self) -> NDArray[np.float64]:
+        """(B,) gaps of the simulator against itself [floor]."""
+        return np.array([self.gap(z) for z in self.floor])
+
+    @cached_property
+    def fold(self) -> NDArray[np.bool_]:
+        """(K,) which of two folds each number is in.
+
+        Captures of a kind alternate, so that what is fitted on some levels, views or scenes is judged on
+        others; a kind with a single capture is split by place, level and frequency.
+        """
+        fold = np.zeros(len(self.labels), bool)
+        order: dict[str, list[int]] = {}
+        for i, evidence in enumerate(self.evidence):
+            if evidence.labels:
+                order.setdefault(evidence.labels[0].kind, []).append(i)
+        for members in order.values():
+            for place, i in enumerate(members):
+                slot = self.slots[i]
+                if len(members) > 1:
+                    fold[slot.start : slot.stop] = place % 2 == 1
+                else:
+                    fold[slot.start : slot.stop] = np.arange(slot.stop - slot.start) % 2 == 1
+        return fold

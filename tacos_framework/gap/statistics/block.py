@@ -1,0 +1,108 @@
+"""What goes into a family of statistics, and what comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.gap.captures import Capture
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Numbers of one statistic.
+
+    Parameters
+    ----------
+    statistic
+        Its name, e.g. ``"relative_illumination"``.
+    stage
+        The stage of image formation that shows in it most often.
+    values
+        (K,) the numbers.
+    at
+        For each number where it was taken: ``{"radius": [0.7, 1.0]}``, ``{"channel": "R"}``.
+    amplitude
+        Differences this small are nobody's concern, whatever their significance: a number or one each.
+    """
+
+    statistic: str
+    stage: str
+    values: NDArray[np.float64]
+    at: Sequence[Mapping[str, Any]]
+    amplitude: NDArray[np.float64] | float
+
+
+class Sample:
+    """Frames of a capture, real or simulated, prepared for measuring.
+
+    What bins and tiles are made of comes from the expectation alone, so that real and simulated frames are
+    measured alike.
+
+    Parameters
+    ----------
+    capture
+        What was captured.
+    frames_dn
+        (N, H, W, C) the frames [DN].
+    expected_dn
+        (1 or N, H, W, C) what they are compared with [DN].
+    """
+
+    def __init__(self, capture: Capture, frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]):
+        self.capture = capture
+        self.frames = frames_dn
+        self.expected = expected_dn
+
+    @cached_property
+    def reference(self) -> NDArray[np.float32]:
+        """(H, W, C) mean of the expectation over frames [DN]."""
+        return np.asarray(self.expected.mean(axis=0) if len(self.expected) > 1 else self.expected[0])
+
+    @cached_property
+    def mean(self) -> NDArray[np.float32]:
+        """(H, W, C) mean of the frames [DN]."""
+        return np.asarray(self.frames.mean(axis=0)) if len(self.frames) > 1 else self.frames[0]
+
+    @cached_property
+    def residual(self) -> NDArray[np.float32]:
+        """(H, W, C) mean of the frames less the expectation [DN]."""
+        return self.mean - self.reference
+
+    @cached_property
+    def signal(self) -> NDArray[np.float32]:
+        """(H, W, C) expected signal above the pedestal, of the capture as it was read [DN]."""
+        assert self.capture.expected_dn is not None
+        expected = self.capture.expected_dn
+        return np.asarray(expected.mean(axis=0) - self.capture.context.black_level_dn)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether several frames show the same, so that noise and fixed patterns come apart."""
+        return len(self.frames) > 1 and len(self.expected) == 1
+
+    @cached_property
+    def temporal(self) -> NDArray[np.float32]:
+        """(N, H, W, C) frames less their mean, scaled so that its mean square is the variance [DN]."""
+        count = len(self.frames)
+        return (self.frames - self.mean) * np.float32(np.sqrt(count / (count - 1)))
+
+    @cached_property
+    def variance(self) -> NDArray[np.float32]:
+        """(H, W, C) variance over frames [DN^2]."""
+        return np.asarray(np.mean(self.temporal**2, axis=0))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        return ("R", "G", "B") if self.frames.shape[-1] == 3 else ("mono",)
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(H, W) pixels that count."""
+        return self.capture.valid

@@ -1,0 +1,108 @@
+"""Temporal noise: photon transfer, correlation between neighbours and channels, lattice, tails."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.gap.statistics.block import Block, Sample
+from tacos_framework.gap.statistics.grid import levels, smooth_areas
+
+LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, -1), (0, 4), (4, 0))
+"""Neighbours, as rows and columns away [px]."""
+
+_FLOOR_DN2 = 1e-3
+_LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
+
+
+def noise_statistics(sample: Sample) -> Iterator[Block]:
+    """Noise of repeated frames; of a single one, what a high-pass leaves in even areas."""
+    if sample.repeats:
+        noise = sample.temporal
+        yield from _photon_transfer(sample, sample.variance, "photon_transfer", None, 0.02)
+        yield from _tails(noise, sample.valid)
+    else:
+        even = smooth_areas(sample.capture) & sample.valid
+        if even.sum() < 2000:
+            return
+        noise = (sample.frames - sample.expected)[:1] * even[None, :, :, None]
+        yield from _photon_transfer(sample, _high_pass(noise[0]) ** 2, "spatial_noise", even, 0.03)
+    if sample.capture.noise.known or sample.repeats:
+        yield from _correlation(sample, noise)
+        yield from _lattice(sample, noise)
+
+
+def _photon_transfer(
+    sample: Sample,
+    variance: NDArray[np.float32],
+    name: str,
+    areas: NDArray[np.bool_] | None,
+    amplitude: float,
+) -> Iterator[Block]:
+    if not sample.capture.noise.known:
+        return
+    for channel, label in enumerate(sample.channels):
+        bins = levels(sample.capture, channel, areas)
+        if bins.at:
+            measured = bins.mean(variance[..., channel])
+            # a variance far below that of rounding is a matter of rounding, not of noise
+            yield Block(
+                name,
+                "pixel",
+                np.log(measured + _FLOOR_DN2),
+                [{**at, "channel": label} for at in bins.at],
+                np.hypot(amplitude, 0.01 / (measured + _FLOOR_DN2)),
+            )
+
+
+def _tails(noise: NDArray[np.float32], valid: NDArray[np.bool_]) -> Iterator[Block]:
+    square = noise**2 if valid.all() else noise[:, valid] ** 2
+    variance = max(float(square.mean()), 0.05)
+    kurtosis = max(float(np.vdot(square, square)) / square.size / variance**2, 0.1)
+    yield Block("noise_tails", "readout", np.array([np.log(kurtosis)]), [{}], 0.03)
+
+
+def _correlation(sample: Sample, noise: NDArray[np.float32]) -> Iterator[Block]:
+    step = 2 if sample.capture.context.cfa else 1
+    for channel, label in enumerate(sample.channels):
+        plane = noise[..., channel]
+        variance = max(float(np.mean(plane**2)), 0.02)
+        values = [_lagged(plane, rows * step, columns * step) / variance for rows, columns in LAGS]
+        at = [{"lag_px": [columns * step, rows * step], "channel": label} for rows, columns in LAGS]
+        yield Block("noise_autocorrelation", "pixel", np.array(values), at, 0.004)
+    if len(sample.channels) == 3:
+        pairs = ((0, 1), (1, 2), (0, 2))
+        flat = noise.reshape(-1, 3)
+        covariance = flat.T @ flat / len(flat)
+        spread = np.sqrt(np.maximum(np.diag(covariance), 1e-6))
+        values = [float(covariance[a, b] / (spread[a] * spread[b])) for a, b in pairs]
+        at = [{"channels": sample.channels[a] + sample.channels[b]} for a, b in pairs]
+        yield Block("channel_correlation", "isp", np.array(values), at, 0.005)
+
+
+def _lagged(plane: NDArray[np.float32], rows: int, columns: int) -> float:
+    height, width = plane.shape[1:]
+    a = plane[:, : height - rows, max(-columns, 0) : width - max(columns, 0)]
+    b = plane[:, rows:, max(columns, 0) : width - max(-columns, 0)]
+    return float(np.einsum("nij,nij->", a, b) / a.size)
+
+
+def _lattice(sample: Sample, noise: NDArray[np.float32]) -> Iterator[Block]:
+    """Variance at the four places of a 2 x 2 lattice, which only a demosaiced image tells apart."""
+    if sample.capture.context.cfa:
+        return
+    for channel, label in enumerate(sample.channels):
+        square = noise[..., channel] ** 2
+        phases = np.array([float(square[:, r::2, c::2].mean()) for r in (0, 1) for c in (0, 1)])
+        logs = np.log(phases + 0.01)
+        value = logs - logs.mean()
+        at = [{"lattice": [c, r], "channel": label} for r in (0, 1) for c in (0, 1)]
+        yield Block("noise_lattice", "isp", value, at, 0.02)
+
+
+def _high_pass(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    import cv2
+
+    return np.asarray(cv2.filter2D(image, cv2.CV_32F, _LAPLACIAN).reshape(image.shape), np.float32)
