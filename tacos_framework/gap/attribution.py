@@ -27,7 +27,7 @@ PRICE = 6.0
 """What an effect must gain on held-out conditions to be believed in [nat]."""
 
 LEAST_SHARE = 0.003
-"""What it must gain, over what all effects have gained so far: no model is exact, and a rest is always there."""
+"""What it must gain over what all have gained so far: no model is exact, and a rest is always there."""
 
 TRIED = 4
 """Effects fitted in each round."""

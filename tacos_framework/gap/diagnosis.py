@@ -356,9 +356,10 @@ def _evidence(
         size[label.statistic] = (x + float(a) ** 2, y + float(b) ** 2, n + 1)
     top = max(gain, key=lambda name: gain[name])
     x, y, n = size[top]
+    name = top.replace("_", " ").capitalize()
+    without_it, with_it = np.sqrt(x / n), np.sqrt(y / n)
     return (
-        f"{top.replace('_', ' ').capitalize()} differs by {np.sqrt(x / n):.1f} times the floor without it and by "
-        f"{np.sqrt(y / n):.1f} with it{lead}."
+        f"{name} differs by {without_it:.1f} times the floor without it and by {with_it:.1f} with it{lead}."
     )
 
 

@@ -45,7 +45,8 @@ def locate(problem: Problem, z: NDArray[np.float64]) -> list[Place]:
     """Statistics that differ by more than the floor, largest share first.
 
     Blocks (a statistic of a capture) are tested against a scaled chi-squared that matches the mean and
-    variance of the floor's replicates, and chosen by Benjamini and Hochberg 1995 (J. R. Statist. Soc. B 57(1)).
+    variance of the floor's replicates, and chosen by Benjamini and Hochberg 1995 (J. R. Statist. Soc. B
+    57(1)).
     """
     if not len(z):
         return []

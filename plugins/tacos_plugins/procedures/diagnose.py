@@ -88,9 +88,8 @@ def summary(diagnosis: Diagnosis) -> str:
         values = ", ".join(
             f"{name} {p.value}{'' if p.unit == '1' else f' {p.unit}'}" for name, p in cause.parameters.items()
         )
-        lines.append(
-            f"  {cause.effect} ({cause.probability:.0%}): {values}; closes {cause.closure:.0%} of the gap, held out"
-        )
+        lines.append(f"  {cause.effect} ({cause.probability:.0%}): {values}")
+        lines.append(f"      closes {cause.closure:.0%} of the gap on what it was not fitted to")
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
     if more:
         lines.append(f"  cannot be told from: {', '.join(more)}")

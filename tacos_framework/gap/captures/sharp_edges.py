@@ -19,8 +19,8 @@ _LEAST_CONTRAST = 0.12
 def with_sharp_edges(capture: Capture) -> Capture:
     """The capture with step edges expected where its frames cross the middle between their two sides.
 
-    Symmetric blur moves no such crossing, so the steps stand where the edges of the world do. What is not near
-    an edge is left out by the mask.
+    Symmetric blur moves no such crossing, so the steps stand where the edges of the world do. What is not
+    near an edge is left out by the mask.
     """
     import cv2
 
