@@ -136,9 +136,9 @@ def measure_levels(
     if frames < 2:
         raise ValueError(f"variance over time takes at least two frames, not {frames}")
     stacks = [_Stack.of(plane, white_level_dn) for plane in planes]
-    means = np.concatenate([stack.mean[stack.even] for stack in stacks])
+    means = np.concatenate([stack.smooth[stack.even] for stack in stacks])
     if means.size == 0:
-        means = np.concatenate([stack.mean.ravel() for stack in stacks])
+        means = np.concatenate([stack.smooth.ravel() for stack in stacks])
     edges = np.linspace(means.min(), means.max() + 1e-6, levels + 1)
     gathered = [stack.gathered(edges) for stack in stacks]
     pixels, mean, variance, fixed_sum, pairs, clipped, outliers, edge, expected = (
@@ -242,10 +242,15 @@ def _relative_variance(frames: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Stack:
-    """Frames of one plane with their mean, the pixels of even brightness, and counts of censored samples."""
+    """Frames of one plane, their mean, the pixels of even brightness, and counts of censored samples.
+
+    Pixels are sorted into levels by the mean of their neighbourhood: a pixel's own mean carries its noise,
+    and levels sorted by it would spread farther than the signal does, which makes the line too flat.
+    """
 
     frames: NDArray[np.uint8] | NDArray[np.uint16]
     mean: NDArray[np.float32]
+    smooth: NDArray[np.float32]
     even: NDArray[np.bool_]
     clipped: NDArray[np.float32]
 
@@ -255,12 +260,13 @@ class _Stack:
         clipped = np.zeros(mean.shape, np.float32)
         for frame in frames:
             clipped += (frame == 0) | (frame >= white_level_dn)
-        return cls(frames, mean, _even(frames, mean), clipped)
+        smooth = ndimage.uniform_filter(mean, 5)
+        return cls(frames, mean, smooth, _even(frames, smooth), clipped)
 
     def gathered(self, edges: NDArray[np.float64]) -> tuple[NDArray[np.float64] | float, ...]:
         """Sums over the pixels of each level; see `measure_levels`."""
         count = len(edges) - 1
-        level = np.clip(np.digitize(self.mean, edges) - 1, 0, count - 1)
+        level = np.clip(np.digitize(self.smooth, edges) - 1, 0, count - 1)
         variance = self._over_time(level, count)
         at = level[self.even]
         typical = _per_level(at, variance[self.even], count) / np.maximum(_per_level(at, None, count), 1)
@@ -280,7 +286,7 @@ class _Stack:
             _per_level(at, self.clipped[steady], count),
             float((self.even & ~steady).sum()),
             float(variance[uneven].sum()),
-            float(typical[level][uneven].sum()),
+            float(typical[np.clip(np.digitize(self.mean[uneven], edges) - 1, 0, count - 1)].sum()),
         )
 
     def _over_time(self, level: NDArray[np.intp], count: int) -> NDArray[np.float32]:
@@ -291,7 +297,8 @@ class _Stack:
             step = after.astype(np.float32) - before
             shift = _per_level(level[self.even], step[self.even], count) / of_level
             total += (step - shift.astype(np.float32)[level]) ** 2
-        total /= 2 * (len(self.frames) - 1)
+        estimated = of_level / np.maximum(of_level - 1, 1)  # a mean was taken off each level
+        total *= estimated.astype(np.float32)[level] / np.float32(2 * (len(self.frames) - 1))
         return total
 
 
@@ -301,15 +308,14 @@ def _per_level(
     return np.bincount(level.ravel(), None if values is None else values.ravel(), count).astype(np.float64)
 
 
-def _even(frames: NDArray[np.uint8] | NDArray[np.uint16], mean: NDArray[np.float32]) -> NDArray[np.bool_]:
+def _even(frames: NDArray[np.uint8] | NDArray[np.uint16], smooth: NDArray[np.float32]) -> NDArray[np.bool_]:
     """Pixels around which brightness hardly changes: away from bar edges, within what noise leaves open."""
-    smooth = ndimage.uniform_filter(mean, 5)
     step = frames[1].astype(np.float32) - frames[0]
     noise = np.sqrt(ndimage.uniform_filter(step**2, 15) / 2)
     allowed = 6 * noise * math.sqrt(2 / (25 * len(frames))) + 0.01 * np.ptp(
         np.percentile(smooth, (0.5, 99.5))
     )
-    even = np.zeros(mean.shape, bool)
+    even = np.zeros(smooth.shape, bool)
     inner = np.s_[_REACH_PX:-_REACH_PX, _REACH_PX:-_REACH_PX]
     across = np.abs(smooth[:, 2 * _REACH_PX :] - smooth[:, : -2 * _REACH_PX])[_REACH_PX:-_REACH_PX]
     along = np.abs(smooth[2 * _REACH_PX :] - smooth[: -2 * _REACH_PX])[:, _REACH_PX:-_REACH_PX]
