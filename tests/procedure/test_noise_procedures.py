@@ -245,3 +245,14 @@ def test_doubts_are_told(folder, tmp_path):
 def test_frames_come_from_somewhere(config):
     with pytest.raises(ValueError, match=r"either frames: .* or rendering:|frames also take camera:"):
         CalibrateNoise.Config(**config)
+
+
+@pytest.mark.parametrize("name", ["calibrate_noise", "validate_noise"])
+def test_the_shipped_recipes_have_no_faults(name):
+    from tacos_framework.procedure import plan_procedure, procedure_from
+    from tacos_framework.shipped import shipped_folder
+
+    recipe, faults = procedure_from(read_yaml(shipped_folder("recipes") / f"{name}.yaml"), {}, ())
+    assert (
+        plan_procedure(recipe, Plugins.discover(), faults).recipe.use == f"procedure.{name.replace('_', '-')}"
+    )
