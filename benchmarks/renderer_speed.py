@@ -1,13 +1,17 @@
 """Frames per second of `renderer.moderngl` on a furnished indoor world, and whether its memory stays flat.
 
-LP_NUM_THREADS=1 OMP_NUM_THREADS=1 python benchmarks/renderer_speed.py --size 640x480 --frames 100
+OMP_NUM_THREADS=1 python benchmarks/renderer_speed.py --size 640x480 --frames 100
+OMP_NUM_THREADS=1 LP_NUM_THREADS=1 python benchmarks/renderer_speed.py --frames 100 --processes 2
+OMP_NUM_THREADS=1 python benchmarks/renderer_speed.py --size 320x240 --frames 2000  # memory
 """
 
 from __future__ import annotations
 
 import argparse
 import logging
+import multiprocessing
 import time
+from multiprocessing.synchronize import Barrier
 
 import numpy as np
 
@@ -19,8 +23,23 @@ from tacos_plugins.scenes.indoor.scene import IndoorScene
 
 
 def main() -> None:
-    """Print the figures."""
+    """Print the figures of one process or several."""
     arguments = parse_arguments()
+    spawn = multiprocessing.get_context("spawn")  # a process with OpenGL must not fork
+    start_together = spawn.Barrier(arguments.processes)
+    others = [
+        spawn.Process(target=measure, args=(arguments, start_together))
+        for _ in range(arguments.processes - 1)
+    ]
+    for other in others:
+        other.start()
+    measure(arguments, start_together)
+    for other in others:
+        other.join()
+
+
+def measure(arguments: argparse.Namespace, start_together: Barrier) -> None:
+    """Prepare a world, wait for the other processes, and time frames."""
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     scene = IndoorScene(IndoorScene.Config())
     episode = scene.episode(rng=np.random.default_rng(arguments.seed), illumination_lux=20.0)
@@ -46,6 +65,7 @@ def main() -> None:
     for frame in frames[:: max(len(frames) // 8, 1)]:  # compiles the shaders every room needs
         renderer.capture(episode[frame : frame + 1], rig=rig, exposure=exposure)
 
+    start_together.wait()
     before = resident_bytes()
     start, start_cpu = time.perf_counter(), time.process_time()
     for frame in frames:
@@ -69,6 +89,7 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="seed of the world")
     parser.add_argument("--antialiasing", default="auto", help="auto, multisampling, edges or none")
     parser.add_argument("--motion-samples", type=int, default=1, help="poses per exposure")
+    parser.add_argument("--processes", type=int, default=1, help="processes that render at the same time")
     return parser.parse_args()
 
 

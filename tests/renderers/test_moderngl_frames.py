@@ -69,6 +69,21 @@ def test_equal_frames_for_equal_input_whatever_the_batches():
         np.testing.assert_array_equal(getattr(whole, name), joined)
 
 
+@pytest.mark.parametrize(
+    "settings", [{"antialiasing": "multisampling", "samples": 4}, {"antialiasing": "none"}]
+)
+@pytest.mark.parametrize("motion_samples", [1, 3])
+def test_reading_through_buffers_changes_nothing(settings, motion_samples):
+    episode = moving(a_lit_world(), pose((0, 0.2, 0)), pose((0, -0.2, 0)), frames=3)
+    direct, buffered = (
+        frames(episode, read_back=way, motion_samples=motion_samples, **settings)
+        for way in ("direct", "buffered")
+    )
+    assert not np.array_equal(direct.luminance_cd_m2[0], direct.luminance_cd_m2[1])
+    for name in ("luminance_cd_m2", "depth_m", "object_id"):
+        np.testing.assert_array_equal(getattr(direct, name), getattr(buffered, name))
+
+
 def picture_of_a_lit_world() -> bytes:
     return frames(standing(a_lit_world())).luminance_cd_m2.tobytes()
 

@@ -43,7 +43,7 @@ class Device:
         self.targets = TargetPool(context)
         self.is_software = describe_gl().is_software
         self.most_samples = context.max_samples
-        self._context = context
+        self.context = context
         self._programs = Programs(context)
         self.faces = FaceStore(0)
         self._painters: OrderedDict[tuple[str, float], Painter] = OrderedDict()
@@ -68,7 +68,7 @@ class Device:
 
     def _prepare(self, world: World, texel_m: float) -> Painter:
         lit = light_world(world, _indirect_lux(world), texel_m)
-        painter = Painter(self._programs, GpuWorld(self._context, world, lit))
+        painter = Painter(self._programs, GpuWorld(self.context, world, lit))
         if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
             self._add_probes(painter, world, lit)
         return painter

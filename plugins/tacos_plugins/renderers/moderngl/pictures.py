@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +15,7 @@ from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import flush
 from tacos_plugins.renderers.moderngl.coverage import find_edges
 from tacos_plugins.renderers.moderngl.painter import Painter
-from tacos_plugins.renderers.moderngl.targets import TargetPool
+from tacos_plugins.renderers.moderngl.targets import Target, TargetPool
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +66,47 @@ class Multisampling:
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
         """The picture from a pose."""
+        truth, colour = self._draw(painter, world_from_camera)
+        truth.read(self._truth)
+        colour.read(self._luminance)
+        return self._picture()
+
+    def take_all(
+        self, painter: Painter, world_from_camera: NDArray[np.float64], context: moderngl.Context
+    ) -> Iterator[Picture]:
+        """The pictures from (N, 4, 4) poses, each copied to memory while the next one is drawn."""
+        arrays = (self._truth, self._luminance)
+        slots = [[context.buffer(reserve=array.nbytes) for array in arrays] for _ in range(2)]
+        try:
+            for number, pose in enumerate(world_from_camera):
+                for target, array, buffer in zip(
+                    self._draw(painter, pose), arrays, slots[number % 2], strict=True
+                ):
+                    target.copy(buffer, array.shape[2])
+                if number > 0:
+                    yield self._copied(slots[(number - 1) % 2])
+            if len(world_from_camera) > 0:
+                yield self._copied(slots[(len(world_from_camera) - 1) % 2])
+        finally:
+            for buffer in itertools.chain(*slots):
+                buffer.release()
+
+    def _draw(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> tuple[Target, Target]:
         view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
         size = (self._camera.width_px, self._camera.height_px)
         truth = self._targets.get(size, channels=2)
+        colour = self._targets.get(size, channels=4, samples=self._samples)
         chunks = painter.in_view(view)
         painter.truth(view, truth, chunks)
-        truth.read(self._truth)
-        colour = self._targets.get(size, channels=4, samples=self._samples)
         painter.colour(view, colour, chunks)
-        colour.read(self._luminance)
+        return truth, colour
+
+    def _copied(self, buffers: Sequence[moderngl.Buffer]) -> Picture:
+        for array, buffer in zip((self._truth, self._luminance), buffers, strict=True):
+            buffer.read_into(array)
+        return self._picture()
+
+    def _picture(self) -> Picture:
         return Picture(self._luminance, self._truth[..., 0], self._truth[..., 1])
 
 

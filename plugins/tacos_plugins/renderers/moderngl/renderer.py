@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View
 from tacos_plugins.renderers.moderngl.device import Device, device
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import cube_camera
-from tacos_plugins.renderers.moderngl.pictures import EdgeBlending, Multisampling, Photographer
+from tacos_plugins.renderers.moderngl.pictures import EdgeBlending, Multisampling, Photographer, Picture
 from tacos_plugins.renderers.moderngl.resample import Resampling
 
 
@@ -51,6 +52,11 @@ class ModernglRenderer:
             0.06, help="Distance of light map texels on large flat surfaces.", unit="m", ge=0.005
         )
 
+        read_back: Literal["auto", "direct", "buffered"] = setting(
+            "auto",
+            help="Frames are fetched as they are done (direct), or through pixel buffers while the next is "
+            "drawn (buffered, with multisampling or no antialiasing); auto is buffered on GPUs.",
+        )
         reuse: Literal["off", "cube-map"] = setting(
             "off",
             help="Keep what is seen from each place in all directions (cube-map) and take from it the "
@@ -105,8 +111,7 @@ class ModernglRenderer:
         luminance = np.empty((*shape, 3), np.float32)
         depth = np.empty(shape, np.float32)
         object_id = np.empty(shape, np.int32)
-        for frame, pose in enumerate(poses):
-            picture = photographer.take(painter, pose)
+        for frame, picture in enumerate(self._pictures(used, photographer, painter, poses)):
             luminance[frame], depth[frame] = picture.luminance_cd_m2, picture.depth_m
             object_id[frame] = painter.world.object_of_surface[picture.surface.astype(np.int32)]
             if self._config.motion_samples > 1:
@@ -115,6 +120,16 @@ class ModernglRenderer:
                     luminance[frame] += photographer.take(painter, moment).luminance_cd_m2
                 luminance[frame] *= np.float32(1 / self._config.motion_samples)
         return View(camera, poses, luminance, depth, object_id)
+
+    def _pictures(
+        self, used: Device, photographer: Photographer, painter: Painter, poses: NDArray[np.float64]
+    ) -> Iterator[Picture]:
+        """Pictures from all poses, one after the other, read while the next is drawn where that is faster."""
+        way = self._config.read_back
+        ahead = way == "buffered" or (way == "auto" and not used.is_software)
+        if ahead and isinstance(photographer, Multisampling):
+            return photographer.take_all(painter, poses, used.context)
+        return (photographer.take(painter, pose) for pose in poses)
 
     def _resampling(self, used: Device, world_key: str, camera: Camera, direct: Photographer) -> Photographer:
         config = self._config

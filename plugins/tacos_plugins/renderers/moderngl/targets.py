@@ -50,11 +50,17 @@ class Target:
 
     def read(self, into: NDArray[np.float32]) -> None:
         """Read (H, W, channels) float32 into an array, which may have fewer channels, samples averaged."""
-        source = self.framebuffer
-        if self._resolved is not None:
-            self._context.copy_framebuffer(self._resolved, self.framebuffer)
-            source = self._resolved
-        source.read_into(into, components=into.shape[2], dtype="f4")
+        self._source().read_into(into, components=into.shape[2], dtype="f4")
+
+    def copy(self, into: moderngl.Buffer, channels: int) -> None:
+        """Begin to copy (H, W, channels) float32 into a buffer of the device, samples averaged."""
+        self._source().read_into(into, components=channels, dtype="f4")
+
+    def _source(self) -> moderngl.Framebuffer:
+        if self._resolved is None:
+            return self.framebuffer
+        self._context.copy_framebuffer(self._resolved, self.framebuffer)
+        return self._resolved
 
     def release(self) -> None:
         """Give the memory back."""
