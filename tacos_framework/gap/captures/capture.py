@@ -69,6 +69,8 @@ class Capture:
         Angle of a straight edge; None without one [deg].
     patches
         (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
+    row_time_us
+        Readout from row to row that is in `expected_dn` already [us].
     """
 
     id: str
@@ -86,6 +88,7 @@ class Capture:
     board: Board | None = None
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
+    row_time_us: float = 0.0
     notes: tuple[str, ...] = ()
 
     @property

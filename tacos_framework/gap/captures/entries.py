@@ -130,4 +130,4 @@ class FolderEntry(Settings):
     noise: Literal["unknown"] | NoiseEntry | tuple[NoiseEntry, ...] = setting(
         "unknown", help="The simulator's noise, or unknown."
     )
-    captures: tuple[CaptureEntry, ...] = setting(help="The captures.", min_length=1)
+    captures: tuple[CaptureEntry, ...] = setting(help="The captures, one at least.")

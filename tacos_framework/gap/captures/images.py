@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
 
+_PNG_BEGIN, _PNG_END = b"\x89PNG", b"IEND"
+
 RAW_SUFFIXES = frozenset({".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".rw2", ".orf"})
 
 
@@ -28,8 +30,13 @@ def read_image(path: Path, where: str) -> NDArray[Any]:
     UserError
         When it is not there, cannot be read, or holds what is no image.
     """
-    if not path.is_file():
-        raise UserError(Fault(where, f"there is no file {path.name!r}", str(path), "Correct the path."))
+    try:
+        if path.is_dir():
+            raise UserError(Fault(where, f"{path.name} is a folder", "files", f"{path.name}/*.png"))
+        if not path.is_file():
+            raise UserError(Fault(where, f"there is no file {path.name!r}", str(path), "Correct the path."))
+    except OSError as error:
+        raise UserError(Fault(where, f"{path.name[:60]!r} cannot be a file: {error.strerror}")) from error
     if path.suffix.lower() == ".npy":
         image = read_array(path, where)
     elif path.suffix.lower() in RAW_SUFFIXES:
@@ -38,7 +45,7 @@ def read_image(path: Path, where: str) -> NDArray[Any]:
         image = _read_file(path, where)
     if image.ndim == 2:
         image = image[..., None]
-    if image.ndim != 3 or image.shape[2] not in (1, 3):
+    if not image.size or image.ndim != 3 or image.shape[2] not in (1, 3):
         raise UserError(
             Fault(where, f"{path.name} has the shape {image.shape}", "(height, width) or (height, width, 3)")
         )
@@ -55,16 +62,19 @@ def read_array(path: Path, where: str) -> NDArray[Any]:
         raise UserError(
             Fault(where, f"{path.name} is no array: {error}", "a .npy file of numbers")
         ) from error
-    if array.dtype.kind not in "uif":
+    if array.dtype.kind not in "buif":
         raise UserError(Fault(where, f"{path.name} holds {array.dtype}", "numbers"))
-    return array
+    return array.astype(np.uint8) if array.dtype == np.bool_ else array
 
 
 def _read_file(path: Path, where: str) -> NDArray[Any]:
     import cv2
 
     try:
-        image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
+        content = path.read_bytes()
+        if content.startswith(_PNG_BEGIN) and _PNG_END not in content[-64:]:  # else rows that lack are black
+            raise UserError(Fault(where, f"{path.name} breaks off in the middle", "", "Copy it anew."))
+        image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     except (OSError, cv2.error) as error:
         raise UserError(Fault(where, f"{path.name} cannot be read: {error}")) from error
     if image is None:
@@ -81,5 +91,8 @@ def _read_raw(path: Path, where: str) -> NDArray[Any]:
         raise UserError(
             Fault(where, f"{path.name} is a RAW file", "", "pip install 'tacos-framework[raw]'")
         ) from None
-    with rawpy.imread(str(path)) as raw:
-        return np.array(raw.raw_image_visible)
+    try:
+        with rawpy.imread(str(path)) as raw:
+            return np.array(raw.raw_image_visible)
+    except (rawpy.LibRawError, OSError) as error:
+        raise UserError(Fault(where, f"{path.name} is no RAW file that can be read: {error}")) from error

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +11,9 @@ from numpy.typing import NDArray
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.gap.captures.capture import Board, Capture, CaptureFolder, Noise
 from tacos_framework.gap.captures.entries import CameraEntry, CaptureEntry, CropEntry, FolderEntry, NoiseEntry
-from tacos_framework.gap.captures.images import read_array, read_image
+from tacos_framework.gap.captures.files import CaptureFiles
 from tacos_framework.gap.captures.noise_estimate import estimate_noise
-from tacos_framework.gap.captures.plausibility import limitations_of, order_faults
+from tacos_framework.gap.captures.plausibility import faults_of, limitations_of, order_faults
 from tacos_framework.settings import check
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_framework.yaml_reader import Document, read_yaml
@@ -25,8 +22,8 @@ FILE = "captures.yaml"
 MAX_FRAMES = 6
 """Frames of one capture that are used; more add little and cost time."""
 
-Render = Callable[[Path], NDArray[np.float32]]
-"""Renders the expected values of a capture from a recipe: (1, H, W, C) [DN]."""
+Render = Callable[[Path, str], NDArray[np.float32]]
+"""Renders the expected values of a capture, (1 or N, H, W, C) [DN], from a recipe and the capture's id."""
 
 
 def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFolder:
@@ -50,7 +47,10 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     if path.parent.is_dir() and not path.is_file():
         raise UserError(
             Fault(
-                str(path.parent), f"there is no {FILE}", "a folder of captures", "See the how-to on captures."
+                str(path.parent),
+                f"there is no {path.name}",
+                "a folder of captures",
+                "See the how-to on captures.",
             )
         )
     document = read_yaml(path)
@@ -58,8 +58,10 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     if entry is None:
         raise UserError(faults)
     reader = _Reader(path.parent, document, entry, render)
+    if reader.files.faults:
+        raise UserError(reader.files.faults)
     captures = [capture for i in range(len(entry.captures)) if (capture := reader.capture(i)) is not None]
-    faults = [*reader.faults, *order_faults(captures, reader.where_of)]
+    faults = [*reader.files.faults, *order_faults(captures, reader.where_of)]
     if faults:
         raise UserError(faults)
     limits = (*reader.limitations, *(text for capture in captures for text in limitations_of(capture)))
@@ -70,84 +72,73 @@ class _Reader:
     """Reads capture after capture, keeping faults."""
 
     def __init__(self, folder: Path, document: Document, entry: FolderEntry, render: Render | None):
-        self.folder = folder
-        self.document = document
         self.entry = entry
         self.render = render
-        self.faults: list[Fault] = []
+        self.files = CaptureFiles(folder, document, entry.camera.channels)
         self.limitations: list[str] = []
         self.where_of: dict[str, str] = {}
-        counted = Counter(capture.id for capture in entry.captures)
+        if not entry.captures:
+            self.files.fault(("captures",), "there are no captures", "one at least")
         for i, capture in enumerate(entry.captures):
+            if capture.id in self.where_of:
+                self.files.fault(("captures", i, "id"), f"the id {capture.id!r} stands twice", "unique ids")
             self.where_of[capture.id] = document.where(("captures", i))
-            if counted[capture.id] > 1:
-                counted[capture.id] = 0
-                self._fault(("captures", i, "id"), f"the id {capture.id!r} stands twice", "unique ids")
-
-    def _fault(self, path: tuple[str | int, ...], what: str, expected: str = "", remedy: str = "") -> None:
-        self.faults.append(Fault(self.document.where(path), what, expected, remedy))
+        try:
+            _geometry(entry.camera, None)
+        except ValueError as error:
+            self.files.fault(("camera", "crop"), str(error), "files that lie on the sensor")
+        self._check_noise()
 
     def capture(self, i: int) -> Capture | None:
         """A capture; None after its faults were kept."""
-        entry = self.entry.captures[i]
-        before = len(self.faults)
+        entry, camera, files = self.entry.captures[i], self.entry.camera, self.files
+        before = len(files.faults)
         self._check_needs(i, entry)
         try:
-            geometry = _geometry(self.entry.camera, entry)
+            geometry = _geometry(camera, entry)
         except ValueError as error:
-            self._fault(("captures", i, "crop"), str(error), "files that lie on the sensor")
+            files.fault(("captures", i, "crop"), str(error), "files that lie on the sensor")
             return None
         shape = (geometry.height_px, geometry.width_px)
-        real = self._stack(i, "real", self._real_paths(i, entry), shape)
-        expected = self._expected(i, entry, shape)
-        mask = self._array(i, "mask", entry.mask, shape)
-        depth = self._array(i, "depth", entry.depth, shape)
-        velocity = entry.velocity_px_s
-        moved = (
-            self._array(i, "velocity_px_s", velocity, (*shape, 2))
-            if isinstance(velocity, str)
-            else None
-            if velocity is None
-            else np.array(velocity, np.float64)
-        )
-        patches = self._patches(i, entry, shape)
-        if len(self.faults) > before or real is None:
-            return None
-        if expected is not None and len(expected) not in (1, len(real)):
-            self._fault(
-                ("captures", i, "simulated"),
-                f"{len(expected)} files of {entry.id!r} for {len(real)} frames",
-                "one, or one per frame",
+        paths = files.found(i, "real", entry.real)
+        if len(paths) > MAX_FRAMES:
+            self.limitations.append(
+                f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
             )
-            return None
-        camera = self.entry.camera
-        context = ImageContext(
-            exposure_s=(entry.exposure_ms or 30.0) * 1e-3,
-            gain_db=entry.gain_db,
-            f_number=camera.f_number,
-            black_level_dn=camera.black_level_dn,
-            white_level_dn=camera.white,
-            depth_m=depth,
-            velocity_px_s=moved,
-            frame_interval_s=entry.frame_interval_ms and entry.frame_interval_ms * 1e-3,
-            reference_row=entry.row_time_reference,
-            cfa=camera.cfa,
-        )
-        if not self._plausible_scale(i, real, expected):
+        real = files.stack(i, "real", paths[:MAX_FRAMES], shape)
+        expected = self._expected(i, entry, shape, len(paths))
+        mask = files.array(i, "mask", entry.mask, shape)
+        depth = files.array(i, "depth", entry.depth, shape, infinite=True)
+        if depth is not None and (depth <= 0).any():
+            files.fault(
+                ("captures", i, "depth"), f"{entry.depth} holds depths of 0 or below", "metres above 0"
+            )
+        velocity = self._velocity(i, entry, shape)
+        patches = files.patches(i, entry.chart.patches, shape) if entry.chart else None
+        noise = self._noise(i, entry)
+        if len(files.faults) > before or real is None:
             return None
         valid = np.ones(shape, bool) if mask is None else mask.reshape(*shape, -1)[..., 0] != 0
-        noise = self._noise(i, entry) or estimate_noise(
-            real, expected, valid, camera.black_level_dn, camera.white
-        )
-        return Capture(
+        capture = Capture(
             id=entry.id,
             kind=entry.kind,
             real_dn=real,
             expected_dn=expected,
             valid=valid,
             geometry=geometry,
-            context=context,
-            noise=noise,
+            context=ImageContext(
+                exposure_s=(entry.exposure_ms or 30.0) * 1e-3,
+                gain_db=entry.gain_db,
+                f_number=camera.f_number,
+                black_level_dn=camera.black_level_dn,
+                white_level_dn=camera.white,
+                depth_m=depth,
+                velocity_px_s=velocity,
+                frame_interval_s=entry.frame_interval_ms and entry.frame_interval_ms * 1e-3,
+                reference_row=entry.row_time_reference,
+                cfa=camera.cfa,
+            ),
+            noise=noise or estimate_noise(real, expected, valid, camera.black_level_dn, camera.white),
             exposure_stated=entry.exposure_ms is not None,
             group=entry.group,
             level_uncertainty=entry.level_uncertainty,
@@ -155,81 +146,36 @@ class _Reader:
             board=Board(entry.board.inner_corners, entry.board.square_mm) if entry.board else None,
             edge_angle_deg=entry.edge.angle_deg if entry.edge else None,
             patches=patches,
+            row_time_us=entry.row_time_us,
         )
+        for key, what, wanted, remedy in faults_of(capture):
+            files.fault(("captures", i, key), what, wanted, remedy)
+        return capture if len(files.faults) == before else None
 
     def _check_needs(self, i: int, entry: CaptureEntry) -> None:
+        fault = self.files.fault
         if entry.kind in ("dark", "bracket") and entry.exposure_ms is None:
-            self._fault(
-                ("captures", i), f"{entry.id!r}, a {entry.kind}, has no exposure_ms", "exposure_ms: 10"
-            )
+            fault(("captures", i), f"{entry.id!r}, a {entry.kind}, has no exposure_ms", "exposure_ms: 10")
         if entry.kind == "board" and entry.board is None:
-            self._fault(
+            fault(
                 ("captures", i),
                 f"{entry.id!r} does not describe its board",
                 "board: {inner_corners: [9, 6], square_mm: 25}",
             )
+        if entry.simulated is not None and entry.scene is not None:
+            fault(("captures", i, "scene"), f"{entry.id!r} has both simulated and scene", "one of the two")
         if entry.kind not in ("dark", "board", "edge") and entry.simulated is None and entry.scene is None:
-            self._fault(
-                ("captures", i), f"{entry.id!r} has no simulated", "the expected values: a file or a number"
+            fault(
+                ("captures", i),
+                f"{entry.id!r} has no simulated",
+                "the expected values: a file or a number; or scene, a recipe that renders them",
             )
 
-    # files ------------------------------------------------------------------------------------------------
+    # what is expected -------------------------------------------------------------------------------------
 
-    def _real_paths(self, i: int, entry: CaptureEntry) -> list[Path]:
-        names = [entry.real] if isinstance(entry.real, str) else list(entry.real)
-        paths: list[Path] = []
-        for name in names:
-            if any(sign in name for sign in "*?["):
-                found = sorted(self.folder.glob(name)) if not Path(name).is_absolute() else []
-                if not found:
-                    self._fault(("captures", i, "real"), f"no file matches {name!r}", str(self.folder))
-                paths += found
-            else:
-                paths.append(self.folder / name)
-        if len(paths) > MAX_FRAMES:
-            self.limitations.append(
-                f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
-            )
-        return paths[:MAX_FRAMES]
-
-    def _stack(
-        self, i: int, key: str, paths: list[Path], shape: tuple[int, int]
+    def _expected(
+        self, i: int, entry: CaptureEntry, shape: tuple[int, int], frames: int
     ) -> NDArray[np.float32] | None:
-        where = self.document.where(("captures", i, key))
-        images = []
-        for path in paths:
-            try:
-                image = self._one_channel_or_three(read_image(path, where), path, where)
-            except UserError as error:
-                self.faults.extend(error.faults)
-                continue
-            if image.shape[:2] != shape:
-                height, width = image.shape[:2]
-                self.faults.append(
-                    Fault(
-                        where,
-                        f"{path.name} has {width} x {height} pixels",
-                        f"{shape[1]} x {shape[0]}",
-                        "Give the capture its own width_px and height_px, or correct the camera's.",
-                    )
-                )
-                continue
-            images.append(image.astype(np.float32))
-        return np.stack(images) if images and len(images) == len(paths) else None
-
-    def _one_channel_or_three(self, image: NDArray[Any], path: Path, where: str) -> NDArray[Any]:
-        channels = self.entry.camera.channels
-        if image.shape[2] == channels:
-            return image
-        if channels == 1 and (image == image[..., :1]).all():
-            return image[..., :1]
-        raise UserError(
-            Fault(
-                where, f"{path.name} has {image.shape[2]} channels", f"{channels}", "Correct camera.channels."
-            )
-        )
-
-    def _expected(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> NDArray[np.float32] | None:
         given, camera = entry.simulated, self.entry.camera
         if entry.kind == "board":
             return None
@@ -237,131 +183,108 @@ class _Reader:
             level = camera.black_level_dn if given is None else given
             return np.full((1, *shape, camera.channels), level, np.float32)
         if given is not None:
-            names = [given] if isinstance(given, str) else list(given)
-            return self._stack(i, "simulated", [self.folder / name for name in names], shape)
-        if entry.scene is not None:
-            return self._rendered(i, entry.scene, shape)
-        return None
+            paths = self.files.found(i, "simulated", given)
+            if frames and self._one_or_one_per_frame(i, "simulated", len(paths), frames):
+                return self.files.stack(i, "simulated", paths[:MAX_FRAMES], shape)
+            return None
+        return self._rendered(i, entry, entry.scene, shape, frames) if entry.scene else None
 
-    def _rendered(self, i: int, scene: str, shape: tuple[int, int]) -> NDArray[np.float32] | None:
-        if self.render is None:
-            self._fault(("captures", i, "scene"), "nothing renders recipes here", "simulated: FILE")
-            return None
-        try:
-            image = self.render(self.folder / scene)
-        except UserError as error:
-            place = self.document.where(("captures", i, "scene"))
-            self.faults += [Fault(f"{place}: {f.where}", f.what, f.expected, f.remedy) for f in error.faults]
-            return None
-        wanted = (*shape, self.entry.camera.channels)
-        if image.shape[1:] != wanted:
-            self._fault(("captures", i, "scene"), f"{scene} renders {image.shape[1:]}", f"{wanted}")
-            return None
-        return image
-
-    def _array(
-        self, i: int, key: str, name: str | None, shape: tuple[int, ...]
-    ) -> NDArray[np.float64] | None:
-        if name is None:
-            return None
-        where = self.document.where(("captures", i, key))
-        path = self.folder / name
-        try:
-            array = (
-                read_array(path, where)
-                if path.suffix == ".npy" and path.is_file()
-                else read_image(path, where)
-            )
-        except UserError as error:
-            self.faults.extend(error.faults)
-            return None
-        if array.shape[: len(shape)] != shape:
-            self.faults.append(Fault(where, f"{name} has the shape {array.shape}", f"{shape}"))
-            return None
-        return array.astype(np.float64)
-
-    def _patches(
-        self, i: int, entry: CaptureEntry, shape: tuple[int, int]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
-        if entry.chart is None:
-            return None
-        where = self.document.where(("captures", i, "chart"))
-        try:
-            rows = list(_patch_rows(self.folder / entry.chart.patches))
-        except (OSError, ValueError, KeyError, csv.Error) as error:
-            self.faults.append(
-                Fault(where, f"{entry.chart.patches} cannot be used: {error}", "id,x,y,width,height,r,g,b")
-            )
-            return None
-        boxes = np.array([row[0] for row in rows], np.int64).reshape(-1, 4)
-        inside = (boxes[:, :2] >= 0).all() and (boxes[:, :2] + boxes[:, 2:] <= shape[::-1]).all()
-        if not len(boxes) or not inside or (boxes[:, 2:] < 1).any():
-            self.faults.append(Fault(where, "patches lie outside the image, or there are none"))
-            return None
-        return boxes, np.array([row[1] for row in rows], np.float64)
-
-    # numbers ----------------------------------------------------------------------------------------------
-
-    def _noise(self, i: int, entry: CaptureEntry) -> Noise | None:
-        blocks = self.entry.noise
-        if blocks == "unknown" or isinstance(blocks, str):
-            return None
-        several = (blocks,) if isinstance(blocks, NoiseEntry) else blocks
-        matching = [block for block in several if block.gain_db == entry.gain_db]
-        if not matching and isinstance(blocks, NoiseEntry):
-            matching = [blocks]
-        if not matching:
-            self._fault(("captures", i), f"noise: has no block for gain_db {entry.gain_db:g} of {entry.id!r}")
-            return None
-        return Noise(_per_channel(matching[0].photon_dn), _per_channel(matching[0].thermal_dn2))
-
-    def _plausible_scale(
-        self, i: int, real: NDArray[np.float32], expected: NDArray[np.float32] | None
-    ) -> bool:
-        white = self.entry.camera.white
-        if real.max() > white:
-            self._fault(
-                ("captures", i, "real"),
-                f"values reach {real.max():g}",
-                f"at most the white level, {white:g}",
-                "Correct camera.bit_depth or white_level_dn; values are right-aligned.",
-            )
-            return False
-        if real.min() < 0:
-            self._fault(("captures", i, "real"), f"values go down to {real.min():g}", "0 or above")
-            return False
-        if expected is not None and 0 < expected.max() <= 1 and real.mean() > 8 and white >= 255:
-            self._fault(
-                ("captures", i, "simulated"),
-                f"values run from {expected.min():g} to {expected.max():g}",
-                f"digital numbers up to {white:g}, as in the files",
-                "Multiply it by the white level.",
+    def _one_or_one_per_frame(self, i: int, key: str, expected: int, frames: int) -> bool:
+        if expected > 1 and expected != frames:
+            self.files.fault(
+                ("captures", i, key),
+                f"{self.entry.captures[i].id!r} expects {expected} images and has {frames} frames",
+                "one, or one per frame",
             )
             return False
         return True
+
+    def _rendered(
+        self, i: int, entry: CaptureEntry, scene: str, shape: tuple[int, int], frames: int
+    ) -> NDArray[np.float32] | None:
+        files = self.files
+        if self.render is None:
+            files.fault(("captures", i, "scene"), "nothing renders recipes here", "simulated: FILE")
+            return None
+        before = len(files.faults)
+        try:
+            images = self.render(files.folder / scene, entry.id)
+        except UserError as error:
+            for fault in error.faults:
+                files.fault(
+                    ("captures", i, "scene"), f"{fault.where}: {fault.what}", fault.expected, fault.remedy
+                )
+            return None
+        wanted = (*shape, self.entry.camera.channels)
+        if images.shape[1:] != wanted:
+            files.fault(
+                ("captures", i, "scene"),
+                f"{scene} renders images of {images.shape[1:]}",
+                f"{wanted}: height, width, channels of the files",
+                "Give the recipe the camera of the files.",
+            )
+        self._one_or_one_per_frame(i, "scene", len(images), frames)
+        return images[:MAX_FRAMES] if len(files.faults) == before else None
+
+    def _velocity(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> NDArray[np.float64] | None:
+        given = entry.velocity_px_s
+        if isinstance(given, str):
+            return self.files.array(i, "velocity_px_s", given, (*shape, 2))
+        return None if given is None else np.array(given, np.float64)
+
+    # noise ------------------------------------------------------------------------------------------------
+
+    @property
+    def _blocks(self) -> Sequence[NoiseEntry]:
+        given = self.entry.noise
+        if isinstance(given, str):
+            return ()
+        return (given,) if isinstance(given, NoiseEntry) else given
+
+    def _check_noise(self) -> None:
+        channels = self.entry.camera.channels
+        seen: set[float] = set()
+        for place, block in enumerate(self._blocks):
+            at = ("noise",) if isinstance(self.entry.noise, NoiseEntry) else ("noise", place)
+            for name in ("photon_dn", "thermal_dn2"):
+                if isinstance(getattr(block, name), tuple) and channels == 1:
+                    self.files.fault((*at, name), f"{name} has 3 numbers for 1 channel", "one number")
+            if block.gain_db in seen:
+                self.files.fault(at, f"two blocks are for gain_db {block.gain_db:g}", "one block per gain")
+            seen.add(block.gain_db)
+
+    def _noise(self, i: int, entry: CaptureEntry) -> Noise | None:
+        blocks = self._blocks
+        if not blocks:
+            return None
+        matching = [block for block in blocks if block.gain_db == entry.gain_db]
+        if not matching and len(blocks) == 1 and "gain_db" not in blocks[0].model_fields_set:
+            gains = {capture.gain_db for capture in self.entry.captures}
+            matching = list(blocks) if len(gains) == 1 else []
+        if not matching:
+            self.files.fault(
+                ("captures", i),
+                f"noise has no block for gain_db {entry.gain_db:g} of {entry.id!r}",
+                "noise: a list with one block per gain_db",
+            )
+            return None
+        return Noise(_per_channel(matching[0].photon_dn), _per_channel(matching[0].thermal_dn2))
 
 
 def _per_channel(value: float | tuple[float, ...]) -> tuple[float, ...]:
     return tuple(value) if isinstance(value, tuple) else (value,)
 
 
-def _patch_rows(path: Path) -> Iterator[tuple[tuple[int, ...], tuple[float, ...]]]:
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        for row in csv.DictReader(file, skipinitialspace=True):
-            box = tuple(round(float(row[key])) for key in ("x", "y", "width", "height"))
-            yield box, tuple(float(row[key]) for key in ("r", "g", "b"))
-
-
-def _geometry(camera: CameraEntry, entry: CaptureEntry) -> ImageGeometry:
-    width = entry.width_px or camera.width_px
-    height = entry.height_px or camera.height_px
-    own_size = entry.width_px is not None or entry.height_px is not None
-    crop = entry.crop or (None if own_size and camera.crop is None else camera.crop)
-    crop = crop or CropEntry(full_width_px=width, full_height_px=height)
+def _geometry(camera: CameraEntry, entry: CaptureEntry | None) -> ImageGeometry:
+    """Where the files of a capture lie on the sensor; those of the camera itself for None."""
+    width = (entry and entry.width_px) or camera.width_px
+    height = (entry and entry.height_px) or camera.height_px
+    own_crop = entry.crop if entry else None
+    crop = own_crop or camera.crop or CropEntry(full_width_px=width, full_height_px=height)
     centre = camera.principal_point_px
     if centre is None:
         centre = ((crop.full_width_px - 1) / 2 - crop.x, (crop.full_height_px - 1) / 2 - crop.y)
-    elif entry.crop is not None:
+    elif own_crop is not None:
         base = camera.crop
         centre = (centre[0] + (base.x if base else 0) - crop.x, centre[1] + (base.y if base else 0) - crop.y)
     return ImageGeometry(

@@ -1,0 +1,366 @@
+"""Bad folders of captures: each fault with its place, all at once, or a limitation that is stated."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+
+import cv2
+import numpy as np
+import pytest
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.gap.captures import read_captures
+from tacos_framework.gap.captures.reader import MAX_FRAMES
+from tests.gap.captures.folders import (
+    CAMERA,
+    HEIGHT,
+    WIDTH,
+    describe,
+    faults,
+    flat_folder,
+    noisy,
+    save,
+    save_frames,
+)
+
+
+def only(found: list[str]) -> str:
+    assert len(found) == 1, found
+    return found[0]
+
+
+def test_a_folder_without_captures_says_so(tmp_path):
+    assert "there is no captures.yaml" in only(faults(tmp_path))
+    assert "there is no such file" in only(faults(tmp_path / "nowhere"))
+
+
+def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
+    save(tmp_path / "wide.png", noisy()[0].T)
+    text = (
+        "tacos_captures: 1\n"
+        "camera: {width_px: 20, height_px: 12}\n"
+        "captures:\n"
+        "  - id: a\n"
+        "    kind: flat\n"
+        "    real: missing.png\n"
+        "    simulated: 100\n"
+        "  - id: b\n"
+        "    kind: dark\n"
+        "    real: wide.png\n"
+        "  - id: a\n"
+        "    kind: board\n"
+        "    real: [nothing*.png]\n"
+    )
+    (tmp_path / "captures.yaml").write_text(text)
+    duplicate = only(faults(tmp_path))
+    assert re.search(r"captures.yaml:11:5: the id 'a' stands twice", duplicate)
+    (tmp_path / "captures.yaml").write_text(
+        text.replace("- id: a\n    kind: board", "- id: c\n    kind: board")
+    )
+    found = faults(tmp_path)
+    for expected in [
+        r"captures.yaml:6:5: there is no file 'missing.png'",
+        r"captures.yaml:8:5: 'b', a dark, has no exposure_ms",
+        r"captures.yaml:10:5: wide.png has 12 x 20 pixels\n  expected: 20 x 12",
+        r"captures.yaml:11:5: 'c' does not describe its board",
+        r"captures.yaml:13:5: no file matches 'nothing\*.png'",
+    ]:
+        assert any(re.search(expected, fault) for fault in found), (expected, found)
+    assert len(found) == 5
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"kind": "flatt"}, 'captures.0.kind is "flatt"'),
+        ({"exposure": 10}, "unknown key 'captures.0.exposure'"),
+        ({"exposure_ms": 0}, "captures.0.exposure_ms is 0"),
+        ({"real": []}, "captures.0.real"),
+        ({"real": ""}, "captures.0.real"),
+        ({"level_uncertainty": 2}, "captures.0.level_uncertainty is 2"),
+        ({"simulated": None}, "'flat' has no simulated"),
+        ({"scene": "bench.yaml"}, "'flat' has both simulated and scene"),
+        ({"simulated": None, "scene": "bench.yaml"}, "nothing renders recipes here"),
+        ({"real": "flat"}, "flat is a folder"),
+        ({"real": "a**b.png"}, "no pattern for files"),
+        ({"real": "x" * 300 + ".png"}, "cannot be a file"),
+        ({"simulated": ["a.npy", "b.npy", "c.npy"]}, "expects 3 images and has 2 frames"),
+        ({"gain_db": 6}, "no block for gain_db 6"),
+        ({"mask": "none.png"}, "there is no file 'none.png'"),
+        (
+            {"crop": {"x": 90, "full_width_px": 100, "full_height_px": 80}},
+            "columns 90 .. 110 are not on a sensor",
+        ),
+        ({"chart": {"patches": "none.csv"}}, "none.csv cannot be read"),
+    ],
+    ids=str,
+)
+def test_a_wrong_entry(tmp_path, changes, message):
+    folder = flat_folder(tmp_path, **changes)
+    data = json.loads((folder / "captures.yaml").read_text())
+    noise = [{"photon_dn": 0.1, "thermal_dn2": 1, "gain_db": 0}]
+    fault = only(faults(describe(folder, *data["captures"], noise=noise)))
+    assert message in fault
+    assert re.match(r".*captures\.yaml:\d+:\d+: ", fault)
+
+
+@pytest.mark.parametrize(
+    ("camera", "message"),
+    [
+        ({"black_level_dn": 300}, "black_level_dn is below the white level"),
+        ({"channels": 3}, "has 1 channels"),
+        ({"channels": 3, "cfa": "RGGB"}, "a mosaic (cfa) has 1 channel"),
+        ({"bit_depth": 20}, "camera.bit_depth is 20"),
+        ({"crop": {"full_width_px": 10, "full_height_px": 10}}, "are not on a sensor of 10"),
+        ({"bit_depth": 6}, "reach"),
+    ],
+    ids=str,
+)
+def test_a_wrong_camera(tmp_path, camera, message):
+    names = save_frames(tmp_path, "flat", noisy(frames=1))
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
+    assert message in only(faults(describe(tmp_path, entry, camera={**CAMERA, **camera})))
+
+
+@pytest.mark.parametrize(
+    ("noise", "message"),
+    [
+        ({"photon_dn": -0.1, "thermal_dn2": 1}, "noise"),
+        ({"photon_dn": [1, 2, 3], "thermal_dn2": 1}, "photon_dn has 3 numbers for 1 channel"),
+        ([{"photon_dn": 1, "thermal_dn2": 1}] * 2, "two blocks are for gain_db 0"),
+        ({"photon_dn": 1, "thermal_dn2": 1, "gain_db": 12}, "no block for gain_db 0"),
+    ],
+    ids=str,
+)
+def test_wrong_noise(tmp_path, noise, message):
+    names = save_frames(tmp_path, "flat", noisy())
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
+    found = faults(describe(tmp_path, entry, noise=noise))
+    assert found
+    assert message in "\n".join(found)
+
+
+def test_one_block_of_noise_does_not_serve_two_gains(tmp_path):
+    names = save_frames(tmp_path, "flat", noisy())
+    entry = {"kind": "flat", "real": names, "simulated": 100}
+    captures = [{**entry, "id": "a"}, {**entry, "id": "b", "gain_db": 6}]
+    found = faults(describe(tmp_path, *captures, noise={"photon_dn": 0.1, "thermal_dn2": 1}))
+    assert any("one block per gain_db" in fault for fault in found)
+
+
+# files ----------------------------------------------------------------------------------------------------
+
+
+def png() -> bytes:
+    return cv2.imencode(".png", noisy()[0])[1].tobytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("empty.png", b"", "cannot be read"),
+        ("text.png", b"no image at all", "no image that can be read"),
+        ("half.png", png()[:200], "breaks off in the middle"),
+        ("empty.npy", b"", "is no array"),
+        ("half.npy", b"\x93NUMPY\x01\x00v\x00{'descr': '<f4'", "is no array"),
+        ("photo.dng", b"no photo", "RAW file"),
+    ],
+)
+def test_a_file_that_cannot_be_read(tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    entry = {"id": "flat", "kind": "flat", "real": name, "simulated": 100}
+    assert message in only(faults(describe(tmp_path, entry)))
+
+
+def test_arrays_never_run_code(tmp_path):
+    np.save(tmp_path / "evil.npy", np.array([{"a": 1}], dtype=object), allow_pickle=True)
+    assert "is no array" in only(faults(flat_folder(tmp_path, simulated="evil.npy")))
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.full((HEIGHT, WIDTH), np.nan, np.float32), "NaN or infinite"),
+        (np.full((HEIGHT, WIDTH), np.inf, np.float32), "NaN or infinite"),
+        (np.full((HEIGHT, WIDTH, 2), 100.0), "has the shape"),
+        (np.full((3, HEIGHT, WIDTH, 1), 100.0), "has the shape"),
+        (np.zeros((0, 0)), "has the shape"),
+        (np.full((HEIGHT, WIDTH), 1j), "holds complex128"),
+        (np.full((HEIGHT, WIDTH), "a"), "holds <U1"),
+        (np.full((WIDTH, HEIGHT), 100.0), "has 12 x 20 pixels"),
+    ],
+    ids=lambda value: str(getattr(value, "shape", value)),
+)
+def test_an_expectation_that_is_no_image(tmp_path, array, message):
+    np.save(tmp_path / "expected.npy", array)
+    assert message in only(faults(flat_folder(tmp_path, simulated="expected.npy")))
+
+
+@pytest.mark.parametrize(
+    ("key", "array", "message"),
+    [
+        ("depth", np.full((HEIGHT, WIDTH), np.nan), "NaN"),
+        ("depth", np.zeros((HEIGHT, WIDTH)), "depths of 0 or below"),
+        ("depth", np.ones((HEIGHT, WIDTH + 1)), "has the shape"),
+        ("velocity_px_s", np.full((HEIGHT, WIDTH, 2), np.inf), "NaN or infinite"),
+        ("velocity_px_s", np.zeros((HEIGHT, WIDTH)), "has the shape"),
+        ("mask", np.ones((HEIGHT + 1, WIDTH)), "has the shape"),
+    ],
+)
+def test_a_map_that_does_not_fit(tmp_path, key, array, message):
+    np.save(tmp_path / "map.npy", array)
+    assert message in only(faults(flat_folder(tmp_path, **{key: "map.npy"})))
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("id,x,y,width,height,r,g\na,0,0,2,2,1,1", "there is no column b"),
+        ("id,x,y,width,height,r,g,b", "lists no patch"),
+        (
+            "id,x,y,width,height,r,g,b\na,0,0,2,2,1,1,1\nb,0,0,2,2,nan,1,1",
+            "patches.csv:3: r is nan, not a number",
+        ),
+        ("id,x,y,width,height,r,g,b\na,inf,0,2,2,1,1,1", "x is inf, not a number"),
+        ("id,x,y,width,height,r,g,b\na,0,0,2,2,1", "g is empty, not a number"),
+        ("id,x,y,width,height,r,g,b\na,18,0,5,2,1,1,1", "at (18, 0) is not inside the image of 20 x 12"),
+        ("id,x,y,width,height,r,g,b\na,0,0,0,2,1,1,1", "0 x 2 pixels"),
+    ],
+)
+def test_a_table_of_patches_that_does_not_fit(tmp_path, rows, message):
+    (tmp_path / "patches.csv").write_text(rows)
+    assert message in only(faults(flat_folder(tmp_path, chart={"patches": "patches.csv"})))
+
+
+def test_thousands_of_frames_are_not_read(tmp_path):
+    names = save_frames(tmp_path, "flat", noisy(frames=MAX_FRAMES))
+    content = (tmp_path / names[0]).read_bytes()
+    for i in range(MAX_FRAMES, 3000):
+        (tmp_path / f"flat/later {i}.png").write_bytes(content[:40])  # would be a fault if it were read
+    entry = {"id": "flat", "kind": "flat", "real": "flat/*.png", "simulated": 100}
+    began = time.perf_counter()
+    folder = read_captures(describe(tmp_path, entry))
+    assert time.perf_counter() - began < 5
+    assert folder.captures[0].frames == MAX_FRAMES
+    assert f"flat: {MAX_FRAMES} of its 3000 frames are used, the first ones." in folder.limitations
+
+
+def test_a_long_sequence_keeps_frames_and_expectations_together(tmp_path):
+    frames = noisy(frames=MAX_FRAMES + 3)
+    real = save_frames(tmp_path, "real", frames)
+    save_frames(tmp_path, "expected", frames + 1.5, ".npy")
+    entry = {"id": "moving", "kind": "sequence", "real": real, "simulated": "expected/*.npy"}
+    capture = read_captures(describe(tmp_path, entry)).captures[0]
+    np.testing.assert_array_equal(capture.expected_dn, capture.real_dn + 1.5)
+
+
+# what pictures say against their description -------------------------------------------------------------
+
+
+def test_values_above_the_white_level(tmp_path):
+    names = save_frames(tmp_path, "flat", noisy(100).astype(np.uint16) * 256)
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
+    fault = only(faults(describe(tmp_path, entry, camera={**CAMERA, "bit_depth": 12})))
+    assert "at most the white level, 4095" in fault
+    assert "right-aligned" in fault
+
+
+def test_values_below_zero(tmp_path):
+    names = save_frames(tmp_path, "flat", noisy(100).astype(np.float32) - 200, ".npy")
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
+    assert "go down to" in only(faults(describe(tmp_path, entry)))
+
+
+@pytest.mark.parametrize("factor", [1 / 255, 257.0])
+def test_an_expectation_in_other_units(tmp_path, factor):
+    fault = only(faults(flat_folder(tmp_path, simulated=100.0 * factor)))
+    assert "digital numbers up to 255, as in the files" in fault
+    assert "Multiply it by" in fault
+
+
+def test_units_that_may_be_right_are_doubted_aloud(tmp_path):
+    folder = read_captures(flat_folder(tmp_path, simulated=100.0 / 16))
+    assert any("16 times as bright as expected" in text for text in folder.limitations)
+
+
+def test_a_saturated_frame_may_expect_any_light_above(tmp_path):
+    names = save_frames(tmp_path, "bracket", np.full((2, HEIGHT, WIDTH), 255, np.uint8))
+    entry = {"id": "long", "kind": "bracket", "real": names, "simulated": 80_000, "exposure_ms": 1000}
+    folder = read_captures(describe(tmp_path, entry))
+    assert any(re.search("constant|saturated", text) for text in folder.limitations)
+
+
+def test_exposures_that_were_mixed_up(tmp_path):
+    captures = [
+        {
+            "id": f"at_{ms}",
+            "kind": "bracket",
+            "real": save_frames(tmp_path, f"{ms}", noisy(level)),
+            "simulated": level,
+            "exposure_ms": ms,
+            "group": "lamp",
+        }
+        for ms, level in [(10, 40), (20, 160), (40, 80)]
+    ]
+    fault = only(faults(describe(tmp_path, *captures)))
+    assert "'at_40' at 40 ms is darker (80) than 'at_20' at 20 ms (160), in the group 'lamp'" in fault
+
+
+def test_the_same_frame_twice_is_no_stack(tmp_path):
+    frame = noisy(frames=1)
+    names = save_frames(tmp_path, "flat", np.concatenate([frame, noisy(frames=1, seed=5), frame]))
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
+    assert "frames 1 and 3 of 'flat' are the same" in only(faults(describe(tmp_path, entry)))
+
+
+def test_dark_frames_without_noise_may_be_alike(tmp_path):
+    names = save_frames(tmp_path, "dark", np.zeros((2, HEIGHT, WIDTH), np.uint8))
+    entry = {"id": "dark", "kind": "dark", "real": names, "exposure_ms": 10}
+    assert faults(describe(tmp_path, entry)) == []
+
+
+@pytest.mark.parametrize(
+    ("frames", "message"),
+    [
+        (np.full((2, HEIGHT, WIDTH), 77, np.uint8), "a constant image tells nothing"),
+        (np.where(noisy(100) > 95, 255, noisy(100)).astype(np.uint8), "nearly all pixels are saturated"),
+        (np.where(noisy(100) > 104, 20, 0).astype(np.uint8), "nearly all pixels are 0"),
+        (noisy(frames=1), "a single frame has no real-against-real floor"),
+    ],
+    ids=["constant", "saturated", "black", "single"],
+)
+def test_pictures_that_tell_little_are_a_stated_limitation(tmp_path, frames, message):
+    names = save_frames(tmp_path, "flat", frames)
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": float(frames.mean())}
+    folder = read_captures(describe(tmp_path, entry))
+    assert any(message in text for text in folder.limitations), folder.limitations
+
+
+def test_a_mask_without_a_pixel_is_a_stated_limitation(tmp_path):
+    save(tmp_path / "mask.png", np.zeros((HEIGHT, WIDTH), np.uint8))
+    assert any(
+        "its mask leaves no pixel" in text
+        for text in read_captures(flat_folder(tmp_path, mask="mask.png")).limitations
+    )
+
+
+# recipes --------------------------------------------------------------------------------------------------
+
+
+def test_what_is_wrong_with_a_scene_s_recipe_stands_beside_its_name(tmp_path):
+    def render(path, capture):
+        raise UserError(Fault("bench.yaml:3:1", "unknown key 'rigg'", "", "Did you mean 'rig'?"))
+
+    fault = only(faults(flat_folder(tmp_path, simulated=None, scene="bench.yaml"), render=render))
+    assert re.search(r"captures.yaml:\d+:\d+: bench.yaml:3:1: unknown key 'rigg'", fault)
+    assert "Did you mean 'rig'?" in fault
+
+
+def test_a_scene_of_another_size(tmp_path):
+    def render(path, capture):
+        return np.zeros((1, HEIGHT, WIDTH + 2, 1), np.float32)
+
+    fault = only(faults(flat_folder(tmp_path, simulated=None, scene="bench.yaml"), render=render))
+    assert "renders images of (12, 22, 1)" in fault
