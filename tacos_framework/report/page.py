@@ -40,10 +40,11 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Picture:
-    """An image as a data URI, as `image_uri` gives it."""
+    """An image as a data URI, as `image_uri` gives it; `enlarged` fills the width with pixels left sharp."""
 
     uri: str
     caption: str
+    enlarged: bool = False
     kind: Literal["picture"] = "picture"
 
 
@@ -65,7 +66,23 @@ class Code:
     kind: Literal["code"] = "code"
 
 
-Block = Paragraph | Warnings | Drawing | Picture | Table | Code
+@dataclass(frozen=True)
+class Heading:
+    """A heading within a section."""
+
+    text: str
+    kind: Literal["heading"] = "heading"
+
+
+@dataclass(frozen=True)
+class Row:
+    """Blocks side by side, all equally wide."""
+
+    blocks: tuple[Drawing | Picture | Table, ...]
+    kind: Literal["row"] = "row"
+
+
+Block = Paragraph | Warnings | Drawing | Picture | Table | Code | Heading | Row
 
 
 @dataclass(frozen=True)

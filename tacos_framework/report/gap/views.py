@@ -1,0 +1,147 @@
+"""How each statistic is drawn: over what, in which unit, under which title."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Over = Literal["image", "arrows", "level", "radius", "frequency", "period", "places"]
+Shown = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+_KEYS: Mapping[str, Over] = {
+    "box_px": "image",
+    "level_dn": "level",
+    "frequency_cycles_px": "frequency",
+    "period_rows": "period",
+    "radius": "radius",
+}
+
+
+def _same(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return values
+
+
+def _percent(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return 100 * values
+
+
+def _contrast(log_power: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.exp(log_power / 2)
+
+
+@dataclass(frozen=True)
+class View:
+    """How a statistic is drawn.
+
+    Parameters
+    ----------
+    title
+        What is seen, as a heading.
+    quantity
+        What is on the vertical axis, with its unit.
+    shown
+        From the statistic's values to that quantity.
+    explained
+        What a difference means, in a sentence.
+    """
+
+    title: str
+    quantity: str
+    shown: Shown = _same
+    explained: str = ""
+
+
+_VIEWS = {
+    "relative_illumination": View(
+        "Brightness over the image",
+        "real over simulated [%]",
+        _percent,
+        "The mean level is taken out, so that exposure does not count.",
+    ),
+    "dark_field": View("Offset over the image, with the cap on", "real less simulated [DN]"),
+    "displacement": View(
+        "Where things appear", "displacement [px]", explained="Real less simulated position."
+    ),
+    "colour_displacement": View(
+        "Where red and blue appear against green", "displacement [px]", explained="Real less simulated."
+    ),
+    "board_corners": View(
+        "Corners of the boards", "misfit [px]", explained="What no pose of the board explains."
+    ),
+    "level": View("Level against expected level", "real less expected [DN]"),
+    "dark_level": View("Level in the dark", "real less expected [DN]"),
+    "photon_transfer": View(
+        "Noise against signal", "variance over frames [DN²]", np.exp, "The photon-transfer curve."
+    ),
+    "spatial_noise": View("Noise against signal, from single frames", "variance [DN²]", np.exp),
+    "noise_over_field": View(
+        "Noise over the radius",
+        "noise over its expectation [1]",
+        np.exp,
+        "Flat where light is lost, rising where values were scaled up afterwards.",
+    ),
+    "fixed_pattern": View(
+        "Pattern that repeats from frame to frame",
+        "its variance [DN²]",
+        explained="Covariance of independent halves of the frames.",
+    ),
+    "detail": View(
+        "Contrast of detail over spatial frequency",
+        "contrast over that expected [1]",
+        _contrast,
+        "Below 1 detail is lost, above 1 it was sharpened.",
+    ),
+    "row_waves": View("Waves over the rows", "amplitude over the signal [%]", _percent),
+    "row_noise": View("Noise shared by a row", "over that of independent pixels [1]", np.exp),
+    "column_noise": View("Noise shared by a column", "over that of independent pixels [1]", np.exp),
+    "noise_autocorrelation": View("Correlation of noise between neighbours", "correlation [1]"),
+    "channel_correlation": View("Correlation of noise between channels", "correlation [1]"),
+    "noise_lattice": View("Noise on the lattice of the colour filters", "over its mean [1]", np.exp),
+    "noise_tails": View("Tails of the noise", "kurtosis [1]", np.exp),
+    "hot_pixels": View("Hot pixels", "count", np.expm1),
+    "clipped": View("Clipped pixels", "share [%]", _percent),
+    "top_level": View("The largest values", "share [%]", _percent),
+    "code_comb": View("Empty codes", "strength [1]"),
+    "colour_matrix": View("How channels mix", "entry of the matrix [1]"),
+    "patches": View("Patches of the chart", "real less expected [DN]"),
+    "frame_to_frame": View("Brightness from frame to frame", "standard deviation [%]", _percent),
+}
+
+
+def view_of(statistic: str) -> View:
+    """How to draw a statistic; those that are not known here are drawn in their own unit."""
+    words = statistic.replace("_", " ")
+    return _VIEWS.get(statistic) or View(words[:1].upper() + words[1:], words)
+
+
+def over(places: Iterable[Mapping[str, Any]]) -> Over:
+    """What numbers are drawn over, from where they were taken."""
+    keys = {key for at in places for key in at}
+    if "axis" in keys:
+        return "arrows"
+    return next((found for key, found in _KEYS.items() if key in keys), "places")
+
+
+def position(value: Any) -> float:
+    """A place on an axis: the middle of an interval, or the number itself."""
+    return float(np.mean(value))
+
+
+def place_words(at: Mapping[str, Any]) -> str:
+    """A place in words: ``{"lag_px": [1, 0], "channel": "R"}`` becomes ``1, 0 R``.
+
+    Examples
+    --------
+    >>> place_words({"lag_px": [1, 0], "channel": "mono"}), place_words({"end": "white"})
+    ('1, 0', 'white')
+    """
+    parts = []
+    for key, value in at.items():
+        if key == "channel" and value == "mono":
+            continue
+        parts.append(", ".join(f"{v:g}" for v in value) if isinstance(value, list) else str(value))
+    return " ".join(parts)

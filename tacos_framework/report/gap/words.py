@@ -1,0 +1,140 @@
+"""Sentences of the report of a diagnosis, made from its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tacos_framework.gap.diagnosis import Cause, Diagnosis, Parameter
+from tacos_framework.report.gap.views import view_of
+from tacos_framework.report.quantities import number, unit_sign
+
+_UNITS = {"1": "", "DN^2": "DN²", "um": "µm"}
+
+
+def effect_words(name: str) -> str:
+    """An effect as it stands in a sentence: ``lens-distortion`` becomes ``lens distortion``."""
+    known = {"prnu": "PRNU", "dsnu": "DSNU", "jpeg": "JPEG"}
+    return known.get(name, name.replace("-", " "))
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a row.
+
+    Examples
+    --------
+    >>> listed(["a"]), listed(["a", "b", "c"])
+    ('a', 'a, b and c')
+    """
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def share(value: float) -> str:
+    """A share as a percentage, the sign of nothing but a rounding left out."""
+    rounded = round(100 * value)
+    return f"{rounded} %".replace("-", "\u2212") if rounded else "0 %"
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """The finding in one sentence."""
+    if diagnosis.verdict == "no_gap":
+        return "No gap: the captures differ from the simulation by no more than its own noise."
+    if not diagnosis.causes:
+        where = diagnosis.where[0].statistic if diagnosis.where else diagnosis.unknown.where
+        place = f", most of all in: {view_of(where).title.lower()}" if where else ""
+        return f"There is a gap{place}, and no effect of the catalogue explains it."
+    names = [effect_words(cause.effect) for cause in diagnosis.causes]
+    said = listed(names)
+    alike = alternatives(diagnosis)
+    if alike:
+        said = (
+            f"{said}, or {listed([effect_words(name) for name in alike])}, which these captures cannot tell"
+        )
+    said = said[:1].upper() + said[1:]
+    closed = together(diagnosis.causes)
+    explains = "explain" if len(names) > 1 else "explains"
+    removes = "together they remove" if len(names) > 1 else "adding it removes"
+    if diagnosis.verdict == "explained":
+        glue = ", " if alike else " "
+        return f"{said}{glue}{explains} the gap: {removes} {share(closed)} of it."
+    if diagnosis.verdict == "partly_explained":
+        return f"{said} {explains} part of the gap, {share(closed)} of it; the rest fits no effect here."
+    return f"The gap is not explained: {said.lower()} comes nearest and removes {share(closed)} of it."
+
+
+def together(causes: Sequence[Cause]) -> float:
+    """What all causes together close, held out: the sum of their fair shares."""
+    return sum(cause.shapley for cause in causes)
+
+
+def alternatives(diagnosis: Diagnosis) -> list[str]:
+    """Effects the captures cannot tell from the causes."""
+    found = {cause.effect for cause in diagnosis.causes}
+    return [name for name in diagnosis.cause_set if name not in found]
+
+
+def lead(diagnosis: Diagnosis, captures: int) -> str:
+    """The figures behind the headline."""
+    count = f"{captures} captures" if captures != 1 else "One capture"
+    if diagnosis.verdict == "no_gap":
+        before = number(diagnosis.gap_before, 2)
+        return (
+            f"{count}, one number in how far they are apart: {before} times the floor, which is what the "
+            "simulator differs from itself with other noise. What lies below the floor cannot be told."
+        )
+    before, after = number(diagnosis.gap_before, 3), number(diagnosis.gap_after, 3)
+    low, high = (number(end, 2) for end in diagnosis.gap_interval)
+    text = f"{count} differ from their simulation by {before} times the floor, "
+    text += "the simulator's difference from itself with other noise. "
+    if not diagnosis.causes:
+        return f"{text}Nothing was added."
+    return (
+        f"{text}With what is added below {after} are left (90 % interval {low} to {high}), measured on "
+        "levels, places and captures that the parameters were not fitted to."
+    )
+
+
+def parameter_row(name: str, parameter: Parameter) -> tuple[str, str, str, str]:
+    """Name, value, 90 % interval and unit of a parameter."""
+    unit = _UNITS.get(parameter.unit, unit_sign(parameter.unit))
+    if isinstance(parameter.value, list):
+        rows = "; ".join(" ".join(f"{v:.4g}" for v in row) for row in parameter.value)
+        return name, rows, "", unit
+    value = f"{parameter.value:.4g}" if isinstance(parameter.value, float) else str(parameter.value)
+    interval = "not fitted"
+    if parameter.interval is not None:
+        interval = " to ".join(f"{end:.3g}" for end in parameter.interval)
+    minus = "\u2212"
+    return name, value.replace("-", minus), interval.replace("-", minus), unit
+
+
+def cannot_tell(diagnosis: Diagnosis) -> list[str]:
+    """What these captures cannot tell, in sentences."""
+    said = []
+    for cause in diagnosis.causes:
+        if cause.confused_with:
+            others = listed([effect_words(name) for name in cause.confused_with])
+            said.append(f"{effect_words(cause.effect).capitalize()} cannot be told from {others} here.")
+    if diagnosis.unknown.probability >= 0.1 and diagnosis.unknown.where:
+        place = view_of(diagnosis.unknown.where).title.lower()
+        said.append(
+            f"With a probability of {share(diagnosis.unknown.probability)} something is at work that no "
+            f"effect here describes. It shows in: {place}."
+        )
+    if diagnosis.below_floor:
+        names = listed([effect_words(name) for name in diagnosis.below_floor])
+        said.append(f"Fits slightly, but by too little to be believed: {names}.")
+    return [*said, *diagnosis.limitations]
+
+
+def remainder(diagnosis: Diagnosis) -> str:
+    """What is left after the causes."""
+    left = diagnosis.unknown
+    chance = left.p_value
+    text = f"What is left measures {number(left.gap, 2)} times the floor. "
+    if left.probability < 0.1:
+        return f"{text}That is no more than a right model of a real camera leaves."
+    told = "none of" if chance <= 0.06 else f"{share(chance)} of"
+    return (
+        f"{text}Of the simulator's comparisons with itself {told} them stands out as much: something "
+        f"outside of the catalogue remains, with a probability of {share(left.probability)}."
+    )
