@@ -433,7 +433,7 @@ class Simulation:
         crn = self.plan.recipe.study.common_random_numbers
         names = (*spec.name, node.name, batch.first_frame, *(() if crn else (setup.key,)))
         rng = generator(spec.seed, *names)
-        acting = _ActingEffects(
+        acting = ActingEffects(
             self._effects, setup.rig, setup.exposure, generator(spec.seed, *names, "effects")
         )
         supplied = {
@@ -524,7 +524,7 @@ class _Batches:
             yield batch
 
 
-class _ActingEffects:
+class ActingEffects:
     """The effects of the recipe, bound to a candidate; implements `tacos_framework.contracts.Effects`."""
 
     def __init__(

@@ -17,6 +17,26 @@ SCENES = {
         "bench.grey_bars:GreyBars",
         "A test target of grey bars from black to white, to measure noise with.",
     ),
+    "light-box": (
+        "bench.light_box:LightBox",
+        "An even white surface across the view, for flats and exposure series.",
+    ),
+    "slanted-edges": (
+        "bench.slanted_edges:SlantedEdges",
+        "Dark squares on white, a little turned: edges all over the field.",
+    ),
+    "chessboard": (
+        "bench.chessboard:Chessboard",
+        "A calibration board, tilted and turned.",
+    ),
+    "colour-chart": (
+        "bench.colour_chart:ColourChart",
+        "The 24 patches of a ColorChecker, by their reference values.",
+    ),
+    "textured-target": (
+        "bench.textured_target:TexturedTarget",
+        "A sheet full of detail of all sizes, standing still or passing by.",
+    ),
 }
 
 RIGS = {
@@ -240,6 +260,10 @@ EXECUTORS = {
 }
 
 PROCEDURES = {
+    "simulate-captures": (
+        "simulate_captures:SimulateCaptures",
+        "A folder of captures from our own simulator, to rehearse a diagnosis without a camera.",
+    ),
     "diagnose": (
         "diagnose:Diagnose",
         "Where a simulation and real captures part, which effect causes it, and how far adding it helps.",

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from tacos_framework.gap.captures.capture import Noise
 
 BINS = 12
+_CENSORED = 0.6
+"""Share of zeros above which the lower half of the noise is taken to be cut off."""
+
+_NOISE_DN = 3.0
 _LAPLACIAN_GAIN = 36.0
 """Sum of squares of the kernel [[1, -2, 1], [-2, 4, -2], [1, -2, 1]] (Immerkaer 1996)."""
 
@@ -40,12 +45,27 @@ def estimate_noise(
     variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(real_dn[0])
     photon, thermal = [], []
     for channel in range(real_dn.shape[-1]):
+        plane = real_dn[..., channel][:, valid]
+        if black_level_dn < 1 and np.mean(plane == 0) > _CENSORED:
+            photon.append(0.0)
+            thermal.append(_censored_variance(plane))
+            continue
         inside = valid & (level[..., channel] < 0.95 * white_level_dn) & (level[..., channel] > 0)
         signal = level[..., channel][inside] - black_level_dn
         slope, intercept = _line(signal, variance[..., channel][inside], robust=not static)
         photon.append(slope)
         thermal.append(intercept)
     return Noise(tuple(photon), tuple(thermal), known=False)
+
+
+def _censored_variance(samples: NDArray[np.float32]) -> float:
+    """Variance of noise around 0 of which rounding and clipping left few values above 0.
+
+    What is above a few digital numbers is a hot pixel, not noise.
+    """
+    share = float(np.mean((samples > 0) & (samples <= _NOISE_DN)))
+    above_half = float(np.clip(share, 1e-6, 0.45))
+    return float((0.5 / ndtri(1 - above_half)) ** 2)
 
 
 def _line(signal: NDArray[np.float32], variance: NDArray[np.float32], robust: bool) -> tuple[float, float]:

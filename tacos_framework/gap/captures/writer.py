@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from tacos_framework.gap.captures.reader import FILE
 
 
 def write_captures(
-    folder: Path, captures: Sequence[Capture], patch_names: Mapping[str, Sequence[str]] | None = None
+    folder: Path, captures: Iterable[Capture], patch_names: Mapping[str, Sequence[str]] | None = None
 ) -> Path:
     """Write images and ``captures.yaml``; returns its path.
 
@@ -32,7 +32,8 @@ def write_captures(
     folder
         Where to; made if it is not there.
     captures
-        All of one camera: equal focal length, pitch, sensor size, principal point, levels and filters.
+        Taken one after another, all of one camera: equal focal length, pitch, sensor size, principal point,
+        levels and filters.
     patch_names
         For the ids of charts the names of their patches; they are numbered without.
 
@@ -41,16 +42,31 @@ def write_captures(
     ValueError
         When the captures are not of one camera, or ids would share a folder.
     """
-    camera = _camera(captures)
-    folders = {capture.id: _safe(capture.id) for capture in captures}
-    if len({name.lower() for name in folders.values()}) < len(captures):
-        raise ValueError(f"captures need ids that differ as names of folders, not {', '.join(folders)}")
-    entries = []
+    camera: dict[str, Any] = {}
+    first: dict[str, Any] = {}
+    noise: dict[float, Noise] = {}
+    entries: list[dict[str, Any]] = []
+    taken: set[str] = set()
     for capture in captures:
-        (folder / folders[capture.id]).mkdir(parents=True, exist_ok=True)
-        names = (patch_names or {}).get(capture.id, ())
-        entries.append(_entry(folder, folders[capture.id], capture, camera, names))
-    data = {"tacos_captures": 1, "camera": camera, "noise": _noise(captures), "captures": entries}
+        described = _camera_of(capture)
+        if not first:
+            first, camera = described, _camera_entry(capture, described)
+        if differing := [key for key, value in described.items() if not _alike(value, first[key])]:
+            raise ValueError(
+                f"captures {entries[0]['id']!r} and {capture.id!r} differ in {', '.join(differing)}: "
+                f"those of a folder are of one camera"
+            )
+        if noise.setdefault(capture.context.gain_db, capture.noise) != capture.noise and capture.noise.known:
+            raise ValueError(f"captures at {capture.context.gain_db:g} dB have different noise")
+        name = _safe(capture.id)
+        if name.lower() in taken:
+            raise ValueError(f"captures need ids that differ as names of folders: {capture.id!r} does not")
+        taken.add(name.lower())
+        (folder / name).mkdir(parents=True, exist_ok=True)
+        entries.append(_entry(folder, name, capture, camera, (patch_names or {}).get(capture.id, ())))
+    if not entries:
+        raise ValueError("there are no captures to write")
+    data = {"tacos_captures": 1, "camera": camera, "noise": _noise(noise), "captures": entries}
     text = yaml.dump(data, Dumper=_Plain, sort_keys=False, default_flow_style=None, width=110)
     (folder / FILE).write_text(text, encoding="utf-8")
     return folder / FILE
@@ -71,24 +87,17 @@ def _safe(name: str) -> str:
 # camera and noise -----------------------------------------------------------------------------------------
 
 
-def _camera(captures: Sequence[Capture]) -> dict[str, Any]:
-    if not captures:
-        raise ValueError("there are no captures to write")
-    cameras = [_camera_of(capture) for capture in captures]
-    for capture, camera in zip(captures, cameras, strict=True):
-        if differing := [key for key, value in camera.items() if not _alike(value, cameras[0][key])]:
-            raise ValueError(
-                f"captures {captures[0].id!r} and {capture.id!r} differ in {', '.join(differing)}: "
-                f"those of a folder are of one camera"
-            )
-    geometry = captures[0].geometry
+def _camera_entry(capture: Capture, described: Mapping[str, Any]) -> dict[str, Any]:
+    """The entry ``camera``, as files like those of this capture have it."""
+    geometry = capture.geometry
     x, y = geometry.offset_px
+    shared = {key: value for key, value in described.items() if key not in ("full", "centre")}
     return {
         "width_px": geometry.width_px,
         "height_px": geometry.height_px,
-        "crop": {"x": x, "y": y, **cameras[0].pop("full")},
-        "principal_point_px": [float(c - o) for c, o in zip(cameras[0].pop("centre"), (x, y), strict=True)],
-        **{key: value for key, value in cameras[0].items() if value is not None},
+        "crop": {"x": x, "y": y, **described["full"]},
+        "principal_point_px": [float(c) for c in geometry.centre_px],
+        **{key: value for key, value in shared.items() if value is not None},
     }
 
 
@@ -117,14 +126,9 @@ def _alike(first: Any, second: Any) -> bool:
     return bool(math.isclose(first, second)) if isinstance(first, float) else bool(first == second)
 
 
-def _noise(captures: Sequence[Capture]) -> Any:
-    if not all(capture.noise.known for capture in captures):
+def _noise(by_gain: Mapping[float, Noise]) -> Any:
+    if not all(noise.known for noise in by_gain.values()):
         return "unknown"
-    by_gain: dict[float, Noise] = {}
-    for capture in captures:
-        noise = by_gain.setdefault(capture.context.gain_db, capture.noise)
-        if noise != capture.noise:
-            raise ValueError(f"captures at {capture.context.gain_db:g} dB have different noise")
     return [
         {"gain_db": gain_db, "photon_dn": _numbers(n.photon_dn), "thermal_dn2": _numbers(n.thermal_dn2)}
         for gain_db, n in by_gain.items()

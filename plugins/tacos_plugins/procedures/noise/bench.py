@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.building import build, episode_of
 from tacos_framework.graph import signature_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
-from tacos_framework.settings import Path, Settings, check, setting
+from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Capture, Exposure, FrameBatch, Rig, Signal
 from tacos_plugins.procedures.noise.frame_files import FrameStack, stack_of
 
@@ -46,36 +46,11 @@ class SimulatedCamera(Settings):
     sensor: Use = setting(help="The sensor model.")
 
 
-def built(use: Use, kind: str, plugins: Plugins) -> Any:
-    """A component from its name and settings; raises a `UserError` with all that is wrong with them."""
-    cls = plugins.resolve(use.use, kind, where=use.use)
-    return cls(_checked(cls.Config, use.settings, use.use))
-
-
-def build_rig(use: Use, plugins: Plugins) -> Rig:
-    """A rig from its settings and variables, told apart by name; raises as `built` does."""
-    cls = plugins.resolve(use.use, "rig", where=use.use)
-    variables, settings = cls.Variables.model_fields, cls.Config.model_fields
-    if unknown := [name for name in use.settings if name not in variables and name not in settings]:
-        known = [*variables, *settings]
-        raise UserError(
-            [Fault(use.use, f"unknown key {name!r}", "", did_you_mean(name, known)) for name in unknown]
-        )
-    of_variables = {name: value for name, value in use.settings.items() if name in variables}
-    of_config = {name: value for name, value in use.settings.items() if name in settings}
-    rig: Rig = cls(_checked(cls.Config, of_config, use.use)).build(
-        _checked(cls.Variables, of_variables, use.use)
-    )
-    return rig
-
-
 def capture_of(bench: Bench, rig: Rig, exposure: Exposure, plugins: Plugins) -> Capture:
     """The light of one frame of the target."""
-    scene = built(bench.scene, "scene", plugins)
-    wanted = signature_of(type(scene), "scene").supplied
-    offered = {"rng": np.random.default_rng(0), "illumination_lux": bench.illumination_lux}
-    episode = scene.episode(**{name: value for name, value in offered.items() if name in wanted})
-    renderer = built(bench.renderer, "renderer", plugins)
+    scene = build(bench.scene, "scene", plugins)
+    episode = episode_of(scene, rng=np.random.default_rng(0), illumination_lux=bench.illumination_lux)
+    renderer = build(bench.renderer, "renderer", plugins)
     captured: Capture = renderer.capture(episode[:1], rig=rig, exposure=exposure)
     return captured
 
@@ -90,16 +65,6 @@ def take_frames(
     batches = [sensor.expose(capture, **supplied) for _ in range(frames)]
     images = np.concatenate([batch.images[0] for batch in batches])
     return stack_of(images, "the rendered frames"), batches[0]
-
-
-def _checked(kind: type[Settings], settings: dict[str, Any], name: str) -> Settings:
-    def where(path: Path) -> str:
-        return ".".join(map(str, (name, *path)))
-
-    checked, faults, _ = check(kind, settings, where)
-    if faults or checked is None:
-        raise UserError(faults)
-    return checked
 
 
 class _NoEffects:

@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 from pydantic import model_validator
 
+from tacos_framework.building import build, build_rig
 from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor, lambertian_luminance
 from tacos_framework.catalog import Calibration, load_calibration
 from tacos_framework.plugins import Plugins
@@ -21,8 +22,6 @@ from tacos_plugins.procedures.noise.bench import (
     Bench,
     CameraSetting,
     SimulatedCamera,
-    build_rig,
-    built,
     capture_of,
     take_frames,
 )
@@ -146,7 +145,7 @@ class CalibrateNoise:
         rendering = config.rendering
         exposure = rendering.exposure.as_exposure()
         rig = build_rig(rendering.rig, plugins)
-        sensor = built(rendering.sensor, "sensor", plugins)
+        sensor = build(rendering.sensor, "sensor", plugins)
         capture = capture_of(rendering.bench, rig, exposure, plugins)
         rng = generator(seed, "calibrate-noise", "frames")
         stack, batch = take_frames(sensor, capture, rig, exposure, rendering.bench.frames, rng)

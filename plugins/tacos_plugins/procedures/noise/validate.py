@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.building import build, build_rig
 from tacos_framework.camera.exposure import gain_factor
 from tacos_framework.camera.photon_transfer import ROUNDING_DN2
 from tacos_framework.catalog import load_calibration
@@ -23,8 +24,6 @@ from tacos_plugins.procedures.noise.bench import (
     Bench,
     CameraSetting,
     SimulatedCamera,
-    build_rig,
-    built,
     capture_of,
     take_frames,
 )
@@ -137,7 +136,7 @@ class ValidateNoise:
         self, camera: CheckedCamera, seed: int, plugins: Plugins, progress: Progress
     ) -> tuple[Checked, ...]:
         rig = build_rig(camera.rig, plugins)
-        sensor = built(camera.sensor, "sensor", plugins)
+        sensor = build(camera.sensor, "sensor", plugins)
         calibrated_db = camera.settings[0].gain_db
         reference: Sequence[tuple[float, float]] = ()
         if camera.reference:

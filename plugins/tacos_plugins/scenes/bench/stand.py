@@ -1,13 +1,15 @@
-"""The bench itself: flat targets that face the camera, a panel that lights them, an agent that stands still.
+"""The bench itself: flat targets that face the camera, what lights them, an agent that stands still.
 
 The agent's eye is at the origin and looks along x; the target lies in the plane x = distance. Beyond it there
-is nothing, and nothing reflects light but the target, as in a dark room.
+is nothing, and nothing reflects light but the target, as in a dark room. A panel above the camera lights it,
+or a tent all around, which is even.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,9 @@ PANEL_ELEVATION_DEG = 25.0
 """Height of the panel above the axis of the camera, seen from the target [deg]."""
 PANEL_HALF_EDGE_M = 0.15
 FRAME_INTERVAL_S = 0.1
+
+BACKGROUND = Object("background", "background")
+TARGET = Object("target", "target")
 
 
 def matte(name: str, reflectance: float) -> Material:
@@ -106,7 +111,7 @@ def bench_world(
         key=key,
         parts=tuple(parts),
         materials=tuple(materials),
-        objects=(Object("background", "background"), Object("target", "target")),
+        objects=(BACKGROUND, TARGET),
         class_names=("background", "target"),
         lights=(panel(distance_m),),
         indirect_lux=tuple(np.zeros((len(part.vertices_m), 3), np.float32) for part in parts),
@@ -115,6 +120,55 @@ def bench_world(
     towards_camera = np.tile(np.array([-1, 0, 0], np.float32), (len(points), 1))
     found_lux = float(photopic(LightTransport(world).direct_lux(points, towards_camera)).mean())
     return scale_light(world, illumination_lux / found_lux, key=f"{key}; {illumination_lux!r} lux")
+
+
+def tent_world(
+    key: str,
+    parts: Sequence[Part],
+    materials: Sequence[Material],
+    *,
+    illumination_lux: float,
+    objects: Sequence[Object] = (TARGET,),
+) -> World:
+    """A target in a light tent: light from all sides, the same on every surface, and no shadow.
+
+    Parameters
+    ----------
+    key
+        What makes the target what it is; the light is added to it.
+    illumination_lux
+        Illuminance on every surface [lux].
+    objects
+        The objects that parts belong to, from id 1 on.
+    """
+    return World(
+        key=f"{key}; tent of {illumination_lux!r} lux",
+        parts=tuple(parts),
+        materials=tuple(materials),
+        objects=(BACKGROUND, *objects),
+        class_names=tuple(dict.fromkeys(thing.class_name for thing in (BACKGROUND, *objects))),
+        indirect_lux=tuple(np.full((len(p.vertices_m), 3), illumination_lux, np.float32) for p in parts),
+    )
+
+
+def turned(part: Part, distance_m: float, *, tilt_deg: float = 0.0, turn_deg: float = 0.0) -> Part:
+    """A part of a target, turned with it about the target's middle.
+
+    Parameters
+    ----------
+    tilt_deg
+        About the horizontal axis; above 0 the upper edge goes back [deg].
+    turn_deg
+        About the vertical axis; above 0 the right edge goes back [deg].
+    """
+    tilt, turn = math.radians(tilt_deg), math.radians(turn_deg)
+    about_y = np.array([[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]])
+    about_z = np.array([[math.cos(turn), -math.sin(turn), 0], [math.sin(turn), math.cos(turn), 0], [0, 0, 1]])
+    rotation = (about_z @ about_y).T.astype(np.float32)
+    middle = np.array([distance_m, 0, 0], np.float32)
+    return replace(
+        part, vertices_m=(part.vertices_m - middle) @ rotation + middle, normals=part.normals @ rotation
+    )
 
 
 def standing(world: World, frames: int) -> Episode:

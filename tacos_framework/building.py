@@ -1,0 +1,58 @@
+"""Components and rigs from their names and settings, outside of a graph."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.graph import signature_of
+from tacos_framework.plan import Part
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Use
+from tacos_framework.settings import Path, Settings, check
+from tacos_framework.values import Episode, Rig
+
+
+def part_of(use: Use, kind: str, plugins: Plugins) -> Part:
+    """A component class with its settings; raises a `UserError` with all that is wrong with them."""
+    cls = plugins.resolve(use.use, kind, where=use.use)
+    return Part(use.use, cls, _checked(cls.Config, use.settings, use.use))
+
+
+def build(use: Use, kind: str, plugins: Plugins) -> Any:
+    """A component; raises as `part_of` does."""
+    return part_of(use, kind, plugins).make()
+
+
+def build_rig(use: Use, plugins: Plugins) -> Rig:
+    """A rig from its settings and variables, told apart by name; raises as `part_of` does."""
+    cls = plugins.resolve(use.use, "rig", where=use.use)
+    variables, settings = cls.Variables.model_fields, cls.Config.model_fields
+    if unknown := [name for name in use.settings if name not in variables and name not in settings]:
+        known = [*variables, *settings]
+        raise UserError(
+            [Fault(use.use, f"unknown key {name!r}", "", did_you_mean(name, known)) for name in unknown]
+        )
+    of_variables = {name: value for name, value in use.settings.items() if name in variables}
+    of_config = {name: value for name, value in use.settings.items() if name in settings}
+    rig: Rig = cls(_checked(cls.Config, of_config, use.use)).build(
+        _checked(cls.Variables, of_variables, use.use)
+    )
+    return rig
+
+
+def episode_of(scene: Any, **offered: Any) -> Episode:
+    """An episode of a scene, which is given what it asks for of what is offered."""
+    wanted = signature_of(type(scene), "scene").supplied
+    episode: Episode = scene.episode(**{name: value for name, value in offered.items() if name in wanted})
+    return episode
+
+
+def _checked(kind: type[Settings], settings: dict[str, Any], name: str) -> Settings:
+    def where(path: Path) -> str:
+        return ".".join(map(str, (name, *path)))
+
+    checked, faults, _ = check(kind, settings, where)
+    if faults or checked is None:
+        raise UserError(faults)
+    return checked
