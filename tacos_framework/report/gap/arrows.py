@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -23,6 +25,8 @@ class Displacements:
 
     Parameters
     ----------
+    title
+        What is displaced; empty where it needs no name.
     places_px
         (K, 2) where they start, x and y [px].
     before_px, after_px
@@ -31,77 +35,93 @@ class Displacements:
         Width and height of the image [px].
     """
 
+    title: str
     places_px: NDArray[np.float64]
     before_px: NDArray[np.float64]
     after_px: NDArray[np.float64]
     size_px: tuple[int, int]
 
 
-def of_tiles(numbers: Numbers) -> Displacements:
-    """Displacements of tiles; where several captures share a tile, their mean."""
-    found: dict[tuple[int, ...], dict[str, list[tuple[float, float]]]] = {}
-    for label, a, b, sigma in zip(
-        numbers.labels, numbers.z_before, numbers.z_after, numbers.sigma, strict=True
-    ):
-        pair = float(a * sigma), float(b * sigma)
-        found.setdefault(tuple(label.at["box_px"]), {}).setdefault(label.at["axis"], []).append(pair)
-    whole = {box: axes for box, axes in found.items() if len(axes) == 2}
-    places = [((box[0] + box[2]) / 2, (box[1] + box[3]) / 2) for box in whole]
-    means = np.array([[np.mean(axes[axis], axis=0) for axis in "xy"] for axes in whole.values()])
-    size = max(box[2] for box in found), max(box[3] for box in found)
-    return Displacements(np.array(places), means[:, :, 0], means[:, :, 1], size)
+def of_tiles(numbers: Numbers) -> list[Displacements]:
+    """Displacements of tiles, one field per pair of channels; where captures share a tile, their mean."""
+    titles = [str(label.at.get("channels", "")) for label in numbers.labels]
+    return [
+        _field(title, numbers.chosen(np.array([own == title for own in titles])))
+        for title in dict.fromkeys(titles)
+    ]
 
 
-def of_boards(problem: Problem, numbers: Numbers) -> Displacements:
-    """Misfits of the corners of all views."""
-    places = [e.corners_px for e in problem.evidence if isinstance(e, BoardEvidence)]
-    geometry = next(e.capture.geometry for e in problem.evidence if isinstance(e, BoardEvidence))
-    pairs = []
+def _field(title: str, numbers: Numbers) -> Displacements:
+    members: dict[tuple[int, ...], dict[str, list[int]]] = {}
+    for k, label in enumerate(numbers.labels):
+        box = tuple(label.at["box_px"])
+        members.setdefault(box, {"x": [], "y": []})[label.at["axis"]].append(k)
+    whole = {box: axes for box, axes in members.items() if axes["x"] and axes["y"]}
+    places = np.array([((box[0] + box[2]) / 2, (box[1] + box[3]) / 2) for box in whole]).reshape(-1, 2)
+    before_px, after_px = (
+        np.array(
+            [[_mean(moved_px, numbers.sigma, axes[axis]) for axis in "xy"] for axes in whole.values()]
+        ).reshape(-1, 2)
+        for moved_px in (numbers.z_before * numbers.sigma, numbers.z_after * numbers.sigma)
+    )
+    size = max(box[2] for box in members), max(box[3] for box in members)
+    return Displacements(title, places, before_px, after_px, size)
+
+
+def _mean(values: NDArray[np.float64], sigma: NDArray[np.float64], kept: list[int]) -> float:
+    return float(np.average(values[kept], weights=1 / sigma[kept] ** 2))
+
+
+def of_boards(problem: Problem, numbers: Numbers) -> list[Displacements]:
+    """Misfits of the corners of all views, in one field."""
+    boards = [e for e in problem.evidence if isinstance(e, BoardEvidence)]
+    fields = []
     for moved_px in (numbers.z_before * numbers.sigma, numbers.z_after * numbers.sigma):
         start, parts = 0, []
-        for corners in places:
-            stop = start + 2 * len(corners)
+        for board in boards:
+            stop = start + 2 * len(board.corners_px)
             parts.append(moved_px[start:stop].reshape(2, -1).T)  # all x of a view stand before all y
             start = stop
-        pairs.append(np.concatenate(parts))
-    before_px, after_px = pairs
-    size_px = geometry.width_px, geometry.height_px
-    return Displacements(np.concatenate(places), before_px, after_px, size_px)
+        fields.append(np.concatenate(parts))
+    geometry = boards[0].capture.geometry
+    places = np.concatenate([board.corners_px for board in boards])
+    return [Displacements("", places, fields[0], fields[1], (geometry.width_px, geometry.height_px))]
 
 
-def arrows(name: str, moved: Displacements, *, before: str, after: str | None) -> str:
-    """SVG of two fields of arrows on one scale."""
-    lengths = np.hypot(*moved.before_px.T)
+def arrows(name: str, fields: Sequence[Displacements], *, before: str, after: str | None) -> str:
+    """SVG of a row per field: its arrows before and after, all on one scale."""
+    lengths = np.concatenate([np.hypot(*field.before_px.T) for field in fields])
     longest = max(float(np.percentile(lengths, 97)), 1e-6)
-    width, height = moved.size_px
-    factor = 0.09 * width / longest
-    drawn = [(before, moved.before_px, BEFORE)]
-    if after is not None:
-        drawn.append((after, moved.after_px, AFTER))
-    scale_px = _round_length(longest)
+    width, height = fields[0].size_px
+    count = max(len(field.places_px) for field in fields)
+    factor = width * float(np.clip(0.75 / np.sqrt(count), 0.04, 0.1)) / longest
+    thin = 0.0042 if count < 100 else 0.0024
 
     def paint(figure: Figure) -> None:
-        for axes, (title, field, colour) in zip(
-            figure.subplots(1, len(drawn), squeeze=False)[0], drawn, strict=True
-        ):
-            axes.quiver(
-                *moved.places_px.T, *(factor * field).T, angles="xy", scale_units="xy", scale=1,
-                color=colour, width=0.0042, headwidth=4.5, headlength=5, minlength=0.4,
-            )  # fmt: skip
-            axes.plot(*moved.places_px.T, ".", color=RULE, markersize=2.5, zorder=0)
-            axes.set(xlim=(0, width), ylim=(height, 0), aspect="equal", xticks=[], yticks=[])
-            rms = number(float(np.sqrt(np.mean(field**2) * 2)), 2)
-            axes.set_title(f"{title}: {rms} px rms")
-            axes.spines[:].set(visible=True, color=RULE)
-        axes.plot([0.03 * width, 0.03 * width + factor * scale_px], [0.965 * height] * 2, color=MUTED)
-        axes.text(
-            0.03 * width, 0.945 * height, f"{number(scale_px)} px, {number(factor, 2)} times as long",
-            color=MUTED, fontsize=8,
-        )  # fmt: skip
+        panels = figure.subplots(len(fields), 1 if after is None else 2, squeeze=False)
+        for row, field in zip(panels, fields, strict=True):
+            drawn = [(before, field.before_px, BEFORE), (after or "", field.after_px, AFTER)]
+            for axes, (title, moved_px, colour) in zip(row, drawn, strict=False):
+                axes.quiver(
+                    *field.places_px.T, *(factor * moved_px).T, angles="xy", scale_units="xy", scale=1,
+                    color=colour, width=thin, headwidth=4.5, headlength=5, minlength=0.4,
+                )  # fmt: skip
+                axes.plot(*field.places_px.T, ".", color=RULE, markersize=2.5, zorder=0)
+                axes.set(xlim=(0, width), ylim=(height, 0), aspect="equal", xticks=[], yticks=[])
+                rms = number(float(np.sqrt(np.mean(moved_px**2) * 2)), 2)
+                axes.set_title(f"{field.title} {title}: {rms} px rms".strip())
+                axes.spines[:].set(visible=True, color=RULE)
+        _scale(panels[-1, -1], width, height, factor, _round_length(longest))
 
+    size_in = (9.2 if after is not None else 5.0, (0.4 + 4.5 * height / width) * len(fields))
     description = f"Displacements over the image, up to {number(float(lengths.max()), 2)} px before."
-    size_in = (9.2 if after is not None else 5.0, 0.4 + 4.5 * height / width)
     return draw(name, size_in, description, paint)
+
+
+def _scale(axes: Axes, width: int, height: int, factor: float, length_px: float) -> None:
+    axes.plot([0.03 * width, 0.03 * width + factor * length_px], [0.965 * height] * 2, color=MUTED)
+    text = f"{number(length_px)} px, drawn {number(factor, 2)} times as long"
+    axes.text(0.03 * width, 0.945 * height, text, color=MUTED, fontsize=8)
 
 
 def _round_length(value: float) -> float:

@@ -98,7 +98,7 @@ def _where(diagnosis: Diagnosis, numbers: Mapping[str, Numbers], artist: Artist)
     yield Drawing(
         overview(numbers, explained=bool(diagnosis.causes)),
         "Each row is one way to compare, in the order of image formation. At 1 the captures are as far from "
-        "the simulation as the simulation is from itself.",
+        "the simulation as the simulation is from itself; rows of a single number scatter about it.",
     )
     soon = _drawn_with_the_cause(diagnosis)
     found = standing_out(diagnosis, numbers)
@@ -194,11 +194,13 @@ def _pictures(images: Sequence[Any], titles: Sequence[str]) -> tuple[Picture, ..
 
 
 def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
+    placebo = ""
+    if diagnosis.placebo is not None:
+        placebo = " The placebo is an effect of another stage, fitted alone: what flexibility would buy."
     if diagnosis.causes:
         yield Drawing(
             bars.closures(diagnosis),
-            "The line on the first bar is its 90 % interval. The placebo is a wrong effect of another stage, "
-            "as flexible as the best cause: what flexibility alone would buy.",
+            f"The line on the first bar is its 90 % interval.{placebo}",
         )
     yield Paragraph(words.remainder(diagnosis))
 

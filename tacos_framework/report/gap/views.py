@@ -139,6 +139,8 @@ def place_words(at: Mapping[str, Any]) -> str:
     >>> place_words({"lag_px": [1, 0], "channel": "mono"}), place_words({"end": "white"})
     ('1, 0', 'white')
     """
+    if "from" in at and "to" in at:
+        return f"{at['from']} to {at['to']}"
     parts = []
     for key, value in at.items():
         if key == "channel" and value == "mono":

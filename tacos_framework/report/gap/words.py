@@ -8,6 +8,9 @@ from tacos_framework.gap.diagnosis import Cause, Diagnosis, Parameter
 from tacos_framework.report.gap.views import view_of
 from tacos_framework.report.quantities import number, unit_sign
 
+_NAMED = 5
+"""Captures named before the rest are counted."""
+
 _UNITS = {"1": "", "DN^2": "DN²", "um": "µm"}
 
 
@@ -74,16 +77,16 @@ def alternatives(diagnosis: Diagnosis) -> list[str]:
 
 def lead(diagnosis: Diagnosis, captures: int) -> str:
     """The figures behind the headline."""
-    count = f"{captures} captures" if captures != 1 else "One capture"
+    count = f"{captures} captures differ from their" if captures != 1 else "One capture differs from its"
     if diagnosis.verdict == "no_gap":
         before = number(diagnosis.gap_before, 2)
         return (
-            f"{count}, one number in how far they are apart: {before} times the floor, which is what the "
-            "simulator differs from itself with other noise. What lies below the floor cannot be told."
+            f"{count} simulation by {before} times the floor, the simulator's difference from itself with "
+            "other noise. What lies below the floor cannot be told."
         )
     before, after = number(diagnosis.gap_before, 3), number(diagnosis.gap_after, 3)
     low, high = (number(end, 2) for end in diagnosis.gap_interval)
-    text = f"{count} differ from their simulation by {before} times the floor, "
+    text = f"{count} simulation by {before} times the floor, "
     text += "the simulator's difference from itself with other noise. "
     if not diagnosis.causes:
         return f"{text}Nothing was added."
@@ -123,7 +126,26 @@ def cannot_tell(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.below_floor:
         names = listed([effect_words(name) for name in diagnosis.below_floor])
         said.append(f"Fits slightly, but by too little to be believed: {names}.")
-    return [*said, *diagnosis.limitations]
+    return [*said, *gathered(diagnosis.limitations)]
+
+
+def gathered(limitations: Sequence[str]) -> list[str]:
+    """Limitations that several captures share, said once.
+
+    Examples
+    --------
+    >>> gathered(["a: one frame.", "b: one frame.", "c: too dark."])
+    ['a and b: one frame.', 'c: too dark.']
+    """
+    captures: dict[str, list[str]] = {}
+    for limitation in limitations:
+        capture, colon, text = limitation.partition(": ")
+        captures.setdefault(text if colon else limitation, []).extend([capture] if colon else [])
+    said = []
+    for text, names in captures.items():
+        shown = names if len(names) <= _NAMED else [*names[: _NAMED - 1], f"{len(names) - _NAMED + 1} more"]
+        said.append(f"{listed(shown)}: {text}" if names else text)
+    return said
 
 
 def remainder(diagnosis: Diagnosis) -> str:
