@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tacos_framework.cli.captures import add_commands, captures
 from tacos_framework.cli.completion import SHELLS
 from tacos_framework.cli.exits import DONE, exit_status
 from tacos_framework.components import KINDS
@@ -24,6 +25,7 @@ def parser() -> argparse.ArgumentParser:
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
     catalog = commands.add_parser("catalog", help="catalogs of parts and cameras")
     catalog.add_argument("name", nargs="?", help="a catalog to show; all of them are listed without")
+    add_commands(commands)
     commands.add_parser("schema", help="print the JSON Schema of recipes, for editors")
     completion = commands.add_parser("completion", help="print a script that completes commands in a shell")
     completion.add_argument("shell", choices=SHELLS, help="the shell")
@@ -52,6 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         "plugins": _plugins,
         "doctor": _doctor,
         "catalog": _catalog,
+        "captures": captures,
         "schema": _schema,
         "completion": _completion,
         "new-plugin": _new_plugin,

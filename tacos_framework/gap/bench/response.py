@@ -15,7 +15,19 @@ from numpy.typing import NDArray
 
 from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.gap.captures import Noise
-from tacos_framework.values import Camera, Capture, Episode, Exposure, FrameBatch, Rig, Signal, View
+from tacos_framework.values import (
+    Camera,
+    Capture,
+    Episode,
+    Exposure,
+    FrameBatch,
+    Object,
+    Rig,
+    Signal,
+    Trajectory,
+    View,
+    World,
+)
 
 BANDS = 16
 """Levels of signal at which the noise is measured."""
@@ -56,9 +68,8 @@ def frames_of(
     try:
         batch: FrameBatch = sensor.expose(capture, **{k: v for k, v in offered.items() if k in wanted})
     except CandidateFailed as failed:
-        raise UserError(
-            Fault("sensor", str(failed), "", "Give the missing figures as its settings.")
-        ) from failed
+        remedy = "Give the missing figures as settings of the sensor."
+        raise UserError(Fault("sensor", str(failed), "", remedy)) from failed
     return batch
 
 
@@ -114,8 +125,6 @@ def _even(camera: Camera, luminance_of_row: NDArray[np.float64]) -> Capture:
 
 def without_world(camera: Camera, luminance_cd_m2: NDArray[np.float32]) -> Capture:
     """A capture of (N, H, W, 3) light that comes from 1 m ahead, and of nothing else [cd/m2]."""
-    from tacos_framework.values import Object, Trajectory, World
-
     frames = len(luminance_cd_m2)
     size = luminance_cd_m2.shape[:3]
     pose = np.tile(np.eye(4), (frames, 1, 1))

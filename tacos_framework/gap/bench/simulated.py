@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,9 @@ PATCH_CLASS = "patch"
 
 PATCH_MARGIN = 0.2
 """Share of a patch's width and height that is left out at each side."""
+
+
+Number = TypeVar("Number", bound=np.generic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,7 +246,7 @@ class Bench:
         angle = getattr(self._scene_config(shot), "angle_deg", None)
         return None if angle is None else float(angle)
 
-    def _scene_config(self, shot: Shot) -> object:
+    def _scene_config(self, shot: Shot) -> Any:
         assert shot.scene is not None
         return part_of(shot.scene, "scene", self._plugins).config
 
@@ -256,7 +260,7 @@ def _repeated(light: Rendered, frames: int) -> Rendered:
     """The first frame, taken several times in a row."""
     episode, view = light.episode, light.views[0]
 
-    def again(array: NDArray[np.generic]) -> NDArray[np.generic]:
+    def again(array: NDArray[Number]) -> NDArray[Number]:
         return np.broadcast_to(array[:1], (frames, *array.shape[1:]))
 
     step_s = 0.1
@@ -300,9 +304,7 @@ def _patches(expected: Expected) -> tuple[NDArray[np.int64], NDArray[np.float64]
         width, height = right - left - 2 * across, bottom - top - 2 * down
         if width < 1 or height < 1:
             continue
-        inside = expected.signal_dn[0, y : y + height, x : x + width].reshape(
-            -1, expected.signal_dn.shape[-1]
-        )
+        inside = expected.signal_dn[0, y : y + height, x : x + width]
         boxes.append((x, y, width, height))
-        colours.append(np.broadcast_to(inside.mean(axis=0, dtype=np.float64), 3))
+        colours.append(np.broadcast_to(inside.mean(axis=(0, 1), dtype=np.float64), 3))
     return (np.array(boxes, np.int64), np.array(colours)) if boxes else None

@@ -34,7 +34,7 @@ def estimate_noise(
     real_dn
         (N, H, W, C) frames [DN].
     expected_dn
-        Expected values; unused but for their shape where there are two frames of a moving thing.
+        Expected values, so that edges and mosaics are not taken for noise; None where there are none.
     valid
         (H, W) pixels that count.
     black_level_dn, white_level_dn
@@ -42,7 +42,8 @@ def estimate_noise(
     """
     level = real_dn.mean(axis=0)
     static = len(real_dn) > 1 and (expected_dn is None or len(expected_dn) == 1)
-    variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(real_dn[0])
+    detail = real_dn[0] if expected_dn is None else real_dn[0] - expected_dn[0]
+    variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(detail)
     photon, thermal = [], []
     for channel in range(real_dn.shape[-1]):
         plane = real_dn[..., channel][:, valid]

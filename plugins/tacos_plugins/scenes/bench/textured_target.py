@@ -107,7 +107,7 @@ class TexturedTarget:
         config = self.config
         if not config.speed_m_s:
             return still
-        time_s = np.arange(config.frames) * config.frame_interval_s
+        time_s = config.frame_interval_s * np.arange(config.frames, dtype=np.float64)
         ends_s = np.array([-1.0, 1.0]) * (time_s[-1] / 2 + 1.0) + time_s[-1] / 2
         angle = math.radians(config.direction_deg)
         way_m = np.outer(ends_s - time_s[-1] / 2, np.array([0.0, math.cos(angle), math.sin(angle)]))
