@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from tacos_framework.gap.diagnosis import Diagnosis, slot_probabilities
 from tacos_framework.report.figures.canvas import draw, light_grid
@@ -113,13 +115,53 @@ def task_scores(task: Mapping[str, Mapping[str, float]]) -> str:
             rows = [(label, values[key], colour) for key, label, colour in order if key in values]
             for place, (_, value, colour) in enumerate(rows):
                 axes.barh(place, value, color=colour, height=0.6)
-                axes.text(value, place, f"  {number(value)}", va="center", color=INK)
+                axes.annotate(
+                    number(value), (value, place), (5, 0), textcoords="offset points", va="center", color=INK
+                )
             axes.axvline(values.get("real", 0.0), color=MUTED, linewidth=0.9, linestyle=(0, (3, 3)))
             axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
             axes.set(ylim=(len(rows) - 0.5, -0.5), title=name.replace(".", ": ").replace("_", " "))
-            axes.set_xlim(0, 1.2 * max(1e-9, *(value for _, value, _ in rows)))
+            axes.set_xlim(0, 1.25 * max(1e-9, *(value for _, value, _ in rows)))
             axes.spines[["left", "bottom"]].set_visible(False)
             light_grid(axes, "x")
 
     said = "; ".join(f"{name} {dict(values)}" for name, values in task.items())
     return draw("task-scores", (4.6 * max(len(task), 1.4), 1.7), f"Scores of a task: {said}.", paint)
+
+
+def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
+    """SVG of a row per camera: its fitness in the simulation as it was, and with the causes.
+
+    Parameters
+    ----------
+    cameras
+        ``camera``, and its fitness ``without`` and ``with``; None where it failed.
+    """
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        for place, row in enumerate(cameras):
+            known = [row[key] for key in ("without", "with") if row[key] is not None]
+            axes.plot(known, [place] * len(known), color=RULE, linewidth=2.5)
+            for key, mark, colour, up in (("without", "s", BEFORE, 9), ("with", "D", AFTER, -14)):
+                if row[key] is not None:
+                    axes.plot([row[key]], [place], mark, color=colour, markersize=7)
+                    axes.annotate(
+                        number(row[key]), (row[key], place), (0, up), textcoords="offset points",
+                        ha="center", color=MUTED, fontsize=8.5,
+                    )  # fmt: skip
+        axes.set_yticks(range(len(cameras)), [str(row["camera"]) for row in cameras])
+        axes.tick_params(axis="y", labelcolor=INK, labelsize=10)
+        axes.set(ylim=(len(cameras) - 0.4, -0.6), xlabel="fitness on unseen scenes (higher is better)")
+        axes.margins(x=0.12)
+        axes.spines[["left", "bottom"]].set_visible(False)
+        light_grid(axes, "x")
+        handles = [
+            Line2D([], [], color=colour, marker=mark, linestyle="", markersize=7)
+            for mark, colour in (("s", BEFORE), ("D", AFTER))
+        ]
+        names = ["as simulated before", "with the causes"]
+        figure.legend(handles, names, loc="outside upper left", ncols=2, labelcolor=MUTED)
+
+    said = ", ".join(f"{row['camera']} {row['without']} and {row['with']}" for row in cameras)
+    return draw("decision", (9.2, 1.0 + 0.5 * len(cameras)), f"Fitness without and with: {said}.", paint)

@@ -28,6 +28,7 @@ from tacos_framework.report.page import (
     image_uri,
 )
 from tacos_framework.report.quantities import duration, number
+from tacos_framework.report.story import design_words
 
 SIMULATIONS = ("real", "simulated", "simulated with the causes")
 DIFFERENCES = ("real less simulated", "real less simulated with the causes")
@@ -80,7 +81,7 @@ def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Pag
         *([Section("What it does to the task", tuple(_task(diagnosis)))] if diagnosis.task else []),
         *([Section("Does the decision change", tuple(_decision(run.decision)))] if run.decision else []),
         Section("What these captures cannot tell", tuple(_limits(diagnosis))),
-        *([Section("Use the better simulator", tuple(_patch(run)))] if diagnosis.causes else []),
+        *([Section("Use the better simulator", tuple(_patch(diagnosis, run)))] if diagnosis.causes else []),
         Section("To repeat it", tuple(_repeat(diagnosis, folder.captures, gaps, run))),
     ]
     return Page(
@@ -214,24 +215,18 @@ def _task(diagnosis: Diagnosis) -> Iterator[Block]:
 
 
 def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:
+    yield Drawing(
+        bars.decision(decision["cameras"]),
+        f"Cameras of {decision['study']}, on the same unseen scenes in either simulation. What a camera "
+        "leaves free is optimised in each, in few evaluations.",
+    )
     yield Paragraph(str(decision["sentence"]))
-    rows = tuple(
-        (
-            str(row["camera"]),
-            _cell(row["without"]),
-            _cell(row["with"]),
+    designed = decision["designed"]
+    if designed:
+        yield Paragraph(
+            f"Designed as simulated before: {design_words(designed['without'])}. With the causes: "
+            f"{design_words(designed['with'])}."
         )
-        for row in decision["cameras"]
-    )
-    yield Table(
-        ("camera", "fitness as simulated before", "fitness with the causes"),
-        rows,
-        f"{decision['study']}, on the same unseen scenes; best first before.",
-    )
-
-
-def _cell(value: float | None) -> str:
-    return "failed" if value is None else number(value)
 
 
 def _limits(diagnosis: Diagnosis) -> Iterator[Block]:
@@ -245,10 +240,12 @@ def _limits(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Paragraph(sentence)
 
 
-def _patch(run: Circumstances) -> Iterator[Block]:
+def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
     yield Code(run.patch)
     yield Paragraph("Stands in patched.yaml. The next camera is designed with it:")
     yield Code("tacos-run headset_quick --with patched.yaml")
+    if own := words.of_this_camera(diagnosis.causes):
+        yield Paragraph(own)
 
 
 def _repeat(

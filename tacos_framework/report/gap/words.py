@@ -148,6 +148,22 @@ def gathered(limitations: Sequence[str]) -> list[str]:
     return said
 
 
+def of_this_camera(causes: Sequence[Cause]) -> str:
+    """Which parameters are in pixels or file values of the captured camera; empty where none is."""
+    found = [
+        f"{effect_words(cause.effect)} ({name})"
+        for cause in causes
+        for name, parameter in cause.parameters.items()
+        if parameter.unit.startswith(("px", "DN")) and parameter.interval is not None
+    ]
+    if not found:
+        return ""
+    return (
+        f"In pixels and file values of the captured camera: {listed(found)}. For a camera with other pixels "
+        "or another gain they need to be scaled."
+    )
+
+
 def remainder(diagnosis: Diagnosis) -> str:
     """What is left after the causes."""
     left = diagnosis.unknown

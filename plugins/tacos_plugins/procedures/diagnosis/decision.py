@@ -93,7 +93,7 @@ def decide(
         "ranking_changes": rankings["with"] != rankings["without"],
         "best_changes": rankings["with"][0] != rankings["without"][0],
         "designed": {
-            name: dict(found[DESIGNED].values) for name, found in results.items() if DESIGNED in found
+            name: dict(found[DESIGNED].values) for name, found in results.items() if question.design
         },
         "sentence": sentence(rankings, results["with"]),
     }
