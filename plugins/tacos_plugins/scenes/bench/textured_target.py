@@ -26,6 +26,8 @@ _OF_WORLD = {
     "texture_px",
 }
 
+_PAD_PX = 8  # discs are drawn less smoothly at the rim of an image, which is therefore cut off
+
 BORDER = 1.0
 """Room for what passes by, in sizes of the target."""
 
@@ -139,21 +141,23 @@ def dead_leaves(
     centres = rng.uniform(0, size_px, (count, 2))
     greys = rng.uniform(darkest, brightest, (count, 1))
     colours = _encoded(np.clip(greys * rng.uniform(0.75, 1.25, (count, 3)), darkest, brightest))
-    sheet = np.tile(_encoded(np.array((darkest + brightest) / 2)), (size_px, size_px, 3))
+    edge_px = size_px + 2 * _PAD_PX
+    sheet = np.tile(_encoded(np.array((darkest + brightest) / 2)), (edge_px, edge_px, 3))
     for (x, y), radius, colour in zip(centres, radii, colours.tolist(), strict=True):
         for at_x in _copies(x, radius, size_px):
             for at_y in _copies(y, radius, size_px):
-                centre = (round(at_x * 16), round(at_y * 16))
+                centre = (round((at_x + _PAD_PX) * 16), round((at_y + _PAD_PX) * 16))
                 cv2.circle(sheet, centre, round(radius * 16), colour, cv2.FILLED, cv2.LINE_AA, 4)
-    return sheet
+    return np.ascontiguousarray(sheet[_PAD_PX:-_PAD_PX, _PAD_PX:-_PAD_PX])
 
 
 def _copies(place: float, radius: float, size_px: int) -> list[float]:
     """Where a leaf lies on a sheet whose opposite edges meet."""
     copies = [place]
-    if place < radius:
+    reach = radius + _PAD_PX
+    if place < reach:
         copies.append(place + size_px)
-    if place > size_px - radius:
+    if place > size_px - reach:
         copies.append(place - size_px)
     return copies
 

@@ -1,0 +1,94 @@
+"""``tacos captures``: what the commands do, print and refuse."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tacos_framework.cli import tacos_main
+from tacos_framework.gap.captures import read_captures
+from tacos_framework.gap.captures.coverage import NEEDS, untold
+from tacos_framework.plugins import Plugins
+
+RECIPE = """\
+tacos: 1
+name: small bench
+seed: 3
+use: procedure.simulate-captures
+rig: {use: rig.monocular, focal_length_mm: 0.4, sensor: {name: s, width_px: 64, height_px: 48, pixel_um: 3}}
+renderer: {use: renderer.analytic}
+sensor: {use: sensor.affine-noise, black_level_dn: 16}
+gain_db: 24
+captures:
+  - {id: dark, kind: dark, frames: 2}
+  - {id: flat, kind: flat, scene: {use: scene.light-box}, level: 0.5, frames: 2}
+"""
+
+
+@pytest.fixture
+def recipe(tmp_path):
+    path = tmp_path / "small.yaml"
+    path.write_text(RECIPE)
+    return path
+
+
+def test_simulated_captures_can_be_read_and_checked(recipe, tmp_path, capsys):
+    (tmp_path / "effects.yaml").write_text("[{use: effect.exposure-error, scale: 1.3}]")
+    out = tmp_path / "out"
+    options = [
+        "--out",
+        str(out),
+        "--with",
+        str(tmp_path / "effects.yaml"),
+        "--quiet",
+        "--set",
+        "captures.1.frames=3",
+    ]
+    assert tacos_main(["captures", "simulate", str(recipe), *options]) == 0
+    assert "2 captures, 5 frames, effect.exposure-error" in capsys.readouterr().out
+    dark, flat = read_captures(out).captures
+    assert (flat.real_dn.mean() - 16) / (flat.expected_dn.mean() - 16) == pytest.approx(1.3, rel=0.01)
+    assert dark.real_dn.mean() == pytest.approx(16, abs=0.1)
+    assert json.loads((out / "result.json").read_text())["effects"] == [
+        {"use": "effect.exposure-error", "scale": 1.3}
+    ]
+    assert tacos_main(["captures", "check", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "2 captures by a sensor of 64 x 48, RGB, 16 to 255 DN" in printed
+    assert "lens-distortion, focal-length-error: kind board: 3 or more views" in printed
+
+
+def test_a_capture_s_own_recipe_is_rendered_by_the_check(recipe, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert tacos_main(["captures", "simulate", str(recipe), "--out", str(out), "--quiet"]) == 0
+    path = out / "captures.yaml"
+    path.write_text(path.read_text().replace("simulated: 135.5", "scene: ../small.yaml"))
+    capsys.readouterr()
+    assert tacos_main(["captures", "check", str(out)]) == 0
+    assert "135.5" in capsys.readouterr().out
+
+
+def test_a_recipe_that_photographs_nothing_is_refused(tmp_path, capsys):
+    assert tacos_main(["captures", "simulate", "headset_quick", "--out", str(tmp_path / "out")]) == 2
+    assert "does not say what to photograph" in capsys.readouterr().err
+
+
+def test_a_broken_folder_ends_in_faults(tmp_path, capsys):
+    (tmp_path / "captures.yaml").write_text("tacos_captures: 1\ncamera: {width_px: 8}\ncaptures: []\n")
+    assert tacos_main(["captures", "check", str(tmp_path)]) == 2
+    assert "'camera.height_px' is missing" in capsys.readouterr().err
+
+
+def test_every_effect_that_needs_something_is_installed():
+    installed = {r.component.name for r in Plugins.discover() if r.component.kind == "effect"}
+    assert {name for need in NEEDS for name in need.effects} <= installed
+
+
+@pytest.mark.gl
+@pytest.mark.slow
+def test_the_shipped_bench_leaves_no_effect_untold(tmp_path):
+    out = tmp_path / "out"
+    assert tacos_main(["captures", "simulate", "bench", "--out", str(out), "--quiet"]) == 0
+    folder = read_captures(out)
+    assert list(untold(folder.captures)) == []
