@@ -63,12 +63,18 @@ from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.optimizers.sobol import Sobol
 from tacos_plugins.procedures.noise.calibrate import CalibrateNoise
 from tacos_plugins.procedures.noise.validate import ValidateNoise
+from tacos_plugins.procedures.simulate_captures import SimulateCaptures
 from tacos_plugins.renderers.analytic import AnalyticRenderer
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.rigs.stereo import StereoRig
+from tacos_plugins.scenes.bench.chessboard import Chessboard
+from tacos_plugins.scenes.bench.colour_chart import ColourChart
 from tacos_plugins.scenes.bench.grey_bars import GreyBars
+from tacos_plugins.scenes.bench.light_box import LightBox
+from tacos_plugins.scenes.bench.slanted_edges import SlantedEdges
+from tacos_plugins.scenes.bench.textured_target import TexturedTarget
 from tacos_plugins.scenes.indoor.scene import IndoorScene
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.emva import Emva
@@ -85,6 +91,28 @@ class TestIndoorScene(SceneConformance):
 
 class TestGreyBars(SceneConformance):
     component = GreyBars
+
+
+class TestLightBox(SceneConformance):
+    component = LightBox
+
+
+class TestSlantedEdges(SceneConformance):
+    component = SlantedEdges
+
+
+class TestChessboard(SceneConformance):
+    component = Chessboard
+    config = {"tilt_deg": 20.0, "turn_deg": -10.0}
+
+
+class TestColourChart(SceneConformance):
+    component = ColourChart
+
+
+class TestTexturedTarget(SceneConformance):
+    component = TexturedTarget
+    config = {"texture_px": 128, "speed_m_s": 0.1, "frames": 3}
 
 
 @pytest.mark.gl
@@ -397,6 +425,24 @@ class TestCalibrateNoise(ProcedureConformance):
     component = CalibrateNoise
     config = {"rendering": {**BENCH_CAMERA, "exposure": {"exposure_ms": 30, "gain_db": 15}, "bench": BENCH}}
     files = ("calibration.yaml", "report.html")
+
+
+class TestSimulateCaptures(ProcedureConformance):
+    component = SimulateCaptures
+    config = {
+        "rig": {
+            "use": "rig.monocular",
+            "focal_length_mm": 0.2,
+            "sensor": {"name": "test", "width_px": 32, "height_px": 24, "pixel_um": 3.0},
+        },
+        "renderer": {"use": "renderer.analytic"},
+        "sensor": {"use": "sensor.affine-noise", "black_level_dn": 16},
+        "captures": (
+            {"id": "dark", "kind": "dark"},
+            {"id": "flat", "kind": "flat", "scene": {"use": "scene.light-box"}},
+        ),
+    }
+    files = ("captures.yaml",)
 
 
 class TestValidateNoise(ProcedureConformance):

@@ -15,6 +15,7 @@ from pydantic import JsonValue
 
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.gap.bench import recipe_renderer
 from tacos_framework.gap.captures import read_captures
 from tacos_framework.gap.diagnosis import Diagnosis, diagnose
 from tacos_framework.plugins import Plugins
@@ -69,7 +70,7 @@ class Diagnose:
         effects = candidate_effects(plugins, self.config.without)
         question = self._question(plugins)
         progress.phase("Reading captures", None)
-        folder = read_captures(self.config.captures)
+        folder = read_captures(self.config.captures, recipe_renderer(plugins))
         progress.step(f"{len(folder.captures)} captures")
         progress.phase("Looking for causes", None)
         diagnosis = diagnose(folder, effects, seed=seed, workers=self.config.workers, notify=progress.step)

@@ -86,13 +86,16 @@ def _read_file(path: Path, where: str) -> NDArray[Any]:
 
 def _read_raw(path: Path, where: str) -> NDArray[Any]:
     try:
-        import rawpy  # type: ignore[import-not-found, unused-ignore]
+        import rawpy
     except ImportError:
         raise UserError(
             Fault(where, f"{path.name} is a RAW file", "", "pip install 'tacos-framework[raw]'")
         ) from None
     try:
         with rawpy.imread(str(path)) as raw:
-            return np.array(raw.raw_image_visible)
+            mosaic = raw.raw_image_visible
+            if mosaic is None:  # RGB in a RAW container
+                raise UserError(Fault(where, f"{path.name} holds no mosaic", "samples of single pixels"))
+            return np.array(mosaic)
     except (rawpy.LibRawError, OSError) as error:
         raise UserError(Fault(where, f"{path.name} is no RAW file that can be read: {error}")) from error
