@@ -46,22 +46,22 @@ def headline(diagnosis: Diagnosis) -> str:
         place = f", most of all in: {view_of(where).title.lower()}" if where else ""
         return f"There is a gap{place}, and no effect of the catalogue explains it."
     names = [effect_words(cause.effect) for cause in diagnosis.causes]
-    said = listed(names)
-    alike = alternatives(diagnosis)
-    if alike:
-        said = (
-            f"{said}, or {listed([effect_words(name) for name in alike])}, which these captures cannot tell"
-        )
+    others = [effect_words(name) for name in alternatives(diagnosis)]
+    closed = share(together(diagnosis.causes))
+    one = len(names) == 1
+    if diagnosis.verdict == "unknown":
+        nearest = f"{listed(names)} {'comes' if one else 'come'} nearest"
+        return f"The gap is not explained: {nearest} and {'removes' if one else 'remove'} {closed} of it."
+    if one and others:
+        said = f"{' or '.join([*names, *others])} explains"
+        removes = f"these captures cannot tell which. Adding {names[0]} removes {closed} of it"
+    else:
+        said = f"{listed(names)} {'explains' if one else 'explain'}"
+        removes = f"{'adding it removes' if one else 'together they remove'} {closed} of it"
     said = said[:1].upper() + said[1:]
-    closed = together(diagnosis.causes)
-    explains = "explain" if len(names) > 1 else "explains"
-    removes = "together they remove" if len(names) > 1 else "adding it removes"
     if diagnosis.verdict == "explained":
-        glue = ", " if alike else " "
-        return f"{said}{glue}{explains} the gap: {removes} {share(closed)} of it."
-    if diagnosis.verdict == "partly_explained":
-        return f"{said} {explains} part of the gap, {share(closed)} of it; the rest fits no effect here."
-    return f"The gap is not explained: {said.lower()} comes nearest and removes {share(closed)} of it."
+        return f"{said} the gap: {removes}."
+    return f"{said} part of the gap: {removes}. The rest fits no effect here."
 
 
 def together(causes: Sequence[Cause]) -> float:

@@ -1,0 +1,123 @@
+"""What the drawings of a diagnosis are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tacos_framework.gap.evidence import Label
+from tacos_framework.report.gap.arrows import of_tiles
+from tacos_framework.report.gap.drawings import is_wide, mapped
+from tacos_framework.report.gap.frames import CROP_PX, compare, to_show
+from tacos_framework.report.gap.image_map import image_map
+from tacos_framework.report.gap.numbers import Numbers
+from tacos_framework.report.gap.overview import MOST, overview
+from tacos_framework.report.gap.profiles import profile
+from tacos_framework.report.gap.views import over, place_words, view_of
+from tests.gap.taken import HEIGHT, WIDTH, capture, taken
+
+BOX = [0, 0, 20, 20]
+
+
+def numbers(
+    statistic: str, places: list[Mapping[str, Any]], z_before: list[float], stage: str = "optics"
+) -> Numbers:
+    labels = [Label("a", "flat", statistic, stage, at) for at in places]
+    z = np.array(z_before)
+    size = float(np.sqrt(np.mean(z**2)))
+    return Numbers(statistic, stage, labels, z, 0.1 * z, np.full(len(z), 0.02), np.ones(len(z)), size, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("at", "kind"),
+    [
+        ({"box_px": BOX, "radius": [0, 0.2], "channel": "R"}, "image"),
+        ({"box_px": BOX, "axis": "x"}, "arrows"),
+        ({"radius": [0.2, 0.2], "axis": "y"}, "arrows"),
+        ({"level_dn": 12.0, "channel": "mono"}, "level"),
+        ({"radius": [0, 1], "frequency_cycles_px": [0.1, 0.2], "direction_deg": 0}, "frequency"),
+        ({"radius": [0.3, 0.6]}, "radius"),
+        ({"period_rows": 60.0}, "period"),
+        ({"lag_px": [0, 1]}, "places"),
+        ({}, "places"),
+    ],
+)
+def test_what_a_statistic_is_drawn_over_follows_from_its_places(at: Mapping[str, Any], kind: str) -> None:
+    assert over([at]) == kind
+
+
+def test_simulated_values_are_the_real_ones_less_the_differences() -> None:
+    found = numbers("level", [{"level_dn": 10.0}, {"level_dn": 20.0}], [5.0, -10.0])
+    assert found.before.tolist() == pytest.approx([0.9, 1.2])
+    assert found.after.tolist() == pytest.approx([0.99, 1.02])
+
+
+def test_displacements_of_red_and_blue_stay_apart() -> None:
+    places = [{"box_px": BOX, "axis": axis, "channels": c} for c in ("R-G", "B-G") for axis in "xy"]
+    red, blue = of_tiles(numbers("colour_displacement", places, [10.0, 0.0, -10.0, 5.0]))
+    assert (red.title, blue.title) == ("R-G", "B-G")
+    assert red.places_px.tolist() == [[10.0, 10.0]]
+    assert red.before_px.tolist() == [pytest.approx([0.2, 0.0])]
+    assert blue.before_px.tolist() == [pytest.approx([-0.2, 0.1])]
+
+
+def test_the_overview_shows_the_largest_in_the_order_of_image_formation() -> None:
+    many = {f"s{i}": numbers(f"s{i}", [{}], [2.0 + i], "codec") for i in range(20)}
+    many["detail"] = numbers("detail", [{}], [50.0], "optics")
+    svg = overview(many, explained=True)
+    assert view_of("detail").title in svg
+    assert svg.index(view_of("detail").title) < svg.index("S19")
+    assert "S19" in svg
+    assert "S0<" not in svg
+    assert sum(f"S{i}<" in svg for i in range(20)) == MOST - 1
+
+
+def test_a_map_averages_what_shares_a_tile() -> None:
+    places = [{"box_px": BOX}, {"box_px": BOX}, {"box_px": [20, 0, 40, 20]}]
+    svg = image_map("m", numbers("relative_illumination", places, [10, 20, -15]), before="b", after="a")
+    assert "+30" in svg  # 100 * 0.02 * 15
+    assert "\u221230" in svg
+
+
+def test_one_level_is_drawn_capture_by_capture() -> None:
+    labels = [Label(f"dark_{i}", "dark", "fixed_pattern", "pixel", {"level_dn": 0.0}) for i in range(2)]
+    z = np.array([3.0, -1.0])
+    found = Numbers("fixed_pattern", "pixel", labels, z, z, np.ones(2), np.ones(2), 2.0, 2.0)
+    svg = profile("p", found, "level", before="b", after=None)
+    assert "dark_0" in svg
+    assert "dark_1" in svg
+
+
+def test_maps_take_the_whole_width_where_two_stand_side_by_side() -> None:
+    tiles = numbers("relative_illumination", [{"box_px": BOX}], [3.0])
+    assert is_wide(tiles)
+    assert not is_wide(tiles, compared=False)
+    assert mapped(["level", "displacement", "relative_illumination"]) == "displacement"
+    assert mapped(["level"]) is None
+
+
+def test_statistics_nobody_here_knows_are_drawn_in_their_own_words() -> None:
+    assert view_of("my_own_number").title == "My own number"
+    assert place_words({"from": "R", "to": "G"}) == "R to G"
+
+
+def test_the_richest_capture_is_shown_and_the_one_that_differs_most() -> None:
+    captures = [capture("dark", 0.0), capture("flat", 50.0), capture("flat", 150.0), capture("scene", 90.0)]
+    gaps = {"dark_0": (1.0, 1.0), "flat_50": (4.0, 1.0), "flat_150": (9.0, 1.0), "scene_90": (2.0, 1.0)}
+    assert [c.id for c in to_show(captures, gaps)] == ["scene_90", "flat_150"]
+    quiet = dict.fromkeys(gaps, (1.0, 1.0))
+    assert [c.id for c in to_show(captures, quiet)] == ["scene_90"]
+
+
+def test_the_part_shown_enlarged_is_where_the_frames_differ() -> None:
+    (flat,) = taken([capture("flat", 100.0)], [])
+    flat.real_dn[:, -30:, -30:] += 60
+    shown = compare(flat, (), seed=1)
+    assert len(shown.whole) == 2
+    assert shown.whole[0].shape == (HEIGHT, WIDTH, 3)
+    assert shown.crops[0].shape == (CROP_PX, CROP_PX, 3)
+    bright = shown.crops[0].astype(int) - shown.crops[1].astype(int)
+    assert bright[-5:, -5:].mean() > bright[:5, :5].mean() + 20

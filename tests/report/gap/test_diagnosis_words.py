@@ -1,0 +1,129 @@
+"""What the report of a diagnosis says, from what was found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from tacos_framework.gap.ambiguity import NextCapture
+from tacos_framework.gap.diagnosis import Cause, Diagnosis, Parameter
+from tacos_framework.gap.locate import Place
+from tacos_framework.gap.unknown import Unexplained
+from tacos_framework.report.gap import words
+
+NOTHING_LEFT = Unexplained(0.0, 1.0, 1.0, 0.0, None)
+NOT_ASKED: Any = None
+
+
+def cause(effect: str, shapley: float = 0.9, **changes: Any) -> Cause:
+    made = Cause(
+        effect=effect,
+        probability=0.95,
+        parameters={"k1": Parameter(-0.31, (-0.33, -0.29), "1")},
+        closure=shapley,
+        closure_interval=(0.8, 0.95),
+        closure_alone=shapley,
+        shapley=shapley,
+        confused_with=(),
+        evidence="",
+        settings={},
+    )
+    return replace(made, **changes)
+
+
+def found(verdict: str, *causes: Cause, **changes: Any) -> Diagnosis:
+    made = Diagnosis(
+        verdict=verdict,
+        gap_before=14.2,
+        gap_after=1.1,
+        gap_interval=(0.9, 1.3),
+        where=[Place("optics", "relative_illumination", 35.1, 0.81, {}, ("flat",))],
+        causes=causes,
+        cause_set=tuple(each.effect for each in causes),
+        unknown=NOTHING_LEFT,
+        next_capture=None,
+        below_floor=(),
+        placebo=None,
+        limitations=(),
+        problem=NOT_ASKED,
+        attribution=NOT_ASKED,
+    )
+    return replace(made, **changes)
+
+
+@pytest.mark.parametrize(
+    ("diagnosis", "said"),
+    [
+        (found("no_gap"), "No gap: the captures differ from the simulation by no more than its own noise."),
+        (
+            found("explained", cause("vignetting", 0.96)),
+            "Vignetting explains the gap: adding it removes 96 % of it.",
+        ),
+        (
+            found("explained", cause("defocus", 0.8), cause("read-noise", 0.14)),
+            "Defocus and read noise explain the gap: together they remove 94 % of it.",
+        ),
+        (
+            found("partly_explained", cause("prnu", 0.6)),
+            "PRNU explains part of the gap: adding it removes 60 % of it. The rest fits no effect here.",
+        ),
+        (
+            found("unknown", cause("jpeg", 0.2)),
+            "The gap is not explained: JPEG comes nearest and removes 20 % of it.",
+        ),
+        (
+            found("unknown"),
+            "There is a gap, most of all in: brightness over the image, and no effect of the catalogue "
+            "explains it.",
+        ),
+        (
+            found("explained", cause("vignetting"), cause_set=("vignetting", "illumination-gradient")),
+            "Vignetting or illumination gradient explains the gap: these captures cannot tell which. "
+            "Adding vignetting removes 90 % of it.",
+        ),
+    ],
+)
+def test_the_headline_says_the_verdict(diagnosis: Diagnosis, said: str) -> None:
+    assert words.headline(diagnosis) == said
+
+
+def test_the_lead_gives_the_figures() -> None:
+    lead = words.lead(found("explained", cause("vignetting")), captures=1)
+    assert lead.startswith("One capture differs from its simulation by 14.2 times the floor")
+    assert "1.1 are left (90 % interval 0.9 to 1.3)" in lead
+
+
+def test_limits_name_what_looks_alike_what_is_unknown_and_what_is_too_small() -> None:
+    diagnosis = found(
+        "partly_explained",
+        cause("vignetting", confused_with=("illumination-gradient",)),
+        unknown=Unexplained(0.7, 0.06, 4.0, 0.3, "detail"),
+        below_floor=("row-noise",),
+        limitations=("a: one frame.", "b: one frame."),
+        next_capture=NextCapture("flat", "rotated"),
+    )
+    said = words.cannot_tell(diagnosis)
+    assert said[0] == "Vignetting cannot be told from illumination gradient here."
+    assert "70 %" in said[1]
+    assert "contrast of detail" in said[1]
+    assert said[2].endswith("row noise.")
+    assert said[3] == "a and b: one frame."
+
+
+def test_limitations_of_many_captures_are_counted() -> None:
+    said = words.gathered([f"flat_{i}: too dark." for i in range(30)])
+    assert said == ["flat_0, flat_1, flat_2, flat_3 and 26 more: too dark."]
+
+
+def test_parameters_in_pixels_are_said_to_be_of_this_camera() -> None:
+    blur = cause("defocus", parameters={"radius_px": Parameter(1.4, (1.3, 1.5), "px")})
+    assert "defocus (radius_px)" in words.of_this_camera([blur])
+    assert words.of_this_camera([cause("vignetting")]) == ""
+
+
+def test_a_parameter_that_was_not_fitted_has_no_interval() -> None:
+    assert words.parameter_row("rounding", Parameter("floor", None, "1"))[2] == "not fitted"
+    fitted = words.parameter_row("k1", Parameter(-0.31, (-0.33, -0.29), "1"))
+    assert fitted == ("k1", "\u22120.31", "\u22120.33 to \u22120.29", "")
