@@ -23,6 +23,7 @@ from tacos_framework.progress import Progress
 from tacos_framework.report.gap.page import Circumstances, page
 from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
+from tacos_framework.values import ContextMissing
 from tacos_plugins.procedures.diagnosis.decision import Question, decide
 from tacos_plugins.procedures.diagnosis.task_scores import task_scores
 
@@ -84,8 +85,12 @@ class Diagnose:
         _write(out, data, patch)
         decision: dict[str, Any] = {}
         if question is not None and diagnosis.causes:
-            decision = decide(question, diagnosis.patch, plugins, executor, progress)
-            data["decision"] = decision
+            try:
+                decision = decide(question, diagnosis.patch, plugins, executor, progress)
+            except ContextMissing as missing:
+                why = f"{question.study} cannot be run with the causes: {missing}."
+                diagnosis = replace(diagnosis, limitations=(*diagnosis.limitations, why))
+            data = {**diagnosis.as_data(), "decision": decision}
             _write(out, data, patch)
         progress.phase("Drawing the report", None)
         run = Circumstances(
@@ -109,13 +114,13 @@ class Diagnose:
         return question
 
     def _command(self, seed: int) -> str:
-        sets = [f"captures={self.config.captures}"]
-        if self.config.without:
-            sets.append(f"without=[{', '.join(self.config.without)}]")
-        if self.config.study:
-            sets.append(f"study={self.config.study}")
-        given = [word for text in sets for word in ("--set", text)]
-        return shlex.join(["tacos-run", "diagnose", *given, "--seed", str(seed), "--out", "out"])
+        """What to type to run it again: every setting that is not its default."""
+        default = Diagnose.Config().model_dump(mode="json")
+        words = ["tacos-run", "diagnose"]
+        for name, value in self.config.model_dump(mode="json").items():
+            if value != default[name]:
+                words += ["--set", f"{name}={json.dumps(value) if not isinstance(value, str) else value}"]
+        return shlex.join([*words, "--seed", str(seed), "--out", "out"])
 
 
 def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
