@@ -19,7 +19,7 @@ from tacos_framework.gap.captures.reader import FILE
 
 
 def write_captures(
-    folder: Path, captures: Iterable[Capture], patch_names: Mapping[str, Sequence[str]] | None = None
+    folder: str | Path, captures: Iterable[Capture], patch_names: Mapping[str, Sequence[str]] | None = None
 ) -> Path:
     """Write images and ``captures.yaml``; returns its path.
 
@@ -42,6 +42,7 @@ def write_captures(
     ValueError
         When the captures are not of one camera, or ids would share a folder.
     """
+    folder = Path(folder)
     camera: dict[str, Any] = {}
     first: dict[str, Any] = {}
     noise: dict[float, Noise] = {}

@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 from tacos_framework.gap.captures import Board, read_captures
+from tacos_framework.gap.captures.entries import FolderEntry
+from tacos_framework.settings import check
+from tacos_framework.yaml_reader import read_yaml
+from tests.docs.pages import ROOT, blocks
 from tests.gap.captures.folders import CAMERA, HEIGHT, WIDTH, describe, flat_folder, noisy, save, save_frames
 
 
@@ -262,3 +266,12 @@ def test_a_scene_is_rendered_by_its_recipe_and_the_id(tmp_path):
     capture = read_captures(folder, render).captures[0]
     assert asked == [(tmp_path / "bench.yaml", "flat")]
     assert (capture.expected_dn == 99.5).all()
+
+
+def test_the_example_of_the_how_to_is_of_the_right_form():
+    page = ROOT / "docs" / "how-to" / "photograph_captures.md"
+    (example,) = (block for block in blocks(page) if block.title == "my_captures/captures.yaml")
+    document = read_yaml(example.text, name=str(page))
+    entry, found, _ = check(FolderEntry, document.data, document.where)
+    assert found == []
+    assert {capture.kind for capture in entry.captures} == {"dark", "flat", "edge", "board"}
