@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.gap.boards import AMPLITUDE_PX, CORNER_PX
+from tacos_framework.gap.captures import Capture
 from tacos_framework.gap.diagnosis import Diagnosis
 from tacos_framework.gap.evidence import ImageEvidence, Label
 from tacos_framework.gap.problem import Problem
@@ -77,6 +78,7 @@ def numbers_of(
 ) -> dict[str, Numbers]:
     """The numbers of every statistic, for two hypotheses given by their residuals [floor]."""
     real, sigma = _measured(problem)
+    captures = {e.capture.id: e.capture for e in problem.evidence if isinstance(e, ImageEvidence)}
     members: dict[str, list[int]] = {}
     for k, label in enumerate(problem.labels):
         members.setdefault(label.statistic, []).append(k)
@@ -87,7 +89,7 @@ def numbers_of(
         found[statistic] = Numbers(
             statistic,
             problem.labels[indices[0]].stage,
-            [problem.labels[k] for k in indices],
+            [_at_mean_level(problem.labels[k], captures) for k in indices],
             before[part],
             after[part],
             sigma[part],
@@ -96,6 +98,19 @@ def numbers_of(
             problem.gap(after, part),
         )
     return found
+
+
+def _at_mean_level(label: Label, captures: Mapping[str, Capture]) -> Label:
+    """A label with the mean level in place of an interval, whose ends bright and dark squares fill."""
+    span = label.at.get("level_dn")
+    capture = captures.get(label.capture)
+    if not isinstance(span, list) or capture is None or capture.expected_dn is None:
+        return label
+    channel = "RGB".find(str(label.at.get("channel", "R")))
+    level = capture.expected_dn.mean(axis=0)[..., max(channel, 0)][capture.valid]
+    inside = level[(level >= span[0]) & (level <= span[1])]
+    mean = float(inside.mean()) if inside.size else float(np.mean(span))
+    return replace(label, at={**label.at, "level_dn": round(mean, 1)})
 
 
 def capture_gaps(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from tacos_framework.gap.evidence import Label
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.gap.numbers import Numbers
 from tacos_framework.report.gap.series import AFTER_LINE, BAND, BEFORE_LINE, REAL_DOTS, legend
 from tacos_framework.report.gap.views import Over, View, place_words, position, view_of
 
 MOST_PLACES = 16
+_EVEN = ("dark", "flat", "bracket")
 _AXES: dict[Over, tuple[str, str]] = {
     "level": ("level_dn", "expected level [DN]"),
     "radius": ("radius", "distance from the centre, over half the diagonal"),
@@ -69,7 +71,7 @@ def profile(name: str, numbers: Numbers, kind: Over, *, before: str, after: str 
                 axes.set_xlabel(_AXES[kind][1])
             if kind == "period":
                 axes.set_xscale("log")
-                ticks = [t for t in (5, 10, 20, 50, 100, 200, 500, 1000) if t <= curve.x.max() * 1.1]
+                ticks = [t for t in (5, 10, 20, 50, 100, 200, 500, 1000) if t <= np.nanmax(curve.x) * 1.1]
                 axes.set_xticks(ticks, [str(t) for t in ticks])
                 axes.minorticks_off()
         panels[0].set_ylabel(view.quantity)
@@ -95,18 +97,35 @@ def _draw(axes: Axes, curve: Curve, *, joined: bool, with_after: bool) -> None:
 
 
 def _curves(numbers: Numbers, kind: Over, view: View) -> list[Curve]:
-    """A curve per channel or zone, averaged over captures and directions."""
+    """A curve per channel or zone, averaged over directions, and over captures that belong together."""
     key = _AXES[kind][0]
-    panels: dict[str, dict[float, list[int]]] = {}
+    panels: dict[str, dict[str, dict[float, list[int]]]] = {}
     for k, label in enumerate(numbers.labels):
         at = position(label.at[key])
         at = round(at, 1) if "box_px" in label.at else round(at, 4)  # tiles at nearly one radius are one
-        panels.setdefault(_panel(label.at, kind), {}).setdefault(at, []).append(k)
-    curves = []
-    for title, members in panels.items():
-        order = sorted(members)
-        curves.append(_curve(title, np.array(order), [members[x] for x in order], numbers, view))
-    return curves
+        lines = panels.setdefault(_panel(label.at, kind), {})
+        lines.setdefault(_line(label, kind), {}).setdefault(at, []).append(k)
+    return [_joined(title, lines, numbers, view) for title, lines in panels.items()]
+
+
+def _line(label: Label, kind: Over) -> str:
+    """Which line of its panel a number belongs to: levels within a scene are not those of even fields."""
+    return label.capture if kind == "level" and label.kind not in _EVEN else ""
+
+
+def _joined(
+    title: str, lines: Mapping[str, Mapping[float, list[int]]], numbers: Numbers, view: View
+) -> Curve:
+    """The lines of a panel, one after the other with a gap between them."""
+    parts = [
+        _curve(title, np.array(sorted(line)), [line[x] for x in sorted(line)], numbers, view)
+        for line in lines.values()
+    ]
+
+    def row(name: str) -> NDArray[np.float64]:
+        return np.concatenate([np.append(getattr(part, name), np.nan) for part in parts])[:-1]
+
+    return Curve(title, row("x"), row("real"), row("low"), row("high"), row("before"), row("after"))
 
 
 def _panel(at: object, kind: Over) -> str:

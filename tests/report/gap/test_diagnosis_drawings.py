@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tacos_framework.gap.evidence import Label
+from tacos_framework.gap.evidence import ImageEvidence, Label
+from tacos_framework.gap.problem import Problem
 from tacos_framework.report.gap.arrows import of_tiles
 from tacos_framework.report.gap.drawings import is_wide, mapped
 from tacos_framework.report.gap.frames import CROP_PX, compare, to_show
 from tacos_framework.report.gap.image_map import image_map
-from tacos_framework.report.gap.numbers import Numbers
+from tacos_framework.report.gap.numbers import Numbers, numbers_of
 from tacos_framework.report.gap.overview import MOST, overview
 from tacos_framework.report.gap.profiles import profile
 from tacos_framework.report.gap.views import over, place_words, view_of
@@ -121,3 +122,11 @@ def test_the_part_shown_enlarged_is_where_the_frames_differ() -> None:
     assert shown.crops[0].shape == (CROP_PX, CROP_PX, 3)
     bright = shown.crops[0].astype(int) - shown.crops[1].astype(int)
     assert bright[-5:, -5:].mean() > bright[:5, :5].mean() + 20
+
+
+def test_levels_of_a_scene_are_drawn_where_its_pixels_are_not_in_the_middle_of_their_interval() -> None:
+    squares = np.where(np.arange(WIDTH) < WIDTH // 2, 10.0, 180.0)
+    (edge,) = taken([capture("edge", squares)], [])
+    problem = Problem([ImageEvidence(edge, seed=1, replicates=2)])
+    found = numbers_of(problem, problem.null, problem.null)["level"]
+    assert {label.at["level_dn"] for label in found.labels} <= {26.0, 196.0}
