@@ -9,8 +9,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tacos_framework.catalog import camera_names, find_catalog, load_calibration
 from tacos_framework.errors import UserError
+from tacos_framework.gap.captures import read_captures
 from tacos_framework.loading import read_any_recipe
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
@@ -67,7 +70,26 @@ def _first_parts(text: str, section: str, count: int) -> str:
     return json.dumps(data)
 
 
+def _captures(path: Path) -> object:
+    """A folder of captures whose frames are there."""
+    frames = np.random.default_rng(0).integers(50, 60, (2, 4, 6)).astype(np.uint8)
+    for i, frame in enumerate(frames):
+        np.save(path.parent / f"{i}.npy", frame)
+    return read_captures(path)
+
+
+_CAPTURES = """\
+tacos_captures: 1
+camera: {width_px: 6, height_px: 4, black_level_dn: 16, crop: {x: 1, full_width_px: 8, full_height_px: 8}}
+noise: [{photon_dn: 0.1, thermal_dn2: 1}]
+captures:
+  - {id: a, kind: sequence, real: "[0-9].npy", simulated: 55, velocity_px_s: [1, 2], frame_interval_ms: 3}
+  - {id: b, kind: dark, real: [0.npy, 1.npy], exposure_ms: 3, group: g, depth: 0.npy, mask: 1.npy}
+  - {id: c, kind: board, real: 0.npy, board: {inner_corners: [9, 6], square_mm: 25}}
+"""
+
 READERS: Mapping[str, Reader] = {
+    "captures": Reader(".yaml", _captures, _CAPTURES),
     "recipe": Reader(".yaml", _plan, _shipped("recipes/headset_quick.yaml")),
     "procedure": Reader(".yaml", _plan, "tacos: 1\nuse: procedure.none\nseed: 1\nnotes: [a]\n"),
     "catalog": Reader(

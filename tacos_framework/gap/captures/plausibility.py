@@ -86,10 +86,10 @@ def _times_as_bright(capture: Capture) -> float:
 def limitations_of(capture: Capture) -> Iterator[str]:
     """Sentences on what a capture cannot be used for."""
     real, context = capture.real_dn, capture.context
-    if capture.kind != "dark" and real.max() == real.min():
-        yield f"{capture.id}: every pixel is {real.min():g}; a constant image tells nothing."
-    elif (real >= context.white_level_dn).mean() > CLIPPED_SHARE:
+    if (real >= context.white_level_dn).mean() > CLIPPED_SHARE:
         yield f"{capture.id}: nearly all pixels are saturated; only saturation can be judged from it."
+    elif capture.kind != "dark" and real.max() == real.min():
+        yield f"{capture.id}: every pixel is {real.min():g}; a constant image tells nothing."
     elif capture.kind != "dark" and (real <= 0).mean() > CLIPPED_SHARE:
         yield f"{capture.id}: nearly all pixels are 0; only the dark can be judged from it."
     if capture.frames == 1 and capture.kind != "board":

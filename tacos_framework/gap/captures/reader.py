@@ -106,7 +106,7 @@ class _Reader:
                 f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
             )
         real = files.stack(i, "real", paths[:MAX_FRAMES], shape)
-        expected = self._expected(i, entry, shape, len(paths))
+        expected = self._expected(i, entry, shape, len(paths), usable=real is not None)
         mask = files.array(i, "mask", entry.mask, shape)
         depth = files.array(i, "depth", entry.depth, shape, infinite=True)
         if depth is not None and (depth <= 0).any():
@@ -174,12 +174,14 @@ class _Reader:
     # what is expected -------------------------------------------------------------------------------------
 
     def _expected(
-        self, i: int, entry: CaptureEntry, shape: tuple[int, int], frames: int
+        self, i: int, entry: CaptureEntry, shape: tuple[int, int], frames: int, *, usable: bool
     ) -> NDArray[np.float32] | None:
         given, camera = entry.simulated, self.entry.camera
         if entry.kind == "board":
             return None
         if isinstance(given, float) or (given is None and entry.kind == "dark"):
+            if not usable:  # nor may its size be taken at its word
+                return None
             level = camera.black_level_dn if given is None else given
             return np.full((1, *shape, camera.channels), level, np.float32)
         if given is not None:
