@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.gap.fit import Fitted, fit, theta_of
+from tacos_framework.gap.evidence import Judged
+from tacos_framework.gap.fit import Fitted, fit, rescored, theta_of
 from tacos_framework.gap.parameters import Term
 from tacos_framework.gap.problem import Hypothesis, Problem, bent
 from tacos_framework.gap.starts import terms_for
@@ -58,12 +59,15 @@ class Attribution:
         stands for leaving it out [nat].
     fits
         All sets of effects that were fitted.
+    problem
+        The evidence, in units of the floor of the explanation.
     """
 
     best: Fitted
     null: Fitted
-    slots: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    fits: Mapping[tuple[str, ...], Fitted] = field(default_factory=dict)
+    slots: Mapping[str, Mapping[str, float]]
+    fits: Mapping[tuple[str, ...], Fitted]
+    problem: Problem
 
 
 class Search:
@@ -103,14 +107,32 @@ class Search:
             self._pool = pool
             self.trials = self._try_all()
             best = null
-            while len(best.hypothesis) < LARGEST and unexplained(self.problem, best.z).stands_out:
+            while len(best.hypothesis) < LARGEST:
+                judged = self.problem.judged(best.hypothesis)
+                if not unexplained(self.problem, judged).stands_out:
+                    break
+                best = self._in_units_of(judged, best)
                 better = self._extended(best)
                 if better is None:
                     break
                 best = self._thinned(better)
                 self._notify(" + ".join(best.names))
+            best = self._pruned(best)
+            null = self._fits[()]
             slots = {name: self._rivals(best, name) for name in best.names}
             return self._settled(best, null, slots)
+
+    def _in_units_of(self, judged: Judged, best: Fitted) -> Fitted:
+        """Take the floor of the explanation so far for the unit; what was simulated is only rescaled."""
+        before = self.problem.scale
+        self.problem = self.problem.reweighted(np.maximum(judged.scale, 1.0))
+        self._fits = {k: rescored(self.problem, fitted, before) for k, fitted in self._fits.items()}
+        factor = before / self.problem.scale
+        self.trials = {
+            name: [Trial(trial.term, trial.change * factor) for trial in trials]
+            for name, trials in self.trials.items()
+        }
+        return self._fits[tuple(sorted(best.names))]
 
     # trials -----------------------------------------------------------------------------------------------
 
@@ -165,6 +187,16 @@ class Search:
             return None
         return float(np.sum(bent(base + directions @ scales) ** 2)), term
 
+    def _pruned(self, best: Fitted) -> Fitted:
+        """Without parameters that are not needed, so that the others mean what they say."""
+        while True:
+            fewer = [fit(self.problem, h) for h in _with_one_less(best)[:2]]
+            kept = [f for f in fewer if f is not None and f.score > best.score - self._price(best) / 3]
+            if not kept:
+                return best
+            best = max(kept, key=lambda fitted: fitted.score)
+            self._fits[tuple(sorted(best.names))] = best
+
     # rounds -----------------------------------------------------------------------------------------------
 
     def _extended(self, base: Fitted) -> Fitted | None:
@@ -212,8 +244,8 @@ class Search:
                 key = tuple(sorted(names))
                 if key in self._fits:
                     renamed = {(rival if k == name else k): v for k, v in slots.items()}
-                    return Attribution(self._fits[key], null, renamed, self._fits)
-        return Attribution(best, null, slots, self._fits)
+                    return Attribution(self._fits[key], null, renamed, self._fits, self.problem)
+        return Attribution(best, null, slots, self._fits, self.problem)
 
     def _fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
         """Fit them, in parallel; each set of effects is fitted once, but begun anew where it got stuck."""
@@ -223,6 +255,29 @@ class Search:
                 self._fits[tuple(sorted(fitted.names))] = fitted
         keys = [tuple(sorted(t.name for t in h)) for h in hypotheses]
         return [self._fits[key] for key in keys if key in self._fits]
+
+
+def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
+    """The hypothesis with one parameter at neutral for good, the least missed first (to first order)."""
+    found: list[tuple[float, Hypothesis]] = []
+    column = 0
+    straight = bent(fitted.z)
+    for position, term in enumerate(fitted.hypothesis):
+        for name in term.free:
+            k, column = column, column + 1
+            neutral = term.cls.neutral.get(name)
+            movable = [n for n in term.free if isinstance(term.cls.neutral.get(n), float)]
+            if not isinstance(neutral, float) or len(movable) < 2:
+                continue
+            others = np.delete(fitted.jacobian, k, axis=1)
+            moved = straight + fitted.jacobian[:, k] * (neutral - term.values[name]) / fitted.steps[k]
+            moved = moved - others @ np.linalg.lstsq(others, moved, rcond=None)[0]
+            values = {**term.values, name: neutral}
+            free = {n: step for n, step in term.free.items() if n != name}
+            fewer = list(fitted.hypothesis)
+            fewer[position] = replace(term, values=values, free=free)
+            found.append((float(np.sum(moved**2)), tuple(fewer)))
+    return [hypothesis for _, hypothesis in sorted(found, key=lambda pair: pair[0])]
 
 
 def _scales(trial: Trial) -> tuple[float, ...]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import formation_order
 from tacos_framework.gap.captures import Capture
-from tacos_framework.gap.evidence import REPLICATES, Label
+from tacos_framework.gap.evidence import REPLICATES, Judged, Label
 from tacos_framework.randomness import generator
 
 CORNER_PX = 0.12
@@ -33,16 +33,19 @@ def find_corners(capture: Capture) -> NDArray[np.float64] | None:
     if high <= low:
         return None
     grey = np.clip((image - low) * (255 / (high - low)), 0, 255).astype(np.uint8)
-    found, corners = cv2.findChessboardCornersSB(
-        grey, capture.board.inner_corners, flags=cv2.CALIB_CB_ACCURACY
-    )
-    if found:
-        return np.asarray(corners, np.float64).reshape(-1, 2)
     found, corners = cv2.findChessboardCorners(grey, capture.board.inner_corners)
     if not found:
-        return None
-    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 30, 0.01)
-    return np.asarray(cv2.cornerSubPix(grey, corners, (5, 5), (-1, -1), criteria), np.float64).reshape(-1, 2)
+        found, corners = cv2.findChessboardCornersSB(grey, capture.board.inner_corners)
+        return np.asarray(corners, np.float64).reshape(-1, 2) if found else None
+    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 40, 0.001)
+    reach = int(np.clip(_spacing_px(corners.reshape(-1, 2)) * 0.4, 3, 11))
+    refined = cv2.cornerSubPix(grey, corners, (reach, reach), (-1, -1), criteria)
+    return np.asarray(refined, np.float64).reshape(-1, 2)
+
+
+def _spacing_px(corners: NDArray[np.floating]) -> float:
+    """Least distance between neighbours along the board's rows [px]."""
+    return float(np.hypot(*np.diff(corners, axis=0).T).min())
 
 
 class BoardEvidence:
@@ -92,11 +95,29 @@ class BoardEvidence:
 
     def residual(self, effects: Sequence[Any]) -> NDArray[np.float64]:
         """See `tacos_framework.gap.evidence.Evidence`; only effects that move pixels bear on it."""
-        places = self.corners_px
-        for effect in sorted(effects, key=lambda e: formation_order(type(e)), reverse=True):
-            if moves_pixels(effect):
-                places = _looked_up(effect.source(self.capture.geometry), places)
-        return self._misfit(places)
+        moving = sorted(filter(moves_pixels, effects), key=lambda e: formation_order(type(e)), reverse=True)
+        if not moving:
+            return self._misfit(self.corners_px)
+        sources = [effect.source(self.capture.geometry) for effect in moving]
+
+        def pinhole(places: NDArray[np.float64]) -> NDArray[np.float64]:
+            for source in sources:
+                places = _looked_up(source, places)
+            return places
+
+        here = pinhole(self.corners_px)
+        right, low = np.array([0.5, 0.0]), np.array([0.0, 0.5])
+        across = pinhole(self.corners_px + right) - pinhole(self.corners_px - right)
+        down = pinhole(self.corners_px + low) - pinhole(self.corners_px - low)
+        misfit = self._misfit(here).reshape(2, -1).T
+        # corners are found in the image, not in the pinhole's: there an error of a pixel may be larger
+        seen = np.linalg.solve(np.stack([across, down], axis=-1), misfit[..., None])[..., 0]
+        return np.asarray(seen.T.ravel())
+
+    def judged(self, effects: Sequence[Any]) -> Judged:
+        """See `tacos_framework.gap.evidence.Evidence`: corners are found as well, whatever the lens."""
+        z = self.residual(effects)
+        return Judged(z, self.floor, np.ones_like(z))
 
     def _misfit(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         solved, rotation, shift = cv2.solvePnP(

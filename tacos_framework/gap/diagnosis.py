@@ -183,8 +183,8 @@ def diagnose(
     problem = Problem(evidence)
     tell("trying effects")
     attribution = Search(problem, effects, workers, tell).run()
-    best = attribution.best
-    left = unexplained(problem, best.z)
+    best, problem = attribution.best, attribution.problem
+    left = unexplained(problem, problem.judged(best.hypothesis))
     tell("how far the gap shrinks")
     causes = _causes(problem, attribution, left, folder.captures, seed)
     before, after = problem.gap(problem.null), problem.gap(best.held_out)

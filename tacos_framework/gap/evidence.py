@@ -21,6 +21,9 @@ from tacos_framework.randomness import generator
 REPLICATES = 16
 """Simulations of each capture that the floor is made of."""
 
+JUDGES = 8
+"""Simulations that the floor of a hypothesis is made of."""
+
 _SPREAD_OF_ONE = 1.5
 """Variance of real less simulated over that of real alone: the simulated mean is not known exactly."""
 
@@ -34,6 +37,25 @@ class Label:
     statistic: str
     stage: str
     at: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """Residuals against the floor of a hypothesis rather than that of the simulator as it is.
+
+    Parameters
+    ----------
+    z
+        (K,) residuals [floor].
+    floor
+        (B, K) the hypothesis against itself [floor].
+    scale
+        (K,) this floor over the simulator's own, at least 1.
+    """
+
+    z: NDArray[np.float64]
+    floor: NDArray[np.float64]
+    scale: NDArray[np.float64]
 
 
 class Evidence(Protocol):
@@ -51,6 +73,10 @@ class Evidence(Protocol):
 
     def residual(self, effects: Sequence[Any]) -> NDArray[np.float64]:
         """(K,) real less simulated with these effects, in units of the floor."""
+        ...
+
+    def judged(self, effects: Sequence[Any]) -> Judged:
+        """Residuals and floor when these effects are part of the simulator."""
         ...
 
 
@@ -81,10 +107,9 @@ class ImageEvidence:
         draws = np.stack([self._simulated((), draw) for draw in range(replicates)])
         self._first = draws[0]
         self.mean = draws.mean(axis=0)
-        amplitude = np.concatenate([np.broadcast_to(b.amplitude, b.values.shape) for b in blocks])
-        self.sigma = np.sqrt(
-            _SPREAD_OF_ONE * _steadied(draws.std(axis=0, ddof=1), blocks) ** 2 + amplitude**2
-        )
+        self._blocks = blocks
+        self._amplitude = np.concatenate([np.broadcast_to(b.amplitude, b.values.shape) for b in blocks])
+        self.sigma = self._sigma(draws)
         self._level = self._level_direction()
         self.floor = np.stack([self._without_level((draw - self.mean) / self.sigma) for draw in draws])
 
@@ -94,6 +119,23 @@ class ImageEvidence:
         if effects and not self._untouched(effects):
             expected = self.mean + self._simulated(effects, 0) - self._first
         return self._without_level((self.real - expected) / self.sigma)
+
+    def judged(self, effects: Sequence[Any]) -> Judged:
+        """See `Evidence`: where an effect takes detail away, noise is larger in proportion."""
+        if not effects or self._untouched(effects):
+            return Judged(self.residual(effects), self.floor, np.ones_like(self.sigma))
+        draws = np.stack([self._simulated(effects, draw) for draw in range(JUDGES)])
+        sigma = np.maximum(self._sigma(draws), self.sigma)
+        mean = draws.mean(axis=0)
+        return Judged(
+            self._without_level((self.real - mean) / sigma),
+            np.stack([self._without_level((draw - mean) / sigma) for draw in draws]),
+            sigma / self.sigma,
+        )
+
+    def _sigma(self, draws: NDArray[np.float64]) -> NDArray[np.float64]:
+        spread = _steadied(draws.std(axis=0, ddof=1), self._blocks)
+        return np.asarray(np.sqrt(_SPREAD_OF_ONE * spread**2 + self._amplitude**2))
 
     def simulated(self, effects: Sequence[Any]) -> NDArray[np.float64]:
         """(K,) the statistics a simulation with these effects gives, with the noise of the first draw."""

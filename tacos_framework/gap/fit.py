@@ -90,6 +90,17 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
     return Fitted(hypothesis, z, jacobian, steps, score, held_out)
 
 
+def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> Fitted:
+    """A fit in the units of a reweighted problem, to first order; `before` is the scale it was made with."""
+    factor = before / problem.scale
+    z = fitted.z * factor
+    slope = np.sqrt(1 + (fitted.z / BEND) ** 2) / np.sqrt(1 + (z / BEND) ** 2)
+    jacobian = fitted.jacobian * (factor * slope)[:, None]
+    held_out = _held_out(problem, z, jacobian)
+    score = -0.5 * problem.weight * float(np.sum(bent(held_out) ** 2))
+    return Fitted(fitted.hypothesis, z, jacobian, fitted.steps, score, held_out)
+
+
 def _cost(z: NDArray[np.float64]) -> float:
     return float(np.sum(bent(z) ** 2))
 

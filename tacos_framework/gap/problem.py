@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -11,7 +12,7 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.gap.evidence import Evidence, Label
+from tacos_framework.gap.evidence import Evidence, Judged, Label
 from tacos_framework.gap.parameters import Term
 from tacos_framework.values.image_geometry import ContextMissing
 
@@ -24,6 +25,12 @@ Hypothesis = tuple[Term, ...]
 def bent(z: NDArray[np.float64]) -> NDArray[np.float64]:
     """Residuals that a few wild ones cannot rule; nearly the same below `BEND`."""
     return np.asarray(BEND * np.arcsinh(z / BEND))
+
+
+def _joined(floors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Floors of captures side by side, as many replicates as the least has."""
+    count = min((len(floor) for floor in floors), default=0)
+    return np.concatenate([floor[:count] for floor in floors], axis=1) if floors else np.zeros((2, 0))
 
 
 @dataclass(frozen=True)
@@ -50,7 +57,8 @@ class Problem:
         self.slots = [Slot(int(a), int(b)) for a, b in pairwise(ends)]
         self.labels: list[Label] = [label for e in self.evidence for label in e.labels]
         self.null = np.concatenate([e.residual(()) for e in self.evidence]) if self.evidence else np.zeros(0)
-        self.floor = np.concatenate([e.floor for e in self.evidence], axis=1)
+        self.floor = _joined([e.floor for e in self.evidence])
+        self.scale = np.ones(len(self.labels))
         self.evaluations = 0
         self._kept: dict[str, NDArray[np.float64]] = {}
         self._lock = Lock()
@@ -63,9 +71,9 @@ class Problem:
             return None
         with self._lock:
             if key in self._kept:
-                return self._kept[key]
+                return self._kept[key] / self.scale
             self.evaluations += 1
-        z = self.null.copy()
+        z = np.empty(len(self.labels))
         for evidence, slot in zip(self.evidence, self.slots, strict=True):
             try:
                 z[slot.start : slot.stop] = evidence.residual(effects)
@@ -74,7 +82,27 @@ class Problem:
         z = np.nan_to_num(z, nan=1e3, posinf=1e3, neginf=-1e3)
         with self._lock:
             self._kept[key] = z
-        return z
+        return z / self.scale
+
+    def judged(self, hypothesis: Hypothesis) -> Judged:
+        """Residuals and floor when the hypothesis is part of the simulator; see `Evidence.judged`."""
+        effects = [effect for term in hypothesis if (effect := term.make()) is not None]
+        parts = [evidence.judged(effects) for evidence in self.evidence]
+        return Judged(
+            np.concatenate([part.z for part in parts]),
+            _joined([part.floor for part in parts]),
+            np.concatenate([part.scale for part in parts]),
+        )
+
+    def reweighted(self, scale: NDArray[np.float64]) -> Problem:
+        """The same evidence in units of a larger floor; what was simulated is kept."""
+        other = copy(self)
+        for name in ("weight", "floor_size", "floor_gaps"):
+            other.__dict__.pop(name, None)
+        other.scale = scale
+        other.null = self.null * self.scale / scale
+        other.floor = self.floor * self.scale / scale
+        return other
 
     # what counts how much ---------------------------------------------------------------------------------
 

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.gap.evidence import Judged
 from tacos_framework.gap.problem import Problem, bent
 
 TOLERATED = 0.05
 CERTAIN = 0.22
 """Shares of the gap left: up to the first nothing is unknown, from the second on something certainly is."""
+
+SIGNIFICANT = 0.12
+"""p-value below which something is left: none of the few replicates of a hypothesis stands out as much."""
 
 SLACK = 1.25
 """What a right model of a real camera may leave, over the floor: its formulas are never the camera's own."""
@@ -44,27 +48,29 @@ class Unexplained:
     @property
     def stands_out(self) -> bool:
         """Whether anything is left to explain."""
-        return self.p_value < 0.1
+        return self.p_value < SIGNIFICANT
 
 
-def unexplained(problem: Problem, z: NDArray[np.float64]) -> Unexplained:
-    """Test residuals against the floor's replicates.
+def unexplained(problem: Problem, judged: Judged) -> Unexplained:
+    """Test residuals against the floor of the hypothesis they are left by.
 
     The statistic is the largest over blocks (a capture and a statistic) of their mean squared residual, each
     over its largest among the replicates' quantiles, so that an effect that shows in one place only is seen.
     """
-    gap, before = problem.gap(z), problem.gap(problem.null)
+    z = judged.z
+    size = float(np.sqrt(np.mean(bent(judged.floor) ** 2)))
+    gap, before = float(np.sqrt(np.mean(bent(z) ** 2))) / size, problem.gap(problem.null)
     blocks = block_index(problem)
     sizes = np.bincount(blocks)
     own = np.bincount(blocks, bent(z) ** 2) / sizes
-    floor = np.stack([np.bincount(blocks, bent(f) ** 2) / sizes for f in problem.floor])
+    floor = np.stack([np.bincount(blocks, bent(f) ** 2) / sizes for f in judged.floor])
     typical = floor.mean(axis=0) + 2 * floor.std(axis=0) + 0.5
     largest = float((own / typical).max()) if len(own) else 0.0
     replicates = (floor / typical).max(axis=1)
     p_value = float((1 + np.sum(replicates >= largest / SLACK**2)) / (1 + len(replicates)))
     share = max(gap - SLACK, 0.0) / max(before - 1.0, 1e-9) if before > SLACK else 0.0
     doubt = float(np.clip((share - TOLERATED) / (CERTAIN - TOLERATED), 0.0, 1.0))
-    probability = doubt * (1 - p_value) if p_value < 0.1 else 0.0
+    probability = doubt * (1 - p_value) if p_value < SIGNIFICANT else 0.0
     worst = int(np.argmax(own * sizes)) if len(own) else 0
     where = block_names(problem)[worst][1] if probability > 0.1 else None
     return Unexplained(round(probability, 3), p_value, gap, round(share, 4), where)

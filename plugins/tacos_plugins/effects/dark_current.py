@@ -56,8 +56,9 @@ class DarkCurrent:
     neutral: ClassVar[Mapping[str, Any]] = {"rate_dn_s": 0.0, "hot_share": 0.0}
     probes: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"rate_dn_s": 10.0},
-        {"rate_dn_s": 1.0, "hot_share": 0.0002, "hot_rate_dn_s": 50.0},
-        {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 50.0},
+        {"rate_dn_s": 1.0, "hot_share": 0.0002, "hot_rate_dn_s": 100.0},
+        {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 20.0},
+        {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 200.0},
     )
 
     def __init__(self, config: Config) -> None:

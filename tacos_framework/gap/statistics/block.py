@@ -56,7 +56,8 @@ class Sample:
 
     def __init__(self, capture: Capture, frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]):
         self.capture = capture
-        self.frames = frames_dn
+        self.as_taken = frames_dn
+        self.frames = without_hot_pixels(frames_dn, expected_dn) if capture.kind == "dark" else frames_dn
         self.expected = expected_dn
 
     @cached_property
@@ -106,3 +107,19 @@ class Sample:
     def valid(self) -> NDArray[np.bool_]:
         """(H, W) pixels that count."""
         return self.capture.valid
+
+
+HOT_DN = 2.0
+_HOT_SPREADS = 6.0
+"""A pixel is hot that stands above the middle one by both, the latter in robust standard deviations."""
+
+
+def without_hot_pixels(
+    frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Dark frames whose hot pixels show what is expected, so that a handful do not rule every statistic."""
+    steady = frames_dn.min(axis=0) - expected_dn[0]
+    middle = np.median(steady)
+    spread = 1.4826 * float(np.median(np.abs(steady - middle)))
+    hot = steady - middle > max(HOT_DN, _HOT_SPREADS * spread)
+    return np.where(hot[None], expected_dn, frames_dn) if hot.any() else frames_dn

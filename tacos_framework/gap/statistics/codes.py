@@ -12,21 +12,20 @@ from tacos_framework.gap.statistics.block import Block, Sample
 PERIODS = (2, 3, 4, 5, 6, 8)
 """Steps between used codes that are looked for [DN]."""
 
-_BINS = 4096
+_DEEPEST_DN = 4096
+"""Files deeper than this have codes to spare; combs are not looked for."""
 
 
 def code_statistics(sample: Sample) -> Iterator[Block]:
     """Shares at the ends, the tallest pile near the top, empty codes, combs."""
-    values = sample.frames[:, sample.valid].ravel()
+    values = sample.as_taken if sample.valid.all() else sample.as_taken[:, sample.valid]
     if not values.size:
         return
     white = sample.capture.context.white_level_dn
-    top = float(values.max())
-    ends = [float(np.mean(values >= white)), float(np.mean(values <= 0))]
-    yield Block("clipped", "pixel", np.array(ends), [{"end": "white"}, {"end": "zero"}], 0.003)
-    histogram = np.bincount(
-        values.astype(np.int64).clip(0, _BINS - 1), minlength=int(min(top, _BINS - 1)) + 1
-    )
+    histogram = np.bincount(values.astype(np.uint16).ravel())
+    top = len(histogram) - 1
+    ends = np.array([histogram[int(np.ceil(white)) :].sum(), histogram[0]]) / values.size
+    yield Block("clipped", "pixel", ends, [{"end": "white"}, {"end": "zero"}], 0.003)
     if sample.capture.kind != "dark":
         yield Block(
             "top_level",
@@ -35,7 +34,7 @@ def code_statistics(sample: Sample) -> Iterator[Block]:
             [{"what": "largest value"}, {"what": "share at the largest values"}],
             np.array([0.01, 0.004]),
         )
-    if white < _BINS:
+    if white < _DEEPEST_DN:
         comb = _comb(histogram)
         yield Block(
             "code_comb",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -15,6 +17,7 @@ from tacos_framework.gap.statistics.grid import tiles
 AMPLITUDE_PX = 0.03
 """Displacements this small are nobody's concern [px]."""
 
+_LEAST_PIXELS = 40
 _TEXTURED = 0.02
 """Gradient that makes a pixel count, over the range of the image per pixel."""
 
@@ -24,37 +27,52 @@ def displacement_statistics(sample: Sample) -> Iterator[Block]:
     capture = sample.capture
     if not capture.is_structured:
         return
-    weights = _texture(capture)
-    grid = tiles(capture)
-    counts = np.array([weights[grid.index == k].sum() for k in range(len(grid.at))])
-    chosen = np.flatnonzero(counts > 40)
-    if not len(chosen):
+    spots = _spots(capture)
+    if not spots.parts:
         return
     colour = len(sample.channels) == 3
     green = _flow(sample, 1 if colour else 0)
-    at = [grid.at[k] for k in chosen.tolist()]
+    at = spots.at
     for axis, name in ((0, "x"), (1, "y")):
-        values = _medians(green[..., axis], grid.index, weights, chosen)
+        values = spots.medians(green[..., axis])
         yield Block("displacement", "optics", values, [{**a, "axis": name} for a in at], AMPLITUDE_PX)
     if colour:
         for channel, name in ((0, "R-G"), (2, "B-G")):
             apart = _flow(sample, channel) - green
             for axis, direction in ((0, "x"), (1, "y")):
-                values = _medians(apart[..., axis], grid.index, weights, chosen)
+                values = spots.medians(apart[..., axis])
                 places = [{**a, "axis": direction, "channels": name} for a in at]
                 yield Block("colour_displacement", "optics", values, places, AMPLITUDE_PX)
 
 
-_TEXTURES: WeakKeyDictionary[Capture, NDArray[np.bool_]] = WeakKeyDictionary()
+@dataclass(frozen=True, eq=False)
+class _Spots:
+    """Textured pixels, tile by tile, as flat indices."""
+
+    parts: Sequence[NDArray[np.int64]]
+    at: Sequence[Mapping[str, Any]]
+
+    def medians(self, image: NDArray[np.float32]) -> NDArray[np.float64]:
+        flat = image.ravel()
+        return np.array([float(np.median(flat[part])) for part in self.parts])
 
 
-def _texture(capture: Capture) -> NDArray[np.bool_]:
-    if capture not in _TEXTURES:
+_SPOTS: WeakKeyDictionary[Capture, _Spots] = WeakKeyDictionary()
+
+
+def _spots(capture: Capture) -> _Spots:
+    if capture not in _SPOTS:
         assert capture.expected_dn is not None
         level = capture.expected_dn[0].mean(axis=-1)
         gy, gx = np.gradient(level)
-        _TEXTURES[capture] = (np.hypot(gx, gy) > _TEXTURED * max(np.ptp(level), 1)) & capture.valid
-    return _TEXTURES[capture]
+        textured = (np.hypot(gx, gy) > _TEXTURED * max(np.ptp(level), 1)) & capture.valid
+        grid = tiles(capture)
+        where = np.flatnonzero(textured)
+        tile = grid.index.ravel()[where]
+        parts = [where[tile == k] for k in range(len(grid.at))]
+        kept = [k for k, part in enumerate(parts) if len(part) > _LEAST_PIXELS]
+        _SPOTS[capture] = _Spots([parts[k] for k in kept], [grid.at[k] for k in kept])
+    return _SPOTS[capture]
 
 
 def _flow(sample: Sample, channel: int) -> NDArray[np.float32]:
@@ -73,10 +91,3 @@ def _flow(sample: Sample, channel: int) -> NDArray[np.float32]:
     search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
     search.setFinestScale(1)
     return np.asarray(search.calc(first, second, np.zeros((*first.shape, 2), np.float32)))
-
-
-def _medians(
-    flow: NDArray[np.float32], index: NDArray[np.int64], weights: NDArray[np.bool_], chosen: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    used, where = flow[weights], index[weights]
-    return np.array([float(np.median(used[where == k])) for k in chosen])

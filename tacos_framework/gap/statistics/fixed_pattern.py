@@ -67,7 +67,7 @@ def _masked_mean(image: NDArray[np.float32], mask: NDArray[np.bool_], axis: int)
 
 def _hot_pixels(sample: Sample) -> Block:
     """Counts above two thresholds in the darkest frame, so that noise seldom counts, as logarithms."""
-    steady = sample.frames.min(axis=0) if len(sample.frames) > 1 else sample.frames[0]
+    steady = sample.as_taken.min(axis=0)
     noise_dn = float(np.sqrt(max(max(sample.capture.noise.thermal_dn2), 1 / 12)))
     above = steady - sample.reference - max(np.median(sample.residual), 0)
     thresholds = (HOT_DN + 5 * noise_dn, 4 * (HOT_DN + 5 * noise_dn))
