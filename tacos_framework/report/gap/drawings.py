@@ -26,6 +26,9 @@ CODES = frozenset({"code_comb", "clipped", "top_level"})
 LEAST_SHARE = 0.01
 """Share in the squared gap from which on a statistic is drawn."""
 
+FAR = 5.0
+"""Gap of its own from which on it is drawn however small its share: some have few numbers [floor]."""
+
 _MAPS = frozenset(
     {"relative_illumination", "displacement", "board_corners", "colour_displacement", "dark_field"}
 )
@@ -96,11 +99,16 @@ def is_wide(numbers: Numbers, *, compared: bool = True) -> bool:
 
 
 def standing_out(diagnosis: Diagnosis, numbers: Mapping[str, Numbers]) -> list[str]:
-    """Statistics that hold more than a little of the gap, the largest share first.
+    """Statistics that hold more than a little of the gap or are far off, the largest share first.
 
     Where none does, the two that come nearest to it.
     """
-    found = [p.statistic for p in diagnosis.where if p.share >= LEAST_SHARE and p.statistic in numbers]
+    found = [
+        place.statistic
+        for place in diagnosis.where
+        if place.statistic in numbers
+        and (place.share >= LEAST_SHARE or numbers[place.statistic].gap_before >= FAR)
+    ]
     return found or sorted(numbers, key=lambda name: -numbers[name].gap_before)[:2]
 
 

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from tacos_framework.report.figures.canvas import draw
 from tacos_framework.report.gap.numbers import Numbers
 from tacos_framework.report.gap.views import view_of
-from tacos_framework.report.palette import MUTED, RULE, camera_colour
+from tacos_framework.report.palette import MUTED, RULE
 from tacos_framework.report.quantities import number
 
 DIVERGING = LinearSegmentedColormap.from_list(
-    "less-more", [camera_colour(1), "#9ec7e2", "#f7f7f5", "#efb58a", camera_colour(0)]
+    "less-more", ["#0b6aa8", "#9ec7e2", "#f7f7f5", "#efb58a", "#cb5b05"]
 )
-"""Blue where real is less, vermilion where it is more."""
+"""Blue where real is less, vermilion where it is more; no colours of the palette, as those change in the dark."""
 
 Box = tuple[int, int, int, int]
 
