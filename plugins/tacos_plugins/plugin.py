@@ -268,6 +268,10 @@ PROCEDURES = {
         "diagnose:Diagnose",
         "Where a simulation and real captures part, which effect causes it, and how far adding it helps.",
     ),
+    "gap-blind-check": (
+        "blind.check:GapBlindCheck",
+        "The diagnosis, checked blind on effects withheld from it, beside simpler ways.",
+    ),
     "compare-optimizers": (
         "optimizers_compared.compare:CompareOptimizers",
         "Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",

@@ -1,0 +1,1 @@
+"""The diagnosis checked on effects that were withheld from it."""

@@ -1,0 +1,103 @@
+"""The camera as the simulator believes it to be, and one picture-taking of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Image = NDArray[np.float64]
+
+PAD_PX = 24
+"""Margin rendered around an image, so that blur at its rim finds light."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera without flaws.
+
+    Parameters
+    ----------
+    width_px, height_px
+        Size of the files [px].
+    focal_px
+        Focal length [px].
+    channels
+        1 or 3.
+    black_dn, white_dn
+        Pedestal and full scale [DN].
+    photon_dn
+        Digital numbers per electron, so also the variance per DN of signal [DN].
+    thermal_dn2
+        Variance in the dark [DN^2].
+    """
+
+    width_px: int
+    height_px: int
+    focal_px: float
+    channels: int
+    black_dn: float = 16.0
+    white_dn: float = 255.0
+    photon_dn: float = 0.24
+    thermal_dn2: float = 1.8
+    pixel_um: float = 6.0
+
+    @property
+    def centre_px(self) -> tuple[float, float]:
+        """Principal point (x, y) [px]."""
+        return (self.width_px - 1) / 2, (self.height_px - 1) / 2
+
+    @property
+    def range_dn(self) -> float:
+        """From pedestal to full scale [DN]."""
+        return self.white_dn - self.black_dn
+
+    def grid(self, pad: int = 0) -> tuple[Image, Image]:
+        """x and y of all pixels, with a margin: two (H + 2 pad, W + 2 pad) arrays [px]."""
+        y, x = np.mgrid[-pad : self.height_px + pad, -pad : self.width_px + pad]
+        return x.astype(np.float64), y.astype(np.float64)
+
+    def squared_radius(self, pad: int = 0) -> Image:
+        """Squared distance from the principal point, 1 in the corner of the sensor (H + 2 pad, W + 2 pad)."""
+        x, y = self.grid(pad)
+        cx, cy = self.centre_px
+        return ((x - cx) ** 2 + (y - cy) ** 2) / ((self.width_px**2 + self.height_px**2) / 4)
+
+
+Look = Callable[[Image, Image, int], Image]
+"""Light in directions given as pixels of the flawless camera: (x, y, channel) to DN above the pedestal."""
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One taking of a picture.
+
+    Parameters
+    ----------
+    camera
+        The flawless camera.
+    look
+        What is before it, at the exposure of the shot.
+    exposure_ms
+        Exposure time [ms].
+    velocity_px_s
+        Motion in the image [px/s].
+    depth_m
+        Distance of what is seen [m].
+    has_pose
+        Whether the simulator claims to know the pose; of a board it does not.
+    """
+
+    camera: Camera
+    look: Look
+    exposure_ms: float
+    velocity_px_s: tuple[float, float] = (0.0, 0.0)
+    depth_m: float = 1.0
+    has_pose: bool = True
+
+
+def dark(x: Image, y: Image, channel: int) -> Image:
+    """The lens cap."""
+    return np.zeros_like(x)
