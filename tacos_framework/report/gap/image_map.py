@@ -20,7 +20,7 @@ from tacos_framework.report.quantities import number
 DIVERGING = LinearSegmentedColormap.from_list(
     "less-more", ["#0b6aa8", "#9ec7e2", "#f7f7f5", "#efb58a", "#cb5b05"]
 )
-"""Blue where real is less, vermilion where it is more; no colours of the palette, as those change in the dark."""
+"""Blue where real is less, vermilion where more; not of the palette, whose colours change in dark mode."""
 
 Box = tuple[int, int, int, int]
 
