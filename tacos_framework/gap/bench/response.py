@@ -14,20 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework.gap.bench.light import without_world
 from tacos_framework.gap.captures import Noise
-from tacos_framework.values import (
-    Camera,
-    Capture,
-    Episode,
-    Exposure,
-    FrameBatch,
-    Object,
-    Rig,
-    Signal,
-    Trajectory,
-    View,
-    World,
-)
+from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Rig, Signal
 
 BANDS = 16
 """Levels of signal at which the noise is measured."""
@@ -121,19 +110,6 @@ def _even(camera: Camera, luminance_of_row: NDArray[np.float64]) -> Capture:
     size = (1, camera.height_px, camera.width_px)
     light = np.broadcast_to(luminance_of_row[None, :, None, None], (*size, 3)).astype(np.float32)
     return without_world(camera, light)
-
-
-def without_world(camera: Camera, luminance_cd_m2: NDArray[np.float32]) -> Capture:
-    """A capture of (N, H, W, 3) light that comes from 1 m ahead, and of nothing else [cd/m2]."""
-    frames = len(luminance_cd_m2)
-    size = luminance_cd_m2.shape[:3]
-    pose = np.tile(np.eye(4), (frames, 1, 1))
-    world = World("nothing", (), (), (Object("background", "background"),), ("background",))
-    episode = Episode(
-        world, Trajectory(np.zeros(1), pose[:1]), np.arange(frames, dtype=float), np.zeros(frames, np.int32)
-    )
-    view = View(camera, pose, luminance_cd_m2, np.ones(size, np.float32), np.zeros(size, np.int32))
-    return Capture(episode, (view,))
 
 
 class _Recorder:

@@ -5,22 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.building import build, build_rig, episode_of, part_of
-from tacos_framework.camera.motion import image_velocity
 from tacos_framework.contracts import formation_order
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.gap.bench.response import (
-    Response,
-    expected_signal,
-    frames_of,
-    measured_response,
-    without_world,
-)
+from tacos_framework.gap.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
+from tacos_framework.gap.bench.response import Response, expected_signal, frames_of, measured_response
 from tacos_framework.gap.bench.settings import BenchSettings, Shot
 from tacos_framework.gap.captures import Board, Capture
 from tacos_framework.plugins import Plugins
@@ -28,22 +22,13 @@ from tacos_framework.randomness import generator
 from tacos_framework.recipe import Use
 from tacos_framework.simulation import ActingEffects
 from tacos_framework.values import Capture as Rendered
-from tacos_framework.values import Episode, Exposure, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig
 
 REFERENCE_LUX = 1000.0
 """Light that scenes are rendered under before the lamp is dimmed to the level that is asked for [lux]."""
 
 BRIGHTEST_PERCENT = 99.0
 """Percentile of the signal that is called its brightest places."""
-
-PATCH_CLASS = "patch"
-"""Objects of this class are the patches of a chart."""
-
-PATCH_MARGIN = 0.2
-"""Share of a patch's width and height that is left out at each side."""
-
-
-Number = TypeVar("Number", bound=np.generic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +92,7 @@ class Bench:
     def capture(self, shot: Shot) -> Capture:
         """What a camera with the effects gives for a shot, beside what is expected."""
         expected = self.expected(shot)
-        light = expected.light if shot.kind == "sequence" else _repeated(expected.light, shot.frames)
+        light = expected.light if shot.kind == "sequence" else repeated(expected.light, shot.frames)
         names = ("bench", shot.id)
         exposure = self._exposure(shot)
         acting = ActingEffects(self._effects, self._rig, exposure, generator(self._seed, *names, "effects"))
@@ -134,7 +119,7 @@ class Bench:
             level_uncertainty=shot.level_uncertainty,
             board=self._board(shot) if shot.kind == "board" else None,
             edge_angle_deg=self._edge_angle_deg(shot) if shot.kind == "edge" else None,
-            patches=_patches(expected) if shot.kind == "chart" else None,
+            patches=patches_of(expected.light, expected.signal_dn) if shot.kind == "chart" else None,
         )
 
     def expected(self, shot: Shot) -> Expected:
@@ -151,7 +136,7 @@ class Bench:
                 raise UserError(Fault(shot.id, f"{shot.scene.use} is black", "a scene that reflects light"))
             factor = shot.level * (white - black) / brightest
         samples = above * np.float32(factor) + (black + self._dark_dn(exposure)).astype(np.float32)
-        return Expected(_dimmed(light, factor), samples, black, white)
+        return Expected(dimmed(light, factor), samples, black, white)
 
     # one shot ---------------------------------------------------------------------------------------------
 
@@ -226,7 +211,7 @@ class Bench:
             times_s = expected.light.episode.time_s
             context = replace(
                 context,
-                velocity_px_s=_velocity(image_velocity(view, expected.light.episode)),
+                velocity_px_s=velocity_of(image_velocity(view, expected.light.episode)),
                 frame_interval_s=float(np.diff(times_s).mean()) if len(times_s) > 1 else None,
                 reference_row=(self._camera.height_px - 1) / 2,
             )
@@ -249,62 +234,3 @@ class Bench:
     def _scene_config(self, shot: Shot) -> Any:
         assert shot.scene is not None
         return part_of(shot.scene, "scene", self._plugins).config
-
-
-def _dimmed(light: Rendered, factor: float) -> Rendered:
-    views = [replace(v, luminance_cd_m2=v.luminance_cd_m2 * np.float32(factor)) for v in light.views]
-    return replace(light, views=tuple(views))
-
-
-def _repeated(light: Rendered, frames: int) -> Rendered:
-    """The first frame, taken several times in a row."""
-    episode, view = light.episode, light.views[0]
-
-    def again(array: NDArray[Number]) -> NDArray[Number]:
-        return np.broadcast_to(array[:1], (frames, *array.shape[1:]))
-
-    step_s = 0.1
-    return Rendered(
-        Episode(
-            episode.world,
-            episode.trajectory,
-            episode.time_s[0] + step_s * np.arange(frames),
-            np.zeros(frames, np.int32),
-        ),
-        (
-            replace(
-                view,
-                world_from_camera=again(view.world_from_camera),
-                luminance_cd_m2=again(view.luminance_cd_m2),
-                depth_m=again(view.depth_m),
-                object_id=again(view.object_id),
-            ),
-        ),
-    )
-
-
-def _velocity(velocity_px_s: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(2,) where everything moves alike, else (H, W, 2) of the first frame [px/s]."""
-    middle = velocity_px_s.reshape(-1, 2).mean(axis=0, dtype=np.float64)
-    alike = np.abs(velocity_px_s - middle).max() <= 1e-3 * max(float(np.abs(middle).max()), 1.0)
-    return middle if alike else velocity_px_s[0].astype(np.float64)
-
-
-def _patches(expected: Expected) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
-    """The inner part of each patch that is seen, and what is expected of it."""
-    seen = expected.light.views[0].object_id[0]
-    boxes, colours = [], []
-    for number, thing in enumerate(expected.light.episode.world.objects):
-        rows, columns = np.nonzero(seen == number)
-        if thing.class_name != PATCH_CLASS or not len(rows):
-            continue
-        left, right, top, bottom = columns.min(), columns.max() + 1, rows.min(), rows.max() + 1
-        across, down = round(PATCH_MARGIN * (right - left)), round(PATCH_MARGIN * (bottom - top))
-        x, y = left + across, top + down
-        width, height = right - left - 2 * across, bottom - top - 2 * down
-        if width < 1 or height < 1:
-            continue
-        inside = expected.signal_dn[0, y : y + height, x : x + width]
-        boxes.append((x, y, width, height))
-        colours.append(np.broadcast_to(inside.mean(axis=(0, 1), dtype=np.float64), 3))
-    return (np.array(boxes, np.int64), np.array(colours)) if boxes else None

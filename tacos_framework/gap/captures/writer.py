@@ -18,9 +18,7 @@ from tacos_framework.gap.captures.files import PATCH_COLUMNS
 from tacos_framework.gap.captures.reader import FILE
 
 
-def write_captures(
-    folder: str | Path, captures: Iterable[Capture], patch_names: Mapping[str, Sequence[str]] | None = None
-) -> Path:
+def write_captures(folder: str | Path, captures: Iterable[Capture]) -> Path:
     """Write images and ``captures.yaml``; returns its path.
 
     Frames of whole numbers become PNG, of 8 bits where the white level allows it and of 16 where not; other
@@ -34,8 +32,6 @@ def write_captures(
     captures
         Taken one after another, all of one camera: equal focal length, pitch, sensor size, principal point,
         levels and filters.
-    patch_names
-        For the ids of charts the names of their patches; they are numbered without.
 
     Raises
     ------
@@ -64,7 +60,7 @@ def write_captures(
             raise ValueError(f"captures need ids that differ as names of folders: {capture.id!r} does not")
         taken.add(name.lower())
         (folder / name).mkdir(parents=True, exist_ok=True)
-        entries.append(_entry(folder, name, capture, camera, (patch_names or {}).get(capture.id, ())))
+        entries.append(_entry(folder, name, capture, camera))
     if not entries:
         raise ValueError("there are no captures to write")
     data = {"tacos_captures": 1, "camera": camera, "noise": _noise(noise), "captures": entries}
@@ -143,9 +139,7 @@ def _numbers(values: Sequence[float]) -> Any:
 # a capture ------------------------------------------------------------------------------------------------
 
 
-def _entry(
-    folder: Path, name: str, capture: Capture, camera: Mapping[str, Any], patch_names: Sequence[str]
-) -> dict[str, Any]:
+def _entry(folder: Path, name: str, capture: Capture, camera: Mapping[str, Any]) -> dict[str, Any]:
     geometry, context = capture.geometry, capture.context
     entry: dict[str, Any] = {"id": capture.id, "kind": capture.kind, "real": _frames(folder, name, capture)}
     if capture.expected_dn is not None:
@@ -178,7 +172,7 @@ def _entry(
     if capture.edge_angle_deg is not None:
         entry["edge"] = {"angle_deg": capture.edge_angle_deg}
     if capture.patches is not None:
-        entry["chart"] = {"patches": _patches(folder, name, *capture.patches, patch_names)}
+        entry["chart"] = {"patches": _patches(folder, name, *capture.patches)}
     return entry | _scene_of(folder, name, capture)
 
 
@@ -228,14 +222,13 @@ def _patches(
     name: str,
     boxes: NDArray[np.int64],
     colours: NDArray[np.float64],
-    patch_names: Sequence[str],
 ) -> str:
     path = f"{name}/patches.csv"
     with (folder / path).open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(("id", *PATCH_COLUMNS))
         for i, (box, colour) in enumerate(zip(boxes.tolist(), colours.tolist(), strict=True)):
-            table.writerow((patch_names[i] if patch_names else i + 1, *box, *colour))
+            table.writerow((i + 1, *box, *colour))
     return path
 
 
