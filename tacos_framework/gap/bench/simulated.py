@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.building import build, build_rig, episode_of, part_of
+from tacos_framework.camera.motion import image_velocity
 from tacos_framework.contracts import formation_order
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.gap.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
