@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,10 +97,20 @@ def described(folder: CaptureFolder) -> Iterator[str]:
         yield "  ".join([*left, *right])
     if folder.limitations:
         yield from ("", "Limitations")
-        yield from (f"  {text}" for text in folder.limitations)
+        yield from (f"  {text}" for text in _gathered(folder.limitations))
     if lacking := list(untold(folder.captures)):
         yield from ("", "What these captures cannot tell, and what would")
         yield from (f"  {', '.join(effects)}: {remedy}" for effects, remedy in lacking)
+
+
+def _gathered(limitations: Iterable[str]) -> Iterator[str]:
+    """Each limitation once, with the names of all captures it is said of."""
+    captures_of: dict[str, list[str]] = {}
+    for limitation in limitations:
+        name, _, text = limitation.partition(": ")
+        captures_of.setdefault(text, []).append(name)
+    for text, names in captures_of.items():
+        yield f"{', '.join(names)}: {text}"
 
 
 def _row(capture: Capture) -> tuple[str, ...]:

@@ -80,7 +80,16 @@ def _parsers() -> Iterable[argparse.ArgumentParser]:
     _argument(runs, "out").complete = shtab.DIRECTORY  # type: ignore[attr-defined]
     around = tacos.parser()
     _argument(_command(around, "catalog"), "name").choices = [CAMERAS, *catalog_names()]
-    _argument(_command(around, "report"), "folder").complete = shtab.DIRECTORY  # type: ignore[attr-defined]
+    captures = _command(around, "captures")
+    simulate = _command(captures, "simulate", "action")
+    _argument(simulate, "recipe").complete = _RECIPES  # type: ignore[attr-defined]
+    _argument(simulate, "effects").complete = shtab.FILE  # type: ignore[attr-defined]
+    for command, dest in (
+        (_command(around, "report"), "folder"),
+        (_command(captures, "check", "action"), "folder"),
+        (simulate, "out"),
+    ):
+        _argument(command, dest).complete = shtab.DIRECTORY  # type: ignore[attr-defined]
     return around, runs
 
 
@@ -88,8 +97,8 @@ def _argument(parser: argparse.ArgumentParser, dest: str) -> argparse.Action:
     return next(action for action in parser._actions if action.dest == dest)
 
 
-def _command(parser: argparse.ArgumentParser, name: str) -> argparse.ArgumentParser:
-    commands = _argument(parser, "command").choices
+def _command(parser: argparse.ArgumentParser, name: str, dest: str = "command") -> argparse.ArgumentParser:
+    commands = _argument(parser, dest).choices
     assert isinstance(commands, dict)
     command: argparse.ArgumentParser = commands[name]
     return command

@@ -17,6 +17,8 @@ WORDS = [
     (["tacos-run", "headset_quick", "--executor", "executor.p"], "executor.process"),
     (["tacos", "new-"], "new-plugin"),
     (["tacos", "catalog", "image_sensors_"], "image_sensors_more"),
+    (["tacos", "captures", "sim"], "simulate"),
+    (["tacos", "captures", "simulate", "ben"], "bench"),
     (["tacos", "new-plugin", "fog", "--kind", "eff"], "effect"),
 ]
 
