@@ -15,7 +15,8 @@ from tacos_framework.cli import run_main
 from tacos_framework.gap.captures import Capture
 from tacos_framework.gap.captures.writer import write_captures
 from tacos_framework.plugins import Plugins
-from tacos_plugins.procedures.diagnose import candidate_effects
+from tacos_framework.testing import ProcedureConformance
+from tacos_plugins.procedures.diagnose import Diagnose, candidate_effects
 from tests.gap.taken import board, capture, effect, patchwork, taken
 
 KEYS = {
@@ -159,3 +160,18 @@ def test_wrong_settings_are_refused_before_any_work(
     recipe = ProcedureRecipe("procedure.diagnose", {"captures": str(tmp_path / "none"), **settings})
     with pytest.raises(UserError, match=said):
         run(recipe, out=tmp_path / "out", plugins=plugins)
+
+
+class TestDiagnose(ProcedureConformance):
+    """Equal seeds find the same, whatever the threads do."""
+
+    component = Diagnose
+    files = ("diagnosis.json", "patched.yaml", "report.html")
+
+    @pytest.fixture(autouse=True)
+    def _captures(self, plugins: Plugins, tmp_path_factory: pytest.TempPathFactory) -> None:
+        folder = tmp_path_factory.mktemp("prnu")
+        shown = taken([capture("dark", 0.0), capture("flat", 120.0)], [effect(plugins, "prnu", sigma=0.02)])
+        write_captures(folder, shown)
+        without = set(candidate_effects(plugins)) - {"prnu", "read-noise", "vignetting"}
+        self.config = {"captures": str(folder), "without": tuple(sorted(without))}  # type: ignore[misc]
