@@ -137,8 +137,8 @@ class Effect(Protocol[Image]):
         fitted. An effect without is tried a little to either side of neutral, one with ``()`` only where the
         captures point to it.
     ``source(geometry)``
-        For an effect that only moves pixels: (H, W) columns and rows where each pixel of the image looks in the
-        image without it.
+        For an effect that only moves pixels: (H, W) columns and rows where each pixel of the image looks in
+        the image without it.
     ``moments(mean_dn, variance_dn2, *, geometry, context)``
         Mean and variance of the noise after the effect, from those before it, where a closed form exists; so
         that a diagnosis need not draw samples. Both are arrays of the shape (N, H, W, C), or flat fields that

@@ -116,6 +116,11 @@ class Diagnosis:
         }
 
     @property
+    def closure(self) -> float:
+        """Share of the gap that all causes together remove, held out."""
+        return closure(self.gap_before, self.gap_after)
+
+    @property
     def patch(self) -> list[dict[str, Any]]:
         """The causes as effects of a recipe."""
         return [{"use": f"effect.{cause.effect}", **cause.settings} for cause in self.causes]

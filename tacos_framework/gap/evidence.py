@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.gap.captures import Capture
-from tacos_framework.gap.formation import LIGHT, simulate
+from tacos_framework.gap.formation import LIGHT, applied, simulate
 from tacos_framework.gap.statistics import Block, Sample, measure
 from tacos_framework.randomness import generator
 
@@ -165,9 +165,7 @@ class ImageEvidence:
             return False
         rng = generator(self._seed, "untouched")
         for effect in effects:
-            changed = effect.on_array(
-                light, geometry=self.capture.geometry, context=self.capture.context, rng=rng
-            )
+            changed = applied(effect, light, self.capture, rng)
             if changed is not light and not np.allclose(changed, light, rtol=1e-6):
                 return False
         return True

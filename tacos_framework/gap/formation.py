@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import acts_after_noise, formation_order
 from tacos_framework.gap.captures import Capture
+from tacos_framework.values.image_geometry import ContextMissing
 
 LIGHT = ("scene", "optics", "exposure")
 
@@ -37,13 +38,13 @@ def simulate(
     """
     assert capture.expected_dn is not None
     count = frames or capture.frames
-    context, geometry = capture.context, capture.geometry
+    context = capture.context
     noise_rng, effect_rng = rng.spawn(2)
     ordered = sorted(effects, key=lambda effect: formation_order(type(effect)))
 
     def act(image: NDArray[np.float32], chosen: list[Any]) -> NDArray[np.float32]:
         for effect in chosen:
-            image = effect.on_array(image, geometry=geometry, context=context, rng=effect_rng)
+            image = applied(effect, image, capture, effect_rng)
         return image
 
     light = capture.expected_dn[:count] - np.float32(context.black_level_dn)
@@ -65,6 +66,16 @@ def simulate(
     files = _digitise(samples, context.white_level_dn)
     processing = [e for e in ordered if e.stage in ("isp", "codec")]
     return _digitise(act(files, processing), context.white_level_dn) if processing else files
+
+
+def applied(
+    effect: Any, image: NDArray[np.float32], capture: Capture, rng: np.random.Generator
+) -> NDArray[np.float32]:
+    """The image with an effect; without it where too little is known of the capture, as motion of a still."""
+    try:
+        return np.asarray(effect.on_array(image, geometry=capture.geometry, context=capture.context, rng=rng))
+    except ContextMissing:
+        return image
 
 
 def _digitise(samples: NDArray[np.float32], white_level_dn: float) -> NDArray[np.float32]:

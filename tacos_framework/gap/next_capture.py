@@ -14,7 +14,6 @@ from tacos_framework.gap.captures import Capture
 from tacos_framework.gap.evidence import ImageEvidence
 from tacos_framework.gap.problem import Hypothesis, bent
 from tacos_framework.values import ImageGeometry
-from tacos_framework.values.image_geometry import ContextMissing
 
 _SIZE = (240, 320)
 _TROUBLE = {
@@ -59,11 +58,9 @@ def best_capture(
         if template is None:
             continue
         for bench in _benches(template):
-            try:
-                one, two = (ImageEvidence(bench, seed, replicates=4).simulated(group) for group in effects)
-            except ContextMissing:
-                continue
-            spread = ImageEvidence(bench, seed, replicates=4).sigma
+            evidence = ImageEvidence(bench, seed, replicates=4)
+            one, two = (evidence.simulated(group) for group in effects)
+            spread = evidence.sigma
             worth[bench.kind] = worth.get(bench.kind, 0.0) + float(np.sum(bent((one - two) / spread) ** 2))
     if not worth:
         return NextCapture(missing[0], _WHY[missing[0]]) if missing else None

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from tacos_framework.gap.evidence import Evidence, Judged, Label
 from tacos_framework.gap.parameters import Term
-from tacos_framework.values.image_geometry import ContextMissing
 
 BEND = 10.0
 """Beyond so many units of the floor residuals count less and less: asinh in place of the straight line."""
@@ -75,10 +74,7 @@ class Problem:
             self.evaluations += 1
         z = np.empty(len(self.labels))
         for evidence, slot in zip(self.evidence, self.slots, strict=True):
-            try:
-                z[slot.start : slot.stop] = evidence.residual(effects)
-            except ContextMissing:
-                return None
+            z[slot.start : slot.stop] = evidence.residual(effects)
         z = np.nan_to_num(z, nan=1e3, posinf=1e3, neginf=-1e3)
         with self._lock:
             self._kept[key] = z

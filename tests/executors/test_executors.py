@@ -163,9 +163,10 @@ def test_results_of_an_iterator_left_early_do_not_turn_up_in_the_next(two_worker
         assert list(two_workers.map(jobs.slow_square, range(10, 14))) == [100, 121, 144, 169]
 
 
-def test_a_worker_that_cannot_start_is_an_error_not_a_lost_job(monkeypatch):
+def test_a_worker_that_cannot_start_is_an_error_not_a_lost_job(monkeypatch, tmp_path):
+    (tmp_path / "sitecustomize.py").write_text("import os\n\nos._exit(7)\n")
     executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
-    monkeypatch.setenv("PYTHONPATH", str(ROOT / "tests" / "executors" / "broken"))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     with pytest.raises(RuntimeError, match="a worker cannot start: its worker process ended with status"):
         list(executor.map(jobs.square, [3]))
     executor.close()

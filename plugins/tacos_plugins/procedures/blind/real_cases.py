@@ -131,9 +131,14 @@ def _boards(out: Path, files: Sequence[Path]) -> None:
         "principal_point_px": [342.28, 235.57],
         "bit_depth": 8,
     }
-    board = {"inner_corners": [9, 6], "square_mm": 25}
     captures = [
-        {"id": file.stem, "kind": "board", "real": str(file.resolve()), "board": board} for file in files
+        {
+            "id": file.stem,
+            "kind": "board",
+            "real": str(file.resolve()),
+            "board": {"inner_corners": [9, 6], "square_mm": 25},
+        }
+        for file in files
     ]
     _write(_folder(out), camera, captures)
 
