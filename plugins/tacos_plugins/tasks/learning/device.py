@@ -1,0 +1,80 @@
+"""Where torch computes, and with what random numbers."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+
+import numpy as np
+import torch
+
+from tacos_framework.errors import Fault, UserError
+
+log = logging.getLogger(__name__)
+
+DEVICE_PATTERN = r"auto|cpu|cuda(:\d+)?"
+"""What a setting ``device`` may say."""
+
+DEVICE_HELP = "Where it computes: auto (a GPU where there is one), cpu, cuda, or cuda:N."
+"""Help of a setting ``device``."""
+
+
+def pick_device(name: str, *, where: str) -> torch.device:
+    """The device a task computes on.
+
+    Parameters
+    ----------
+    name
+        ``auto`` is the first GPU where CUDA works, else the CPU; or ``cpu``, ``cuda``, ``cuda:1``.
+    where
+        What asks for it, for messages: ``task.psmnet``.
+
+    Raises
+    ------
+    UserError
+        When CUDA is asked for and not there, or there are fewer GPUs.
+    """
+    gpus = torch.cuda.device_count() if torch.cuda.is_available() else 0
+    if name == "auto":
+        name = "cuda" if gpus else "cpu"
+    device = torch.device(name)
+    if device.type == "cuda" and (device.index or 0) >= gpus:
+        found = f"torch {torch.__version__} finds {gpus or 'no'} CUDA GPU{'s' * (gpus > 1)} here"
+        expected = ", ".join(["auto", "cpu", *(f"cuda:{i}" for i in range(gpus))])
+        raise UserError(
+            Fault(
+                where, f"device is {name}, but {found}", expected, "Set device: auto, or see `tacos doctor`."
+            )
+        )
+    _report(where, device)
+    return device
+
+
+@cache
+def _report(where: str, device: torch.device) -> None:
+    """Say once where a task computes."""
+    name = (
+        torch.cuda.get_device_name(device) if device.type == "cuda" else f"{torch.get_num_threads()} threads"
+    )
+    log.info("%s computes on %s (%s)", where, device, name)
+
+
+@contextmanager
+def drawing_from(rng: np.random.Generator, device: torch.device | None = None) -> Iterator[None]:
+    """Let torch's own random numbers come from `rng` inside, and leave torch's generators as they were.
+
+    For code that cannot be handed a generator: modules that initialise themselves, samplers, dropout.
+
+    Parameters
+    ----------
+    rng
+        Gives the seed; the same state gives the same numbers.
+    device
+        The GPU whose generator is seeded too; None for the CPU alone.
+    """
+    gpus = [device] if device is not None and device.type == "cuda" else []
+    with torch.random.fork_rng(devices=gpus):
+        torch.manual_seed(int(rng.integers(2**63)))
+        yield
