@@ -19,6 +19,7 @@ from safetensors.numpy import load_file, save
 
 from tacos_framework.contracts import State
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.yaml_writer import to_yaml
 
 log = logging.getLogger(__name__)
 
@@ -154,7 +155,7 @@ class Results:
         return all(path.name.endswith(PARTIAL) for path in self.folder.iterdir())
 
     def _write_recipe(self, recipe: Mapping[str, Any]) -> None:
-        self.write_text("recipe.yaml", yaml.safe_dump(dict(recipe), sort_keys=False, allow_unicode=True))
+        self.write_text("recipe.yaml", to_yaml(dict(recipe)))
 
     def _hold(self) -> None:
         """Keep other runs out; the system lets go of it when this process ends, in whatever way."""

@@ -288,6 +288,14 @@ class _Reader:
             return None
 
 
+def reads_as_text(text: str) -> bool:
+    """Whether unquoted text is read as itself, not as a number, a truth value or nothing, or refused."""
+    try:
+        return isinstance(_plain_scalar(text), str)
+    except ValueError:
+        return False
+
+
 def _plain_scalar(text: str) -> Any:
     """The value of unquoted text by the YAML 1.2 core schema; ValueError for what is no usable number."""
     if text in _NULL:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 
@@ -12,6 +13,11 @@ sys.path.insert(0, str(Path(__file__).parent))  # `toy_plugin`, also in spawned 
 import toy_plugin
 
 from tacos_framework.plugins import Plugins
+
+collect_ignore = ["fuzz/harness.py"]  # run by hand: needs atheris
+
+# Shells start what runs in the background with Ctrl-C ignored, and child processes would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

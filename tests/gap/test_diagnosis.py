@@ -63,7 +63,7 @@ def test_a_single_effect_is_named_with_its_parameter(effects, name, settings):
     assert found.verdict == "explained"
     assert found.causes[0].effect == name
     assert found.causes[0].probability > 0.8
-    assert found.causes[0].closure > 0.85
+    assert found.causes[0].closure > 0.8
     for parameter, value in settings.items():
         assert found.causes[0].parameters[parameter].value == pytest.approx(value, rel=0.12)
     assert found.patch[0]["use"] == f"effect.{name}"

@@ -10,7 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import yaml
 from pydantic import JsonValue
 
 from tacos_framework.contracts import Executor
@@ -24,6 +23,7 @@ from tacos_framework.report.gap.page import Circumstances, page
 from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ContextMissing
+from tacos_framework.yaml_writer import to_yaml
 from tacos_plugins.procedures.diagnosis.decision import Question, decide
 from tacos_plugins.procedures.diagnosis.task_scores import task_scores
 
@@ -152,7 +152,7 @@ def candidate_effects(plugins: Plugins, without: tuple[str, ...] = ()) -> dict[s
 def patched(diagnosis: Diagnosis) -> str:
     """``patched.yaml``: the causes as effects of a recipe."""
     head = "# Effects that close the gap; add them to a recipe: tacos-run RECIPE --with patched.yaml\n"
-    return head + yaml.safe_dump(diagnosis.patch, sort_keys=False, default_flow_style=None)
+    return head + to_yaml(diagnosis.patch, flow_style=None)
 
 
 def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> str:

@@ -47,7 +47,7 @@ def estimate_noise(
     photon, thermal = [], []
     for channel in range(real_dn.shape[-1]):
         plane = real_dn[..., channel][:, valid]
-        if black_level_dn < 1 and np.mean(plane == 0) > _CENSORED:
+        if black_level_dn < 1 and plane.size and np.mean(plane == 0) > _CENSORED:
             photon.append(0.0)
             thermal.append(_censored_variance(plane))
             continue

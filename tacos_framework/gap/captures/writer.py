@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from tacos_framework.gap.captures.capture import Capture, Noise
 from tacos_framework.gap.captures.files import PATCH_COLUMNS
 from tacos_framework.gap.captures.reader import FILE
+from tacos_framework.yaml_writer import to_yaml
 
 
 def write_captures(folder: str | Path, captures: Iterable[Capture]) -> Path:
@@ -64,16 +64,9 @@ def write_captures(folder: str | Path, captures: Iterable[Capture]) -> Path:
     if not entries:
         raise ValueError("there are no captures to write")
     data = {"tacos_captures": 1, "camera": camera, "noise": _noise(noise), "captures": entries}
-    text = yaml.dump(data, Dumper=_Plain, sort_keys=False, default_flow_style=None, width=110)
+    text = to_yaml(data, flow_style=None)
     (folder / FILE).write_text(text, encoding="utf-8")
     return folder / FILE
-
-
-class _Plain(yaml.SafeDumper):
-    """Writes values out where they stand twice: the reader refuses aliases."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        return True
 
 
 def _safe(name: str) -> str:

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
 from pydantic import model_validator
 
 from tacos_framework.building import build, build_rig
@@ -18,6 +17,7 @@ from tacos_framework.randomness import generator
 from tacos_framework.report.figures.photon_transfer import photon_transfer
 from tacos_framework.report.page import Code, Drawing, Page, Section, Table, Warnings, write_page
 from tacos_framework.settings import Settings, setting
+from tacos_framework.yaml_writer import to_yaml
 from tacos_plugins.procedures.noise.bench import (
     Bench,
     CameraSetting,
@@ -206,7 +206,7 @@ def assumed_responsivity(gain_db: float, bit_depth: int) -> float:
 
 def _as_yaml(calibration: Calibration) -> str:
     data = {name: list(value) if isinstance(value, tuple) else value for name, value in calibration}
-    return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=110)
+    return to_yaml(data)
 
 
 def _rows(channels: Sequence[Measured], truth: Calibration | None) -> list[tuple[str, ...]]:
