@@ -221,6 +221,10 @@ TASKS = {
         "obstacle_visibility:ObstacleVisibility",
         "Share of thresholds on the path that were seen before they were stepped on.",
     ),
+    "sgbm": (
+        "sgbm:Sgbm",
+        "Depth from stereo by OpenCV's semi-global matcher, untrained.",
+    ),
 }
 
 OPTIMIZERS = {

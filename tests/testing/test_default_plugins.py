@@ -80,6 +80,8 @@ from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.emva import Emva
 from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
 from tacos_plugins.tasks.orb_features import OrbFeatures
+from tacos_plugins.tasks.sgbm import Sgbm
+from tests.tasks.stereo_frames import stereo_frames
 
 SENSOR = {"name": "test", "width_px": 640, "height_px": 480, "pixel_um": 3.0}
 
@@ -359,6 +361,13 @@ class TestOrbFeatures(TaskConformance):
 
 class TestObstacleVisibility(TaskConformance):
     component = ObstacleVisibility
+
+
+class TestSgbm(TaskConformance):
+    component = Sgbm
+
+    def frames(self):
+        return stereo_frames(sky_rows=4)
 
 
 class TestGenetic(OptimizerConformance):
