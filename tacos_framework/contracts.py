@@ -55,10 +55,14 @@ STAGES: tuple[Stage, ...] = get_args(Stage)
 
 @dataclass(frozen=True)
 class Budget:
-    """How much to train: passes over the batches, and settings of the recipe's ``train:``."""
+    """How much to train: passes over the batches, and settings of the recipe's ``train:``.
+
+    Where ``told`` is given, a task may tell it the losses of each step, by name.
+    """
 
     epochs: int = 1
     settings: Mapping[str, Any] | None = None
+    told: Callable[[Mapping[str, float]], None] | None = None
 
 
 class Scene(Protocol):
@@ -258,7 +262,14 @@ class Task(Protocol):
 
 
 class Trainable(Protocol):
-    """A task that learns. State goes in and comes out; the object itself keeps none."""
+    """A task that learns. State goes in and comes out; the object itself keeps none.
+
+    A further member is optional:
+
+    ``Training: ClassVar[type[Settings]]``
+        The settings it takes from the recipe's ``train:`` through `Budget.settings`; those given are then
+        checked with the recipe, before anything is computed.
+    """
 
     scores: ClassVar[tuple[str, ...]]
 

@@ -231,6 +231,11 @@ class _Checker:
     def _training(self, name: str, use: NodeUse, cls: type[Any]) -> None:
         if use.train is not None and not learns(cls):
             self._add(("nodes", name, "train"), f"{use.use} does not learn", "", "Remove train:.")
+        elif use.train is not None and (kind := getattr(cls, "Training", None)) is not None:
+            place = ("nodes", name, "train")
+            self.faults.extend(
+                check(kind, use.train.settings, lambda below: self.recipe.where((*place, *below)))[1]
+            )
 
     # rig and design ---------------------------------------------------------------------------------------
 

@@ -141,6 +141,8 @@ def _component(component: Component) -> Iterator[str]:
     yield settings_table(cls.Config)
     if component.kind == "rig":
         yield f"Variables, to be designed or fixed:\n\n{settings_table(cls.Variables)}"
+    if component.kind == "task" and hasattr(cls, "Training"):
+        yield f"Further keys of `train:`\n\n{settings_table(cls.Training)}"
 
 
 def _facts(kind: str, cls: type[Any]) -> Iterator[str]:

@@ -278,10 +278,10 @@ class Results:
         whole, _, _ = path.read_text("utf-8").rpartition("\n")
         return [json.loads(line) for line in whole.splitlines()]
 
-    def write_state(self, name: str, state: State) -> None:
-        """Keep the state of a trainable task under ``weights/``."""
+    def write_state(self, name: str, state: State, about: Mapping[str, str] | None = None) -> None:
+        """Keep the state of a trainable task under ``weights/``; `about` goes into the file's header."""
         arrays = {key: np.ascontiguousarray(value) for key, value in state.items()}
-        self._write(f"weights/{name}.safetensors", save(arrays))
+        self._write(f"weights/{name}.safetensors", save(arrays, metadata=dict(about) if about else None))
 
     def read_state(self, name: str) -> State:
         """A state kept by `write_state`."""

@@ -448,6 +448,15 @@ class Simulation:
             return acting.light(setup.components[node.name].capture(**inputs, **wanted))
         return acting.files(setup.components[node.name].expose(**inputs, **wanted))
 
+    def batches(self, task: str, values: Mapping[str, Any], spec: EpisodeSpec) -> Iterator[FrameBatch]:
+        """What a task of one port is given of an episode that a candidate sees, without scoring it."""
+        setup = self._set_up(values, self.plan.rig_variables(values))
+        scene = self.plan.graph.scene_of(task)
+        episode = self._episode(scene, spec, setup)
+        for inputs in self._stream(scene, episode, spec, setup, Clock(), [task]):
+            (batch,) = inputs[task].values()
+            yield batch
+
     def sample(self, job: SampleJob, position: float) -> FrameBatch:
         """One frame of the first sensor node, at a position in 0..1 along the episode."""
         graph = self.plan.graph

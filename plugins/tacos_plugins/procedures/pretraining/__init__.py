@@ -1,0 +1,1 @@
+"""Pre-training a task that learns on images of our own scenes."""

@@ -1,0 +1,141 @@
+"""The report of a pre-training."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_framework.report.page import Code, Drawing, Page, Paragraph, Section, Table
+from tacos_framework.report.palette import camera_colour
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came out.
+
+    Parameters
+    ----------
+    node, use
+        What was trained.
+    file, size_bytes
+        The weights.
+    images, held_out
+        Images trained on and scored on.
+    epochs
+        Losses, scores and seconds of each pass over the images.
+    made_by
+        The header of the file.
+    """
+
+    node: str
+    use: str
+    file: str
+    size_bytes: int
+    images: int
+    held_out: int
+    epochs: tuple[Mapping[str, Any], ...]
+    made_by: Mapping[str, str]
+
+    @property
+    def scores(self) -> Mapping[str, float]:
+        """On held-out worlds, after the last pass."""
+        scores: Mapping[str, float] = self.epochs[-1]["scores"]
+        return scores
+
+    @property
+    def training_seconds(self) -> float:
+        """Time spent training and scoring [s]."""
+        return sum(float(line["seconds"]) for line in self.epochs)
+
+    def as_data(self) -> dict[str, Any]:
+        """For ``result.json``."""
+        return {
+            "trained": self.use,
+            "weights": self.file,
+            "weights_bytes": self.size_bytes,
+            "images": self.images,
+            "held_out": self.held_out,
+            "epochs": len(self.epochs),
+            "training_seconds": round(self.training_seconds, 1),
+            "losses": dict(self.epochs[-1]["losses"]),
+            "scores": dict(self.scores),
+        }
+
+
+def summary(outcome: Outcome) -> str:
+    """The finding in a few lines."""
+    return (
+        f"{_finding(outcome)}\n"
+        f"Weights: {outcome.file} ({outcome.size_bytes / 1e6:.1f} MB), for `weights` of {outcome.use}."
+    )
+
+
+def page(outcome: Outcome) -> Page:
+    """The page."""
+    rows = tuple((name, f"{value:.3f}") for name, value in outcome.scores.items())
+    return Page(
+        eyebrow="Pre-training",
+        title=_finding(outcome),
+        lead=(
+            f"{outcome.images} images of procedural worlds, each camera drawn from the design space, "
+            f"{len(outcome.epochs)} passes over them in {outcome.training_seconds / 60:.0f} min. Scores are "
+            f"of {outcome.held_out} images of other worlds, by other cameras."
+        ),
+        sections=(
+            Section("Course", _drawings(outcome.epochs)),
+            Section("Scores on held-out worlds", (Table(("Score", "Value"), rows),)),
+            Section(
+                "The weights",
+                (
+                    Paragraph(f"Name the file in a recipe, under the node of {outcome.use}:"),
+                    Code(f"{outcome.node}: {{use: {outcome.use}, weights: {outcome.file}, ...}}"),
+                    Table(("Header", "Value"), tuple(outcome.made_by.items())),
+                ),
+            ),
+        ),
+    )
+
+
+def _finding(outcome: Outcome) -> str:
+    scores = list(outcome.scores.items())
+    found = (
+        f"{scores[0][0]} {scores[0][1]:.3f} on held-out worlds" if scores else "No score on held-out worlds"
+    )
+    return f"{found} after {len(outcome.epochs)} passes over {outcome.images} images"
+
+
+def _drawings(epochs: Sequence[Mapping[str, Any]]) -> tuple[Drawing, ...]:
+    losses = {name: [line["losses"][name] for line in epochs] for name in epochs[0]["losses"]}
+    scored = [line for line in epochs if line["scores"]]
+    first = next(iter(scored[-1]["scores"]), None) if scored else None
+    drawings = []
+    if losses:
+        passes = [line["epoch"] for line in epochs]
+        drawings.append(_curves("losses", passes, losses, "mean loss of a pass", "Losses while training."))
+    if first is not None:
+        values = {first: [line["scores"].get(first, 0.0) for line in scored]}
+        passes = [line["epoch"] for line in scored]
+        drawings.append(_curves("scores", passes, values, first, "On held-out worlds."))
+    return tuple(drawings)
+
+
+def _curves(
+    name: str, passes: Sequence[int], curves: Mapping[str, Sequence[float]], label: str, caption: str
+) -> Drawing:
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        for i, (of, values) in enumerate(curves.items()):
+            axes.plot(passes, values, color=camera_colour(i), linewidth=2, marker="o", markersize=4, label=of)
+        axes.set_ylim(bottom=0)
+        axes.set_xlabel("passes over the images")
+        axes.set_ylabel(label)
+        light_grid(axes, "y")
+        if len(curves) > 1:
+            axes.legend(ncols=3)
+
+    last = ", ".join(f"{of} {values[-1]:.3f}" for of, values in curves.items())
+    return Drawing(draw(name, (9.2, 3.6), f"{caption} At the end: {last}.", paint), caption)

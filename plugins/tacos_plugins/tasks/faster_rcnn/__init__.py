@@ -1,0 +1,1 @@
+"""The task `task.faster-rcnn`: an object detector, trained and scored."""

@@ -1,0 +1,94 @@
+"""From digital frames to what a detector takes: colour in 0..1, in the network's size."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn.functional import interpolate
+from torchvision.models.detection.transform import GeneralizedRCNNTransform
+
+MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+"""Of ImageNet's sRGB colours, as torchvision's weights expect; only the network itself takes them off."""
+
+
+def network_image(
+    image_dn: NDArray[Any],
+    device: torch.device,
+    *,
+    black_level_dn: float,
+    white_level_dn: float,
+    encode: bool,
+) -> Tensor:
+    """A frame as the network takes it.
+
+    Parameters
+    ----------
+    image_dn
+        (H, W, C) uint8 or uint16; one channel, or linear RGB [DN].
+    black_level_dn, white_level_dn
+        The file's pedestal and full scale [DN].
+    encode
+        Whether to encode linear light as sRGB, as the images are that networks are commonly trained on.
+
+    Returns
+    -------
+    Tensor
+        (3, H, W) float32 in 0..1, *not* normalised by mean and deviation: the network does that itself.
+    """
+    samples = torch.from_numpy(image_dn.copy())
+    if device.type == "cuda":
+        samples = samples.pin_memory().to(device, non_blocking=True)
+    linear = ((samples.float() - black_level_dn) / (white_level_dn - black_level_dn)).clamp(0, 1)
+    colour = srgb_encoded(linear) if encode else linear
+    return colour.permute(2, 0, 1).expand(3, -1, -1)
+
+
+def srgb_encoded(linear: Tensor) -> Tensor:
+    """Linear light in 0..1 as sRGB (IEC 61966-2-1); see `tacos_framework.camera.colour.srgb_from_linear`."""
+    return torch.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+class CameraPixels(GeneralizedRCNNTransform):
+    """Normalises and pads images, and resizes them only where it is asked for.
+
+    torchvision's own brings every image to a short side of 800 pixels, whatever the camera's.
+
+    Parameters
+    ----------
+    scale
+        Size of the network's image over the camera's.
+    min_size_px, max_size_px
+        Least short side and most long side of the network's image; None sets none. The latter wins [px].
+    """
+
+    def __init__(self, scale: float, min_size_px: int | None, max_size_px: int | None):
+        super().__init__(1, 1, list(MEAN), list(DEVIATION))
+        self.scale, self.least_px, self.most_px = scale, min_size_px, max_size_px
+
+    def factor(self, height_px: int, width_px: int) -> float:
+        """Size of the network's image over that of a camera of so many pixels."""
+        factor = self.scale
+        if self.least_px is not None:
+            factor = max(factor, self.least_px / min(height_px, width_px))
+        if self.most_px is not None:
+            factor = min(factor, self.most_px / max(height_px, width_px))
+        return factor
+
+    def resize(
+        self, image: Tensor, target: dict[str, Tensor] | None = None
+    ) -> tuple[Tensor, dict[str, Tensor] | None]:
+        """An image, (3, H, W), and its boxes in the network's size."""
+        height, width = image.shape[-2:]
+        factor = self.factor(height, width)
+        if factor == 1:
+            return image, target
+        size = (max(1, round(height * factor)), max(1, round(width * factor)))
+        image = interpolate(image[None], size, mode="bilinear", antialias=factor < 1)[0]
+        if target is not None:
+            across, down = size[1] / width, size[0] / height
+            edges = target["boxes"].new_tensor([across, down, across, down])
+            target = {**target, "boxes": target["boxes"] * edges}
+        return image, target

@@ -1,0 +1,95 @@
+"""What there is to detect in a frame: boxes around the visible pixels of each object."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import World
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """The objects of a frame.
+
+    Parameters
+    ----------
+    boxes_px
+        (K, 4) float32 left, top, right and bottom edge. A pixel covers its index to its index plus one, so an
+        object of one pixel at (3, 5) has the box 3, 5, 4, 6 [px].
+    classes
+        (K,) int64 index into the classes that are looked for, from 1; 0 is the background.
+    counts
+        (K,) bool: large enough to be asked for. Finding one that is not is neither right nor wrong.
+    """
+
+    boxes_px: NDArray[np.float32]
+    classes: NDArray[np.int64]
+    counts: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.classes)
+
+    def counted(self) -> Labels:
+        """Those that are large enough."""
+        return Labels(self.boxes_px[self.counts], self.classes[self.counts], self.counts[self.counts])
+
+    def mirrored(self, width_px: int) -> Labels:
+        """Those of the frame with left and right exchanged."""
+        left, top, right, bottom = self.boxes_px.T
+        boxes = np.stack([width_px - right, top, width_px - left, bottom], axis=1)
+        return Labels(boxes, self.classes, self.counts)
+
+
+def class_numbers(world: World, classes: Sequence[str]) -> NDArray[np.int64]:
+    """For each object id of a world the number of its class, from 1; 0 where it is not looked for."""
+    number = {name: i for i, name in enumerate(classes, start=1)}
+    return np.array([number.get(thing.class_name, 0) for thing in world.objects], np.int64)
+
+
+def frame_labels(
+    object_id: NDArray[np.int32],
+    class_of_object: NDArray[np.int64],
+    *,
+    minimum_area_px: int,
+    minimum_share: float,
+) -> Labels:
+    """The objects of a frame, from the ids at its pixels.
+
+    A box encloses the pixels at which an object is in sight: what hides it cuts it, and so does the border.
+
+    Parameters
+    ----------
+    object_id
+        (H, W) int32 ids.
+    class_of_object
+        (objects,) int64 number of each id's class, 0 where it is not looked for.
+    minimum_area_px
+        Visible pixels an object must have to count [px].
+    minimum_share
+        Share of the image it must cover to count, so that the truth does not depend on the number of pixels.
+
+    Examples
+    --------
+    >>> ids = np.array([[0, 0, 0], [0, 2, 2], [0, 2, 1]], np.int32)
+    >>> found = frame_labels(ids, np.array([0, 1, 1]), minimum_area_px=2, minimum_share=0.0)
+    >>> found.boxes_px.tolist()
+    [[2.0, 2.0, 3.0, 3.0], [1.0, 1.0, 3.0, 3.0]]
+    >>> found.counts.tolist()
+    [False, True]
+    """
+    rows, columns = np.nonzero(class_of_object[object_id])
+    ids = object_id[rows, columns]
+    present, index, area_px = np.unique(ids, return_inverse=True, return_counts=True)
+    height, width = object_id.shape
+    boxes = np.empty((len(present), 4), np.float32)
+    for edges, start, end in ((columns, 0, 2), (rows, 1, 3)):
+        first, last = np.full(len(present), max(height, width)), np.zeros(len(present), np.intp)
+        np.minimum.at(first, index, edges)
+        np.maximum.at(last, index, edges)
+        boxes[:, start], boxes[:, end] = first, last + 1
+    counts = (area_px >= minimum_area_px) & (area_px >= minimum_share * height * width)
+    return Labels(boxes, class_of_object[present], counts)

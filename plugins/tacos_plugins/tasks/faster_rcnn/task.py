@@ -1,0 +1,275 @@
+"""The task `task.faster-rcnn`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from typing import ClassVar, Literal
+
+import numpy as np
+import torch
+from torchvision.models.detection import FasterRCNN
+
+from tacos_framework.contracts import Budget, Scores, State
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import FrameBatch
+from tacos_plugins.tasks.faster_rcnn.average_precision import AveragePrecision, Detections
+from tacos_plugins.tasks.faster_rcnn.examples import Example
+from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
+from tacos_plugins.tasks.faster_rcnn.labels import class_numbers, frame_labels
+from tacos_plugins.tasks.faster_rcnn.networks import Backbone, faster_rcnn, still_norms
+from tacos_plugins.tasks.faster_rcnn.training import WHERE, DetectorTraining, inputs, mixed_precision, train
+from tacos_plugins.tasks.faster_rcnn.weights import load_weights, weights_file
+from tacos_plugins.tasks.learning.device import DEVICE_HELP, DEVICE_PATTERN, drawing_from, pick_device
+from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_of_memory
+from tacos_plugins.tasks.learning.states import fresh_state, restore, state_of
+
+INDOOR_CLASSES = (
+    "sofa",
+    "bed",
+    "table",
+    "chair",
+    "bathtub",
+    "basin",
+    "computer_tv",
+    "plant",
+    "lamp",
+    "toy",
+)
+"""The classes of the paper's headset study."""
+
+FRAMES_AT_ONCE = {"cpu": 1, "cuda": 8}
+"""Frames scored together; on a CPU nothing is gained by more than one."""
+
+
+class FasterRcnn:
+    """Faster R-CNN, trained on the frames of each candidate and scored by average precision.
+
+    What there is to detect comes from the ids of the capture: a box around the visible pixels of each object
+    of the classes asked for. Images reach the network with the camera's own pixels, so that resolution tells.
+
+    ``ap50``
+        Average precision at an intersection over union of 0.5, in 0..1, the mean over the classes of which
+        objects came into sight; higher is better. An episode without any has no score.
+    ``ap50_CLASS``
+        That of each of these classes.
+
+    Batch normalisation keeps its statistics, gains and offsets in a study: batches of a few frames of a
+    single camera would pull them to and fro between candidates. Weights from nothing need it to learn
+    (``batch_norm: update``, as in pre-training).
+
+    References
+    ----------
+    The paper, Sec. 4.3, "Object Detector"; Ren et al. 2015, "Faster R-CNN"; Lin et al. 2017, "Feature pyramid
+    networks for object detection".
+    """
+
+    class Config(Settings):
+        """Settings of the task."""
+
+        camera: str | None = setting(None, help="Name of the camera that is scored; by default the first.")
+        backbone: Backbone = setting(
+            "resnet50-fpn", help="The network: the paper's, a lighter one, or a small one for CPUs."
+        )
+        weights: str = setting(
+            "none",
+            help="What it starts with: none, a file, shipped weights by name, or coco (torchvision's own).",
+            is_path=True,
+        )
+        classes: tuple[str, ...] = setting(
+            INDOOR_CLASSES,
+            help="Classes of objects to detect; those that a world does not know are not met.",
+            min_length=1,
+        )
+        minimum_area_px: int = setting(
+            16, help="Visible pixels below which an object need not be found.", unit="px", ge=1
+        )
+        minimum_share: float = setting(
+            0.001,
+            help="Share of the image below which it need not: many pixels do not make the task harder.",
+            ge=0,
+            lt=1,
+        )
+        scale: float = setting(1.0, help="Size of the network's image over the camera's.", gt=0, le=8)
+        min_size: int | None = setting(
+            None,
+            help="Least short side of the network's image; by default the camera's own.",
+            unit="px",
+            ge=1,
+        )
+        max_size: int | None = setting(
+            None, help="Most long side of the network's image; by default the camera's own.", unit="px", ge=1
+        )
+        encoding: Literal["srgb", "linear"] = setting(
+            "srgb",
+            help="Whether the network sees light as a display encodes it (srgb) or as it is counted.",
+        )
+        proposals: int = setting(200, help="Regions the first stage proposes.", ge=1)
+        rois: int = setting(64, help="Regions of an image either stage is trained on.", ge=4)
+        detections: int = setting(100, help="Detections of an image at most.", ge=1)
+        score_threshold: float = setting(0.05, help="Confidence below which nothing is detected.", ge=0, lt=1)
+        smallest_anchor_px: float | None = setting(
+            None,
+            help="Edge of the smallest anchors; by default the backbone's own, 32 or 12.",
+            unit="px",
+            gt=0,
+        )
+        batch_norm: Literal["frozen", "update"] = setting(
+            "frozen",
+            help="Whether training moves batch normalisation: frozen or update.",
+        )
+        device: str = setting("auto", help=DEVICE_HELP, pattern=f"^({DEVICE_PATTERN})$")
+
+    Training: ClassVar[type[Settings]] = DetectorTraining
+
+    scores: ClassVar[tuple[str, ...]] = ("ap50", *(f"ap50_{name}" for name in INDOOR_CLASSES))
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self._device = pick_device(config.device, where=WHERE)
+        weights_file(config.weights)  # what is not there shows before anything is rendered
+
+    def initial_state(self, *, rng: np.random.Generator) -> State:
+        """The weights the settings name, or random ones."""
+        with drawing_from(rng):
+            model = self._model()
+        load_weights(model, self.config.weights, self.config.backbone)
+        return fresh_state(model.state_dict(), model)
+
+    def fit(
+        self, batches: Iterable[FrameBatch], *, state: State, budget: Budget, rng: np.random.Generator
+    ) -> State:
+        """Weights, moments and schedule after training; see `DetectorTraining` for the budget's settings."""
+        training = DetectorTraining.model_validate(dict(budget.settings or {}))
+        seed = int(rng.integers(2**63))
+        attempt = partial(self._fit, batches, state, budget, training, seed)
+        return halving_batch_once(attempt, training.batch_size, where=WHERE)
+
+    def _fit(
+        self,
+        batches: Iterable[FrameBatch],
+        state: State,
+        budget: Budget,
+        training: DetectorTraining,
+        seed: int,
+        batch_size: int,
+    ) -> State:
+        rng = np.random.default_rng(seed)
+        with drawing_from(rng, self._device):
+            model = self._model()
+            moving = [p for p in model.parameters() if p.requires_grad]
+            model.to(self._device)
+            adam = torch.optim.Adam(moving, lr=training.learning_rate)
+            passes = train(
+                model,
+                adam,
+                lambda: self.examples(batches),
+                epochs=budget.epochs,
+                passes=restore(state, model, adam),
+                training=training,
+                batch_size=batch_size,
+                encode=self._encodes,
+                norms=self.config.batch_norm == "update",
+                rng=rng,
+                told=budget.told,
+            )
+        return state_of(model, adam, schedule_steps=passes)
+
+    def begin(self, *, state: State | None) -> DetectionScorer:
+        """A scorer for one episode, with the weights of a state."""
+        if state is None:
+            raise ValueError(
+                f"{WHERE} scores with trained weights: begin needs a state, as initial_state gives"
+            )
+        with drawing_from(np.random.default_rng(0)):  # weights that are replaced at once
+            model = self._model()
+        restore(state, model)
+        return DetectionScorer(self, model.to(self._device).eval(), self._device)
+
+    def examples(self, batches: Iterable[FrameBatch]) -> Iterator[Example]:
+        """The frames of the camera that is scored, with their labels."""
+        for frames in batches:
+            index = _camera_index(frames, self.config.camera)
+            view = frames.capture.views[index]
+            class_of_object = class_numbers(frames.episode.world, self.config.classes)
+            for image, ids in zip(frames.images[index], view.object_id, strict=True):
+                labels = frame_labels(
+                    ids,
+                    class_of_object,
+                    minimum_area_px=self.config.minimum_area_px,
+                    minimum_share=self.config.minimum_share,
+                )
+                yield Example(image, frames.black_level_dn, frames.white_level_dn, labels)
+
+    @property
+    def _encodes(self) -> bool:
+        return self.config.encoding == "srgb"
+
+    def _model(self) -> FasterRCNN:
+        config = self.config
+        model = faster_rcnn(
+            config.backbone,
+            len(config.classes),
+            proposals=config.proposals,
+            rois=config.rois,
+            detections=config.detections,
+            score_threshold=config.score_threshold,
+            smallest_anchor_px=config.smallest_anchor_px,
+            pixels=CameraPixels(config.scale, config.min_size, config.max_size),
+        )
+        if config.batch_norm == "frozen":
+            still_norms(model)
+        if self._device.type == "cuda":
+            model.to(memory_format=torch.channels_last)
+        return model
+
+
+class DetectionScorer:
+    """Scores one episode; keeps boxes alone."""
+
+    def __init__(self, task: FasterRcnn, model: FasterRCNN, device: torch.device) -> None:
+        self._task, self._model, self._device = task, model, device
+        config = task.config
+        self._precision = AveragePrecision(config.classes, detections=config.detections)
+
+    def update(self, frames: FrameBatch) -> None:
+        """Take in the next frames."""
+        examples = list(self._task.examples([frames]))
+        at_once = FRAMES_AT_ONCE[self._device.type]
+        for start in range(0, len(examples), at_once):
+            part = examples[start : start + at_once]
+            for example, found in zip(part, self.detect(part), strict=True):
+                self._precision.add(example.labels, found)
+
+    def detect(self, examples: Sequence[Example]) -> list[Detections]:
+        """What the detector finds in each frame."""
+        encode = self._task.config.encoding == "srgb"
+        with (
+            torch.inference_mode(),
+            mixed_precision(self._device),
+            naming_lack_of_memory(f"{WHERE} runs out of memory", where=WHERE),
+        ):
+            found = self._model(inputs(examples, self._device, encode))
+        return [
+            Detections(
+                each["boxes"].float().cpu().numpy(),
+                each["labels"].cpu().numpy(),
+                each["scores"].float().cpu().numpy(),
+            )
+            for each in found
+        ]
+
+    def scores(self) -> Scores:
+        """Average precision over all frames so far."""
+        return self._precision.scores("ap50")
+
+
+def _camera_index(frames: FrameBatch, name: str | None) -> int:
+    names = [view.camera.name for view in frames.capture.views]
+    if name is None:
+        return 0
+    if name not in names:
+        expected = f"one of {', '.join(names)}"
+        raise UserError(Fault(WHERE, f"camera is {name!r}", expected, did_you_mean(name, names)))
+    return names.index(name)

@@ -1,0 +1,154 @@
+"""Training a detector on examples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+
+import numpy as np
+import torch
+from torch import Tensor
+from torchvision.models.detection import FasterRCNN
+
+from tacos_framework.settings import Settings, setting
+from tacos_plugins.tasks.faster_rcnn.examples import Example, in_batches, mixed
+from tacos_plugins.tasks.faster_rcnn.images import network_image
+from tacos_plugins.tasks.faster_rcnn.networks import still_norms
+from tacos_plugins.tasks.faster_rcnn.schedule import learning_rate
+from tacos_plugins.tasks.learning.guard import finite
+
+WHERE = "task.faster-rcnn"
+
+
+class DetectorTraining(Settings):
+    """How the detector learns: further keys of a recipe's ``train:``."""
+
+    learning_rate: float = setting(1e-4, help="Adam's learning rate at the start.", gt=0)
+    batch_size: int = setting(8, help="Frames in a step of Adam.", unit="frames", ge=1)
+    decay: float = setting(0.5, help="Factor on the learning rate at each decay.", gt=0, le=1)
+    decay_every: int = setting(
+        5, help="Passes over training frames between decays; with shared weights each candidate is one.", ge=1
+    )
+    decay_floor: float = setting(
+        0.05, help="Share of the first learning rate it never falls below.", ge=0, le=1
+    )
+    shuffled_frames: int = setting(
+        32, help="Frames held in memory to draw batches from.", unit="frames", ge=1
+    )
+    mirror: bool = setting(True, help="Mirror every other frame, at random.")
+
+
+def train(
+    model: FasterRCNN,
+    adam: torch.optim.Adam,
+    examples: Callable[[], Iterable[Example]],
+    *,
+    epochs: int,
+    passes: int,
+    training: DetectorTraining,
+    batch_size: int,
+    encode: bool,
+    norms: bool,
+    rng: np.random.Generator,
+    told: Callable[[Mapping[str, float]], None] | None,
+) -> int:
+    """Train a model in place.
+
+    Parameters
+    ----------
+    examples
+        Gives the training frames anew for each pass.
+    epochs
+        Passes to train for.
+    passes
+        Passes it was trained for before.
+    norms
+        Whether batch normalisation learns too.
+    told
+        Called with the losses of each step.
+
+    Returns
+    -------
+    Passes it was trained for now.
+
+    Raises
+    ------
+    TrainingDiverged
+        When the loss is no number.
+    """
+    device = next(model.parameters()).device
+    model.train()
+    if not norms:
+        still_norms(model)
+    least = 2 if norms else 1  # statistics of a single image may be of a single pixel
+    step = 0
+    for _ in range(epochs):
+        rate = learning_rate(
+            passes,
+            start=training.learning_rate,
+            decay=training.decay,
+            decay_every=training.decay_every,
+            floor=training.decay_floor,
+        )
+        for group in adam.param_groups:
+            group["lr"] = rate
+        shuffled = (
+            example.mirrored() if training.mirror and rng.random() < 0.5 else example
+            for example in mixed(examples(), training.shuffled_frames, rng)
+        )
+        for batch in in_batches(shuffled, batch_size):
+            if len(batch) < least:
+                continue
+            losses = _step(model, adam, batch, device, encode, step)
+            step += 1
+            if told is not None:
+                told(losses)
+        passes += 1
+    return passes
+
+
+def _step(
+    model: FasterRCNN,
+    adam: torch.optim.Adam,
+    batch: Sequence[Example],
+    device: torch.device,
+    encode: bool,
+    step: int,
+) -> dict[str, float]:
+    images, targets = inputs(batch, device, encode), [_target(example, device) for example in batch]
+    with mixed_precision(device):
+        parts: dict[str, Tensor] = model(images, targets)
+    loss = torch.stack([part.float() for part in parts.values()]).sum()
+    value = finite(loss, step=step, where=WHERE)
+    adam.zero_grad(set_to_none=True)
+    loss.backward()
+    adam.step()
+    return {"loss": value, **{name: float(part.detach()) for name, part in parts.items()}}
+
+
+def inputs(batch: Sequence[Example], device: torch.device, encode: bool) -> list[Tensor]:
+    """The images of examples as the network takes them."""
+    return [
+        network_image(
+            example.image_dn,
+            device,
+            black_level_dn=example.black_level_dn,
+            white_level_dn=example.white_level_dn,
+            encode=encode,
+        )
+        for example in batch
+    ]
+
+
+def mixed_precision(device: torch.device) -> AbstractContextManager[object]:
+    """Half precision where a GPU has bfloat16, whose range needs no scaling of losses."""
+    enabled = device.type == "cuda" and torch.cuda.is_bf16_supported()
+    return torch.autocast(device.type, dtype=torch.bfloat16, enabled=enabled)
+
+
+def _target(example: Example, device: torch.device) -> dict[str, Tensor]:
+    counted = example.labels.counted()
+    return {
+        "boxes": torch.from_numpy(np.ascontiguousarray(counted.boxes_px)).to(device, non_blocking=True),
+        "labels": torch.from_numpy(np.ascontiguousarray(counted.classes)).to(device, non_blocking=True),
+    }
