@@ -225,6 +225,13 @@ TASKS = {
         "sgbm:Sgbm",
         "Depth from stereo by OpenCV's semi-global matcher, untrained.",
     ),
+    "faster-rcnn": (
+        "faster_rcnn.task:FasterRcnn",
+        "Object detector (Faster R-CNN), trained with the camera; average precision.",
+        "torch=tacos-framework[perception]",
+        "torchvision=tacos-framework[perception]",
+        "pycocotools=tacos-framework[perception]",
+    ),
 }
 
 OPTIMIZERS = {
@@ -279,6 +286,10 @@ PROCEDURES = {
     "compare-optimizers": (
         "optimizers_compared.compare:CompareOptimizers",
         "Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",
+    ),
+    "pretrain": (
+        "pretraining.pretrain:Pretrain",
+        "A task that learns, trained on images of our own scenes: weights for studies to start with.",
     ),
     "calibrate-noise": (
         "noise.calibrate:CalibrateNoise",
