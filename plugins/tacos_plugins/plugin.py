@@ -225,6 +225,11 @@ TASKS = {
         "sgbm:Sgbm",
         "Depth from stereo by OpenCV's semi-global matcher, untrained.",
     ),
+    "psmnet": (
+        "psmnet.task:PsmnetDepth",
+        "Depth from stereo by the network PSMNet, trained with the cameras.",
+        "torch=tacos-framework[perception]",
+    ),
     "faster-rcnn": (
         "faster_rcnn.task:FasterRcnn",
         "Object detector (Faster R-CNN), trained with the camera; average precision.",

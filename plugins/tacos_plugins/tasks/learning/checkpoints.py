@@ -15,9 +15,14 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.shipped import shipped_folder
 from tacos_plugins.tasks.learning.states import MODEL
 
+NONE = "none"
+"""What a setting ``weights`` says for random ones."""
+SUFFIXES = (".safetensors", ".pth", ".pt", ".tar")
+"""What the names of checkpoints end in."""
 EXPECTED = "a checkpoint of torch (.pth, .pt, .tar) or safetensors, holding named tensors"
 UNREADABLE = (
     RuntimeError,
@@ -37,6 +42,30 @@ UNREADABLE = (
 """What torch's loader raises on files that are damaged, wherever the damage trips it."""
 SHOWN = 3
 """Names listed of each kind of mismatch."""
+
+
+def weights_file(name: str, *, where: str) -> Path | None:
+    """The file a setting ``weights`` names: by its path, or as weights that are shipped; None for ``none``.
+
+    Raises
+    ------
+    UserError
+        When there is no such file.
+    """
+    if name == NONE:
+        return None
+    path = Path(name)
+    if path.suffix in SUFFIXES:
+        if not path.is_file():
+            raise UserError(Fault(where, f"there is no file {path}", EXPECTED, "Correct the path."))
+        return path
+    shipped = {path.stem: path for path in (shipped_folder("catalogs") / "weights").glob("*.safetensors")}
+    if name not in shipped:
+        expected = f"{NONE}, a file ({', '.join(SUFFIXES)}), or the name of shipped weights"
+        raise UserError(
+            Fault(where, f"no weights {name!r} are shipped", expected, did_you_mean(name, shipped))
+        )
+    return shipped[name]
 
 
 def read_checkpoint(path: Path, *, where: str) -> dict[str, Tensor]:

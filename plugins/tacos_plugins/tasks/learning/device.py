@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 
 import numpy as np
@@ -78,3 +78,9 @@ def drawing_from(rng: np.random.Generator, device: torch.device | None = None) -
     with torch.random.fork_rng(devices=gpus):
         torch.manual_seed(int(rng.integers(2**63)))
         yield
+
+
+def mixed_precision(device: torch.device) -> AbstractContextManager[object]:
+    """Half precision where a GPU has bfloat16, whose range needs no scaling of losses."""
+    enabled = device.type == "cuda" and torch.cuda.is_bf16_supported()
+    return torch.autocast(device.type, dtype=torch.bfloat16, enabled=enabled)

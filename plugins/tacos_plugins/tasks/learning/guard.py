@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from tacos_framework.errors import CandidateFailed, Fault, UserError
 
@@ -38,6 +38,19 @@ def finite(loss: Tensor, *, step: int, where: str) -> float:
     if not math.isfinite(value):
         raise TrainingDiverged(f"training of {where} diverged: its loss is {value} at step {step}")
     return value
+
+
+def finite_weights(module: nn.Module, *, where: str) -> None:
+    """Refuse weights that a last step has made other than numbers.
+
+    Raises
+    ------
+    TrainingDiverged
+        When there are NaN or infinite ones; names the first entry.
+    """
+    for name, tensor in module.state_dict().items():
+        if not bool(torch.isfinite(tensor).all()):
+            raise TrainingDiverged(f"training of {where} diverged: {name} is no longer finite")
 
 
 def halving_batch_once(fit: Callable[[int], Fitted], batch_size: int, *, where: str) -> Fitted:

@@ -1,0 +1,60 @@
+"""From digital frames to the colours that networks take."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+"""Of ImageNet's sRGB colours, which published weights were made with."""
+
+
+def network_image(
+    image_dn: NDArray[Any],
+    device: torch.device,
+    *,
+    black_level_dn: float,
+    white_level_dn: float,
+    encode: bool,
+) -> Tensor:
+    """A frame in colours of 0..1, on a device; a copy to a GPU goes on while the caller does.
+
+    Parameters
+    ----------
+    image_dn
+        (H, W, C) uint8 or uint16; one channel, or linear RGB [DN].
+    device
+        Where it is wanted.
+    black_level_dn, white_level_dn
+        The file's pedestal and full scale [DN].
+    encode
+        Whether to encode linear light as sRGB, as the images are that networks are commonly trained on.
+
+    Returns
+    -------
+    Tensor
+        (3, H, W) float32 in 0..1, not normalised by mean and deviation.
+    """
+    linear = (on_device(image_dn, device).float() - black_level_dn) / (white_level_dn - black_level_dn)
+    colour = linear.clamp(0, 1)
+    return (srgb_encoded(colour) if encode else colour).permute(2, 0, 1).expand(3, -1, -1)
+
+
+def normalised(colour: Tensor) -> Tensor:
+    """(..., 3, H, W) colours with ImageNet's mean and deviation taken off; to be done once."""
+    mean, deviation = (colour.new_tensor(each)[:, None, None] for each in (MEAN, DEVIATION))
+    return (colour - mean) / deviation
+
+
+def on_device(array: NDArray[Any], device: torch.device) -> Tensor:
+    """A copy of an array on a device."""
+    copy = torch.from_numpy(array.copy())
+    return copy.pin_memory().to(device, non_blocking=True) if device.type == "cuda" else copy
+
+
+def srgb_encoded(linear: Tensor) -> Tensor:
+    """Linear light in 0..1 as sRGB (IEC 61966-2-1); see `tacos_framework.camera.colour.srgb_from_linear`."""
+    return torch.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
