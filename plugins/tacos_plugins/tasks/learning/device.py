@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
-from functools import cache
 
 import numpy as np
 import torch
@@ -48,17 +47,10 @@ def pick_device(name: str, *, where: str) -> torch.device:
                 where, f"device is {name}, but {found}", expected, "Set device: auto, or see `tacos doctor`."
             )
         )
-    _report(where, device)
+    on_gpu = device.type == "cuda"
+    what = torch.cuda.get_device_name(device) if on_gpu else f"{torch.get_num_threads()} threads"
+    log.info("%s computes on %s (%s)", where, device, what)
     return device
-
-
-@cache
-def _report(where: str, device: torch.device) -> None:
-    """Say once where a task computes."""
-    name = (
-        torch.cuda.get_device_name(device) if device.type == "cuda" else f"{torch.get_num_threads()} threads"
-    )
-    log.info("%s computes on %s (%s)", where, device, name)
 
 
 @contextmanager
