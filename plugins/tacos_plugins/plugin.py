@@ -13,6 +13,10 @@ SCENES = {
         "indoor.scene:IndoorScene",
         "Procedural furnished rooms with thresholds at the doors and an agent walking through.",
     ),
+    "street": (
+        "street.scene:StreetScene",
+        "A procedural town in sun and sky light, and a car driving through its streets.",
+    ),
     "grey-bars": (
         "bench.grey_bars:GreyBars",
         "A test target of grey bars from black to white, to measure noise with.",
@@ -36,6 +40,10 @@ SCENES = {
     "textured-target": (
         "bench.textured_target:TexturedTarget",
         "A sheet full of detail of all sizes, standing still or passing by.",
+    ),
+    "relief-target": (
+        "bench.relief_target:ReliefTarget",
+        "Blocks of detail at several depths before a plain wall, passed sideways.",
     ),
 }
 
@@ -303,6 +311,10 @@ PROCEDURES = {
     "validate-noise": (
         "noise.validate:ValidateNoise",
         "The paper's first check: noise of rendered grey bars against the model, at other gains and times.",
+    ),
+    "validate-task": (
+        "task_validation.validate:ValidateTask",
+        "The paper's second check: whether a simulator ranks cameras at a task as a reference does.",
     ),
 }
 

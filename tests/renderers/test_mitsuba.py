@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from small_worlds import box, camera, matte, moving, pose, quad, rig, room, standing, world
 
 from tacos_framework.camera.geometry import project
@@ -209,3 +210,20 @@ def test_an_old_llvm_is_refused_before_it_ends_the_process(monkeypatch):
     monkeypatch.setattr(library, "_VARIANTS", {"llvm": "scalar_rgb"})
     with pytest.raises(UserError, match=r"finds LLVM 15\.0\.6"):
         library.mitsuba_for("llvm")
+
+
+def test_paths_spread_evenly_take_less_noise():
+    lit = world([FLOOR], [matte(0.5)], lights=[panel(2.5, edge_m=1.0)])
+    spread = {}
+    for sampler in ("independent", "low-discrepancy"):
+        config = MitsubaRenderer.Config(samples=64, sampler=sampler)
+        pictures = [seen(MitsubaRenderer(config.model_copy(update={"seed": seed})), lit) for seed in (1, 2)]
+        spread[sampler] = np.std(pictures[0] - pictures[1]) / np.mean(pictures[0])
+    assert spread["low-discrepancy"] < 0.5 * spread["independent"]
+
+
+def test_paths_spread_evenly_come_in_powers_of_four():
+    for samples, motion_samples in ((60, 1), (64, 2), (8, 1)):
+        with pytest.raises(ValidationError, match="1, 4, 16, 64"):
+            MitsubaRenderer.Config(samples=samples, motion_samples=motion_samples, sampler="low-discrepancy")
+    MitsubaRenderer.Config(samples=64, motion_samples=4, sampler="low-discrepancy")

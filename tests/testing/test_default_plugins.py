@@ -64,6 +64,7 @@ from tacos_plugins.optimizers.sobol import Sobol
 from tacos_plugins.procedures.noise.calibrate import CalibrateNoise
 from tacos_plugins.procedures.noise.validate import ValidateNoise
 from tacos_plugins.procedures.simulate_captures import SimulateCaptures
+from tacos_plugins.procedures.task_validation.validate import ValidateTask
 from tacos_plugins.renderers.analytic import AnalyticRenderer
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
@@ -73,9 +74,11 @@ from tacos_plugins.scenes.bench.chessboard import Chessboard
 from tacos_plugins.scenes.bench.colour_chart import ColourChart
 from tacos_plugins.scenes.bench.grey_bars import GreyBars
 from tacos_plugins.scenes.bench.light_box import LightBox
+from tacos_plugins.scenes.bench.relief_target import ReliefTarget
 from tacos_plugins.scenes.bench.slanted_edges import SlantedEdges
 from tacos_plugins.scenes.bench.textured_target import TexturedTarget
 from tacos_plugins.scenes.indoor.scene import IndoorScene
+from tacos_plugins.scenes.street.scene import StreetScene
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.emva import Emva
 from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
@@ -112,9 +115,19 @@ class TestColourChart(SceneConformance):
     component = ColourChart
 
 
+class TestStreetScene(SceneConformance):
+    component = StreetScene
+    config = {"blocks": 1, "reach_m": 60, "frames": 3, "driving_cars": 1}
+
+
 class TestTexturedTarget(SceneConformance):
     component = TexturedTarget
     config = {"texture_px": 128, "speed_m_s": 0.1, "frames": 3}
+
+
+class TestReliefTarget(SceneConformance):
+    component = ReliefTarget
+    config = {"blocks": 2, "texture_px": 128, "wall_m": 1.0, "frames": 3}
 
 
 @pytest.mark.gl
@@ -459,6 +472,18 @@ class TestValidateNoise(ProcedureConformance):
     config = {
         "bench": BENCH,
         "cameras": ({**BENCH_CAMERA, "title": "test", "settings": ({"exposure_ms": 30, "gain_db": 15},)},),
+    }
+    files = ("report.html",)
+
+
+class TestValidateTask(ProcedureConformance):
+    component = ValidateTask
+    config = {
+        "scene": {"use": "scene.textured-target", "texture_px": 128, "speed_m_s": 0.1, "frames": 3},
+        "simulator": {"use": "renderer.analytic"},
+        "reference": {"use": "renderer.analytic"},
+        "fixed": {"binning": 40},
+        "seeds": 2,
     }
     files = ("report.html",)
 

@@ -59,12 +59,20 @@ def take_frames(
     sensor: Any, capture: Capture, rig: Rig, exposure: Exposure, frames: int, rng: np.random.Generator
 ) -> tuple[FrameStack, FrameBatch]:
     """Frames of the first camera with fresh noise each, and one batch that tells their levels."""
+    batches = [expose(sensor, capture, rig, exposure, rng) for _ in range(frames)]
+    images = np.concatenate([batch.images[0] for batch in batches])
+    return stack_of(images, "the rendered frames"), batches[0]
+
+
+def expose(
+    sensor: Any, capture: Capture, rig: Rig, exposure: Exposure, rng: np.random.Generator
+) -> FrameBatch:
+    """Frames of a capture, without effects; the sensor is given what it asks for of the rest."""
     wanted = signature_of(type(sensor), "sensor").supplied
     offered = {"rig": rig, "exposure": exposure, "rng": rng, "effects": _NoEffects()}
     supplied = {name: value for name, value in offered.items() if name in wanted}
-    batches = [sensor.expose(capture, **supplied) for _ in range(frames)]
-    images = np.concatenate([batch.images[0] for batch in batches])
-    return stack_of(images, "the rendered frames"), batches[0]
+    batch: FrameBatch = sensor.expose(capture, **supplied)
+    return batch
 
 
 class _NoEffects:

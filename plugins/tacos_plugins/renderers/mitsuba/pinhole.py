@@ -44,5 +44,4 @@ def sensor(
             "pixel_format": "rgb",
             "component_format": "float32",
         },
-        "sampler": {"type": "independent"},
     }

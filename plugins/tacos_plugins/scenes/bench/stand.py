@@ -26,6 +26,9 @@ PANEL_ELEVATION_DEG = 25.0
 PANEL_HALF_EDGE_M = 0.15
 FRAME_INTERVAL_S = 0.1
 
+SITE_M = 0.02
+"""Corners of surfaces nearer than this receive the same reflected light [m]."""
+
 BACKGROUND = Object("background", "background")
 TARGET = Object("target", "target")
 
@@ -94,6 +97,7 @@ def bench_world(
     distance_m: float,
     width_m: float,
     height_m: float,
+    reflections: bool = False,
 ) -> World:
     """A lit bench.
 
@@ -105,6 +109,8 @@ def bench_world(
         Mean illuminance on the target itself, as a meter laid on it shows [lux].
     width_m, height_m
         Size of the target [m].
+    reflections
+        Whether light that comes over other surfaces is worked out too. A flat target alone receives none.
     """
     key = f"{key}; {distance_m!r} m, {width_m!r} x {height_m!r} m"
     world = World(
@@ -118,7 +124,10 @@ def bench_world(
     )
     points = _points(distance_m, width_m, height_m)
     towards_camera = np.tile(np.array([-1, 0, 0], np.float32), (len(points), 1))
-    found_lux = float(photopic(LightTransport(world).direct_lux(points, towards_camera)).mean())
+    transport = LightTransport(world, merge_m=SITE_M)
+    found_lux = float(photopic(transport.direct_lux(points, towards_camera)).mean())
+    if reflections:
+        world = replace(world, indirect_lux=transport.vertex_indirect_lux())
     return scale_light(world, illumination_lux / found_lux, key=f"{key}; {illumination_lux!r} lux")
 
 

@@ -1,0 +1,123 @@
+"""How far two sets of scores rank cameras alike; pure statistics over noise seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import kendalltau, rankdata, spearmanr
+
+INTERVAL = (2.5, 97.5)
+"""Percentiles that bound an interval over seeds."""
+
+
+@dataclass(frozen=True)
+class OverSeeds:
+    """A figure that differs from seed to seed: its mean and the interval that holds 95 % of the seeds."""
+
+    mean: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        digits = 0 if abs(self.mean) >= 100 else 2
+        return f"{self.mean:.{digits}f} [{self.low:.{digits}f}, {self.high:.{digits}f}]"
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How alike two rankings are.
+
+    Parameters
+    ----------
+    tau
+        Kendall's rank correlation (tau-b), in -1..1.
+    same
+        Share of the seeds under which both put everything in one order, in 0..1.
+    """
+
+    tau: OverSeeds
+    same: float
+
+
+def over_seeds(values: Sequence[float] | NDArray[np.float64]) -> OverSeeds:
+    """Mean and interval.
+
+    Examples
+    --------
+    >>> print(over_seeds([1.0, 1.0, 4.0]))
+    2.00 [1.00, 3.85]
+    """
+    low, high = np.percentile(values, INTERVAL)
+    return OverSeeds(float(np.mean(values)), float(low), float(high))
+
+
+def rank_agreement(first: NDArray[np.float64], second: NDArray[np.float64]) -> Agreement:
+    """How alike two sets of scores rank the same things, seed by seed.
+
+    Parameters
+    ----------
+    first, second
+        (seeds, things) scores; seeds are paired in their order, but independent of each other.
+
+    Examples
+    --------
+    >>> ours = np.array([[3.0, 2.0, 1.0], [30.0, 20.0, 10.0]])
+    >>> theirs = np.array([[9.0, 8.0, 7.0], [9.0, 7.0, 8.0]])
+    >>> agreement = rank_agreement(ours, theirs)
+    >>> round(agreement.tau.mean, 3), agreement.same
+    (0.667, 0.5)
+    """
+    pairs = list(zip(first, second, strict=True))
+    same = [np.array_equal(rankdata(a), rankdata(b)) for a, b in pairs]
+    return Agreement(over_seeds([rank_correlation(kendalltau, a, b) for a, b in pairs]), float(np.mean(same)))
+
+
+def level_agreement(first: NDArray[np.float64], second: NDArray[np.float64]) -> OverSeeds:
+    """Spearman's rank correlation of (seeds, things) scores, seed by seed."""
+    return over_seeds([rank_correlation(spearmanr, a, b) for a, b in zip(first, second, strict=True)])
+
+
+def within(scores: NDArray[np.float64]) -> Agreement:
+    """How alike (seeds, things) scores rank things under one seed and under the next: what noise allows."""
+    return rank_agreement(scores, np.roll(scores, 1, axis=0))
+
+
+def separations(scores: NDArray[np.float64]) -> list[tuple[int, int, float]]:
+    """Neighbours in the ranking by mean, best first, and how far apart they are.
+
+    Parameters
+    ----------
+    scores
+        (seeds, things).
+
+    Returns
+    -------
+    The better, the worse, and the mean of their difference over its standard deviation from seed to seed.
+    Infinite where the difference never changes.
+
+    Examples
+    --------
+    >>> separations(np.array([[1.0, 5.0], [2.0, 7.0]]))
+    [(1, 0, 6.363961030678928)]
+    """
+    order = np.argsort(-scores.mean(axis=0), kind="stable").tolist()
+    found = []
+    for better, worse in pairwise(order):
+        difference = scores[:, better] - scores[:, worse]
+        spread = float(difference.std(ddof=1)) if len(difference) > 1 else 0.0
+        found.append((better, worse, float(difference.mean()) / spread if spread > 0 else np.inf))
+    return found
+
+
+def rank_correlation(
+    statistic: Callable[..., tuple[float, float]], first: NDArray[np.float64], second: NDArray[np.float64]
+) -> float:
+    """A rank correlation; two constant sets agree, a constant and another set tell nothing of each other."""
+    flat = [bool(np.ptp(scores) == 0) for scores in (first, second)]
+    if any(flat):
+        return 1.0 if all(flat) else 0.0
+    return float(statistic(first, second)[0])
