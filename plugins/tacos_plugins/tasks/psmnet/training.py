@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
@@ -89,11 +90,9 @@ def train(
 
     passed_over = 0
     for _ in range(epochs):
-        windows = (
-            example.cropped(training.crop_width_px, training.crop_height_px, rng)
-            for example in mixed(examples(), training.shuffled_frames, rng)
-        )
-        for batch in in_batches(windows, batch_size):
+        shuffled = mixed(examples(), training.shuffled_frames, rng)
+        for whole in in_batches(shuffled, batch_size):
+            batch = _windows(whole, training, rng)
             look_at_the_last()
             truth_px = np.stack([e.disparity_px(max_depth_m=max_depth_m, sky=training.sky) for e in batch])
             if not ((truth_px > 0) & (truth_px < network.max_disparity)).any():
@@ -157,11 +156,20 @@ def network_pairs(examples: Sequence[StereoExample], device: torch.device, *, en
     ]
 
 
+def _windows(
+    examples: Sequence[StereoExample], training: PsmnetTraining, rng: np.random.Generator
+) -> list[StereoExample]:
+    """Windows of one size, that of the smallest image where it is smaller than asked for."""
+    heights, widths = zip(*(example.depth_m.shape for example in examples), strict=True)
+    width, height = min(training.crop_width_px, *widths), min(training.crop_height_px, *heights)
+    return [example.cropped(width, height, rng) for example in examples]
+
+
 def _step(
     network: PSMNet,
     adam: torch.optim.Adam,
     batch: Sequence[StereoExample],
-    truth_px: np.ndarray,
+    truth_px: NDArray[np.float32],
     encode: bool,
 ) -> Tensor:
     """One step of Adam; returns the loss before it."""

@@ -1,0 +1,82 @@
+"""`task.psmnet` in a study: weights that move with the cameras, and candidates on which training fails."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from safetensors.numpy import load_file
+
+import tacos_framework
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe
+
+torch = pytest.importorskip("torch", reason="the extra perception is not installed")
+
+from tacos_plugins.tasks.psmnet import training  # noqa: E402
+
+
+def recipe(**train) -> Recipe:
+    return Recipe.model_validate(
+        {
+            "name": "stereo in small",
+            "seed": 3,
+            "rig": {
+                "use": "rig.stereo",
+                "sensor": {"name": "tiny", "width_px": 64, "height_px": 32, "pixel_um": 3.0},
+            },
+            "design": {"baseline_m": {"between": [0.05, 0.5]}, "hfov_deg": {"between": [50, 90]}},
+            "nodes": {
+                "world": {"use": "scene.textured-target", "texture_px": 128, "distance_m": 2.0, "frames": 4},
+                "capture": {"use": "renderer.analytic", "in": {"episode": "world"}},
+                "frames": {"use": "sensor.affine-noise", "in": {"capture": "capture"}},
+                "stereo": {
+                    "use": "task.psmnet",
+                    "in": {"frames": "frames"},
+                    "width": 0.1,
+                    "max_disparity": 16,
+                    "device": "cpu",
+                    "train": train,
+                },
+            },
+            "fitness": [{"score": "stereo.inverse_log_error", "weight": 1}],
+            "optimizer": {"use": "optimizer.random", "evaluations": 3, "batch": 3},
+        }
+    )
+
+
+def run(out, **train):
+    """The candidates of the study's one generation, and the weights after it."""
+    tacos_framework.run(recipe(**train), out=out, plugins=Plugins.discover(), report=False)
+    (line,) = (out / "generations.jsonl").read_text().splitlines()
+    (weights,) = (out / "weights").iterdir()
+    return json.loads(line)["candidates"], load_file(weights)
+
+
+def test_weights_follow_the_cameras(tmp_path):
+    candidates, weights = run(tmp_path / "out", weights="shared")
+    assert all(candidate["failed"] is None for candidate in candidates)
+    assert set(weights["adam.step"].tolist()) == {3.0}
+
+
+def test_frozen_weights_stay(tmp_path):
+    _, weights = run(tmp_path / "out", weights="frozen")
+    assert not weights["adam.step"].any()
+
+
+def test_a_candidate_on_which_training_diverges_fails_alone(tmp_path, monkeypatch):
+    """The second candidate's loss is no number; the third goes on from the weights of the first."""
+    real, steps = training.disparity_loss, []
+
+    def loss(*args):
+        steps.append(1)
+        return real(*args) * (float("nan") if len(steps) == 2 else 1.0)
+
+    monkeypatch.setattr(training, "disparity_loss", loss)
+    candidates, weights = run(tmp_path / "out", weights="shared")
+    reasons = [candidate["failed"] for candidate in candidates]
+    assert reasons[0] is reasons[2] is None
+    assert "training of task.psmnet diverged: its loss is nan at step 1" in reasons[1]
+    assert set(weights["adam.step"].tolist()) == {2.0}
+    assert all(np.isfinite(array).all() for array in weights.values())
