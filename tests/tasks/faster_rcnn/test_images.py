@@ -81,3 +81,12 @@ def test_sizes_that_are_asked_for_are_kept_and_boxes_follow(settings, size):
     assert box.tolist() == [[0.0, 12.0, 64.0, 48.0]]
     found = pixels.eval().postprocess([{"boxes": targets[0]["boxes"]}], [size], [(48, 64)])
     assert found[0]["boxes"][0].tolist() == pytest.approx(box[0].tolist())
+
+
+def test_an_image_of_a_few_pixels_can_be_learnt_from():
+    """Batch normalisation refuses to take the statistics of a single value."""
+    pixels = CameraPixels(1.0, None, None)
+    images, _ = pixels([torch.rand(3, 5, 7)])
+    assert images.tensors.shape == (1, 3, 64, 64)
+    assert images.image_sizes == [(5, 7)]
+    assert not images.tensors[0, :, 5:].any()

@@ -19,7 +19,7 @@ import torch
 
 from tacos_plugins.tasks.faster_rcnn import training as training_module
 from tacos_plugins.tasks.faster_rcnn.examples import in_batches, mixed
-from tacos_plugins.tasks.faster_rcnn.task import FasterRcnn
+from tacos_plugins.tasks.faster_rcnn.task import INDOOR_CLASSES, FasterRcnn
 from tacos_plugins.tasks.learning.guard import TrainingDiverged
 
 
@@ -226,3 +226,30 @@ def test_frames_are_mixed_and_none_is_lost():
     assert max(index - place for place, index in enumerate(order)) < 16
     assert sum(abs(b - a) > 1 for a, b in pairwise(order)) > 50
     assert list(map(len, in_batches(range(10), 4))) == [4, 4, 2]
+
+
+def test_a_batch_in_parts_is_one_step(monkeypatch):
+    """Memory for one frame is enough for a batch of four: gradients are summed up."""
+    seen = []
+    finite = training_module.finite
+    monkeypatch.setattr(
+        training_module, "finite", lambda loss, **told: seen.append(told["step"]) or finite(loss, **told)
+    )
+    task = detector(batch_norm="frozen")
+    state = first_state(task)
+    told = []
+    after = fitted(task, state, [squares(4)], batch_size=4, frames_at_once=1, told=told.append)
+    assert seen == [0, 0, 0, 0]
+    assert len(told) == 1
+    assert set(after["adam.step"]) == {1.0}
+    together = []
+    fitted(task, state, [squares(4)], batch_size=4, told=together.append)
+    assert told[0]["loss"] == pytest.approx(together[0]["loss"], rel=0.1)  # other regions were drawn
+
+
+@pytest.mark.parametrize(("weights", "moves"), [("none", True), ("detector_indoor_narrow", False)])
+def test_batch_normalisation_learns_by_default_only_from_nothing(weights, moves):
+    task = detector(batch_norm="auto", weights=weights, classes=INDOOR_CLASSES)
+    state = first_state(task)
+    after = fitted(task, state, [squares(4)])
+    assert any(name.endswith("running_mean") for name in moved(state, after)) is moves

@@ -7,11 +7,14 @@ from typing import Any
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn.functional import interpolate
+from torch.nn.functional import interpolate, pad
 from torchvision.models.detection.transform import GeneralizedRCNNTransform
 
 MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 """Of ImageNet's sRGB colours, as torchvision's weights expect; only the network itself takes them off."""
+
+SMALLEST_PX = 64
+"""Images are padded to this at least, so that batch normalisation has several values at a stride of 32 [px]."""
 
 
 def network_image(
@@ -92,3 +95,9 @@ class CameraPixels(GeneralizedRCNNTransform):
             edges = target["boxes"].new_tensor([across, down, across, down])
             target = {**target, "boxes": target["boxes"] * edges}
         return image, target
+
+    def batch_images(self, images: list[Tensor], size_divisible: int = 32) -> Tensor:
+        """Images of any sizes in one tensor, (N, 3, H, W), zeros to their right and below them."""
+        batch: Tensor = super().batch_images(images, size_divisible)
+        height, width = (max(0, SMALLEST_PX - size) for size in batch.shape[-2:])
+        return pad(batch, (0, width, 0, height))

@@ -20,7 +20,7 @@ from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
 from tacos_plugins.tasks.faster_rcnn.labels import class_numbers, frame_labels
 from tacos_plugins.tasks.faster_rcnn.networks import Backbone, faster_rcnn, still_norms
 from tacos_plugins.tasks.faster_rcnn.training import WHERE, DetectorTraining, inputs, mixed_precision, train
-from tacos_plugins.tasks.faster_rcnn.weights import load_weights, weights_file
+from tacos_plugins.tasks.faster_rcnn.weights import NONE, load_weights, weights_file
 from tacos_plugins.tasks.learning.device import DEVICE_HELP, DEVICE_PATTERN, drawing_from, pick_device
 from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_of_memory
 from tacos_plugins.tasks.learning.states import fresh_state, restore, state_of
@@ -56,8 +56,8 @@ class FasterRcnn:
         That of each of these classes.
 
     Batch normalisation keeps its statistics, gains and offsets in a study: batches of a few frames of a
-    single camera would pull them to and fro between candidates. Weights from nothing need it to learn
-    (``batch_norm: update``, as in pre-training).
+    single camera would pull them to and fro between candidates. A detector that starts from nothing needs it
+    to learn, and it then does.
 
     References
     ----------
@@ -115,9 +115,8 @@ class FasterRcnn:
             unit="px",
             gt=0,
         )
-        batch_norm: Literal["frozen", "update"] = setting(
-            "frozen",
-            help="Whether training moves batch normalisation: frozen or update.",
+        batch_norm: Literal["auto", "frozen", "update"] = setting(
+            "auto", help="Whether training moves batch normalisation; auto: only where weights is none."
         )
         device: str = setting("auto", help=DEVICE_HELP, pattern=f"^({DEVICE_PATTERN})$")
 
@@ -170,7 +169,7 @@ class FasterRcnn:
                 training=training,
                 batch_size=batch_size,
                 encode=self._encodes,
-                norms=self.config.batch_norm == "update",
+                norms=self._moves_norms,
                 rng=rng,
                 told=budget.told,
             )
@@ -203,6 +202,11 @@ class FasterRcnn:
                 yield Example(image, frames.black_level_dn, frames.white_level_dn, labels)
 
     @property
+    def _moves_norms(self) -> bool:
+        wanted = self.config.batch_norm
+        return wanted == "update" or (wanted == "auto" and self.config.weights == NONE)
+
+    @property
     def _encodes(self) -> bool:
         return self.config.encoding == "srgb"
 
@@ -218,7 +222,7 @@ class FasterRcnn:
             smallest_anchor_px=config.smallest_anchor_px,
             pixels=CameraPixels(config.scale, config.min_size, config.max_size),
         )
-        if config.batch_norm == "frozen":
+        if not self._moves_norms:
             still_norms(model)
         if self._device.type == "cuda":
             model.to(memory_format=torch.channels_last)

@@ -25,6 +25,12 @@ class DetectorTraining(Settings):
 
     learning_rate: float = setting(1e-4, help="Adam's learning rate at the start.", gt=0)
     batch_size: int = setting(8, help="Frames in a step of Adam.", unit="frames", ge=1)
+    frames_at_once: int | None = setting(
+        None,
+        help="Frames of a batch computed together, gradients summed up; by default all. Spares memory.",
+        unit="frames",
+        ge=1,
+    )
     decay: float = setting(0.5, help="Factor on the learning rate at each decay.", gt=0, le=1)
     decay_every: int = setting(
         5, help="Passes over training frames between decays; with shared weights each candidate is one.", ge=1
@@ -76,11 +82,9 @@ def train(
     TrainingDiverged
         When the loss is no number.
     """
-    device = next(model.parameters()).device
     model.train()
     if not norms:
         still_norms(model)
-    least = 2 if norms else 1  # statistics of a single image may be of a single pixel
     step = 0
     for _ in range(epochs):
         rate = learning_rate(
@@ -97,9 +101,7 @@ def train(
             for example in mixed(examples(), training.shuffled_frames, rng)
         )
         for batch in in_batches(shuffled, batch_size):
-            if len(batch) < least:
-                continue
-            losses = _step(model, adam, batch, device, encode, step)
+            losses = _step(model, adam, batch, training.frames_at_once or batch_size, encode, step)
             step += 1
             if told is not None:
                 told(losses)
@@ -111,19 +113,27 @@ def _step(
     model: FasterRCNN,
     adam: torch.optim.Adam,
     batch: Sequence[Example],
-    device: torch.device,
+    at_once: int,
     encode: bool,
     step: int,
 ) -> dict[str, float]:
-    images, targets = inputs(batch, device, encode), [_target(example, device) for example in batch]
-    with mixed_precision(device):
-        parts: dict[str, Tensor] = model(images, targets)
-    loss = torch.stack([part.float() for part in parts.values()]).sum()
-    value = finite(loss, step=step, where=WHERE)
+    """One step of Adam; the mean losses of the batch."""
+    device = next(model.parameters()).device
+    means: dict[str, float] = {}
     adam.zero_grad(set_to_none=True)
-    loss.backward()
+    for part in in_batches(batch, at_once):
+        share = len(part) / len(batch)
+        with mixed_precision(device):
+            losses: dict[str, Tensor] = model(
+                inputs(part, device, encode), [_target(each, device) for each in part]
+            )
+        loss = torch.stack([each.float() for each in losses.values()]).sum()
+        values = {"loss": finite(loss, step=step, where=WHERE)}
+        values |= {name: float(each.detach()) for name, each in losses.items()}
+        (loss * share).backward()
+        means = {name: means.get(name, 0.0) + share * value for name, value in values.items()}
     adam.step()
-    return {"loss": value, **{name: float(part.detach()) for name, part in parts.items()}}
+    return means
 
 
 def inputs(batch: Sequence[Example], device: torch.device, encode: bool) -> list[Tensor]:
