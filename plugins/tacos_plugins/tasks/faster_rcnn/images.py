@@ -14,7 +14,7 @@ MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 """Of ImageNet's sRGB colours, as torchvision's weights expect; only the network itself takes them off."""
 
 SMALLEST_PX = 64
-"""Images are padded to this at least, so that batch normalisation has several values at a stride of 32 [px]."""
+"""Images are padded to this, so that batch normalisation has several values even at a stride of 32 [px]."""
 
 
 def network_image(
