@@ -300,6 +300,10 @@ PROCEDURES = {
         "optimizers_compared.compare:CompareOptimizers",
         "Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",
     ),
+    "compare-studies": (
+        "studies_compared.compare:CompareStudies",
+        "Variants of a study, such as joint and frozen, over several seeds: designs on unseen scenes.",
+    ),
     "pretrain": (
         "pretraining.pretrain:Pretrain",
         "A task that learns, trained on images of our own scenes: weights for studies to start with.",

@@ -1,0 +1,94 @@
+"""What variants of a study achieved, and their differences seed by seed."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+FITNESS = "fitness"
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A study that was run.
+
+    Parameters
+    ----------
+    variant
+        Which of the variants.
+    seed
+        Its seed.
+    scores
+        Scores and fitness of the designed camera on unseen scenes.
+    camera
+        The designed camera.
+    images
+        Images rendered.
+    seconds
+        Time it took [s].
+    """
+
+    variant: str
+    seed: int
+    scores: Mapping[str, float]
+    camera: Mapping[str, Any]
+    images: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A mean over seeds with its standard error, which one seed alone does not have."""
+
+    mean: float
+    standard_error: float | None
+    seeds: int
+
+
+def spread(values: Sequence[float]) -> Spread:
+    """Mean and standard error.
+
+    Examples
+    --------
+    >>> spread([1.0, 3.0])
+    Spread(mean=2.0, standard_error=1.0, seeds=2)
+    """
+    error = statistics.stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
+    return Spread(statistics.fmean(values), error, len(values))
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How a variant did against the reference on one score, each seed against its own twin.
+
+    Parameters
+    ----------
+    better
+        Seeds with the higher score.
+    by
+        The difference.
+    """
+
+    variant: str
+    score: str
+    better: int
+    by: Spread
+
+
+def scores_of(outcomes: Sequence[Outcome]) -> list[str]:
+    """The scores that every study reports; the fitness first."""
+    common = [name for name in outcomes[0].scores if all(name in each.scores for each in outcomes)]
+    return sorted(common, key=lambda name: name != FITNESS)
+
+
+def difference(outcomes: Sequence[Outcome], variant: str, reference: str, score: str) -> Difference:
+    """The difference of a variant to the reference, over the seeds both were run with."""
+    of = {
+        name: {o.seed: o.scores[score] for o in outcomes if o.variant == name}
+        for name in (variant, reference)
+    }
+    by = [of[variant][seed] - of[reference][seed] for seed in of[variant] if seed in of[reference]]
+    return Difference(variant, score, sum(each > 0 for each in by), spread(by))
