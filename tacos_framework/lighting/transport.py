@@ -17,7 +17,7 @@ from tacos_framework.lighting.sites import Sites, merge_vertices
 from tacos_framework.values import World
 
 LONGEST_EDGE_M = 0.8
-"""Larger triangles are split: light is interpolated between their corners [m]."""
+"""Larger triangles are split, where nothing else is asked for [m]."""
 
 
 class LightTransport:
@@ -42,15 +42,25 @@ class LightTransport:
         Vertices of one material closer than this, with similar normals, share a site [m].
     bounces
         Number of iterations of (1); fewer where the light has converged.
+    longest_edge_m
+        Larger triangles are split: light is interpolated between their corners [m].
 
     References
     ----------
     Cohen, M. F., and Wallace, J. R. (1993). Radiosity and Realistic Image Synthesis.
     """
 
-    def __init__(self, world: World, *, rays: int = 64, merge_m: float = 0.08, bounces: int = 12) -> None:
+    def __init__(
+        self,
+        world: World,
+        *,
+        rays: int = 64,
+        merge_m: float = 0.08,
+        bounces: int = 12,
+        longest_edge_m: float = LONGEST_EDGE_M,
+    ) -> None:
         self._world = world
-        self._surfaces = refined(world, LONGEST_EDGE_M)
+        self._surfaces = refined(world, longest_edge_m)
         self._fan = cosine_fan(rays)
         self._merge_m = merge_m
         self._bounces = bounces

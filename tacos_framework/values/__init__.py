@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tacos_framework.values.camera import Camera, Electrons, Exposure, Rig
-from tacos_framework.values.episode import Crossing, Episode, Trajectory
+from tacos_framework.values.episode import Crossing, Episode, Mover, Trajectory
 from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.values.images import Capture, FrameBatch, Signal, View
 from tacos_framework.values.world import Light, Material, Object, Part, World
@@ -21,6 +21,7 @@ __all__ = [
     "ImageGeometry",
     "Light",
     "Material",
+    "Mover",
     "Object",
     "Part",
     "Rig",

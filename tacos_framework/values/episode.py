@@ -65,6 +65,22 @@ class Crossing:
 
 
 @dataclass(frozen=True, eq=False)
+class Mover:
+    """A thing of the world on its own way.
+
+    Parameters
+    ----------
+    object_id
+        An object of the world that `moves`.
+    trajectory
+        Rigid transforms that take the object from where it rests in the world to where it is [m].
+    """
+
+    object_id: int
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, eq=False)
 class Episode:
     """Frames to take in a world, or a run of consecutive ones: ``episode[8:16]`` is a batch.
 
@@ -80,6 +96,8 @@ class Episode:
         (N,) int32: frames with equal numbers belong to one continuous walk; between walks the agent jumps.
     crossings
         Every obstacle the agent steps on in the whole episode.
+    movers
+        What moves while the agent does; everything else stands still.
     first_frame
         Index of frame 0 of this batch in the whole episode.
     """
@@ -89,11 +107,15 @@ class Episode:
     time_s: NDArray[np.float64]
     walk: NDArray[np.int32]
     crossings: tuple[Crossing, ...] = ()
+    movers: tuple[Mover, ...] = ()
     first_frame: int = 0
 
     def __post_init__(self) -> None:
         read_only(self, "time_s", np.float64, (None,))
         read_only(self, "walk", np.int32, (len(self.time_s),))
+        for mover in self.movers:
+            if not self.world.objects[mover.object_id].moves:
+                raise ValueError(f"object {mover.object_id} of the world is not one that moves")
 
     def __len__(self) -> int:
         return len(self.time_s)

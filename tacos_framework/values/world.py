@@ -70,6 +70,9 @@ class Part:
         Index into `World.materials`.
     object_id
         Id of the object it belongs to: index into `World.objects`.
+    light_detail
+        How fine the light on it needs to be known, over what a renderer is asked for: below 1 for what is
+        only seen from afar [1].
     """
 
     vertices_m: NDArray[np.float32]
@@ -78,6 +81,7 @@ class Part:
     triangles: NDArray[np.int32]
     material: int
     object_id: int
+    light_detail: float = 1.0
 
     def __post_init__(self) -> None:
         read_only(self, "vertices_m", np.float32, (None, 3))
@@ -85,14 +89,27 @@ class Part:
         read_only(self, "normals", np.float32, (count, 3))
         read_only(self, "uv_m", np.float32, (count, 2))
         read_only(self, "triangles", np.int32, (None, 3))
+        if not self.light_detail > 0:
+            raise ValueError(f"light_detail of a part must be above 0, not {self.light_detail}")
 
 
 @dataclass(frozen=True)
 class Object:
-    """A labelled thing. ``class_name`` is one of `World.class_names`."""
+    """A labelled thing.
+
+    Parameters
+    ----------
+    name
+        For logs and exports.
+    class_name
+        One of `World.class_names`.
+    moves
+        Whether episodes move it (`Episode.movers`): it is lit where it rests, and casts no shadow.
+    """
 
     name: str
     class_name: str
+    moves: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +159,10 @@ class World:
         as irradiance per channel [lux]; None where a renderer should bake it itself.
     ambient_cd_m2
         (3,) luminance of whatever lies beyond the geometry [cd/m2].
+    sky_cd_m2
+        (H, 2 H, 3) float32 what is seen beyond the geometry, where it is not `ambient_cd_m2` all around:
+        rows from the zenith down to the nadir, columns from +x by way of +y. Its mean, weighted by the cosine
+        from the zenith, should be `ambient_cd_m2`, which lights surfaces [cd/m2]. None for even surroundings.
     """
 
     key: str
@@ -152,9 +173,13 @@ class World:
     lights: tuple[Light, ...] = ()
     indirect_lux: tuple[NDArray[np.float32], ...] | None = None
     ambient_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    sky_cd_m2: NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
         read_only(self, "ambient_cd_m2", np.float32, (3,))
+        if self.sky_cd_m2 is not None:
+            rows = len(self.sky_cd_m2)
+            read_only(self, "sky_cd_m2", np.float32, (rows, 2 * rows, 3))
         if not self.objects:
             raise ValueError("a world needs object 0, the background")
         unknown = {thing.class_name for thing in self.objects} - set(self.class_names)

@@ -87,7 +87,7 @@ def test_chunks_hold_every_triangle_once_within_their_bounds():
     parts = [quad(c, (0.1, 0, 0), (0, 0.1, 0)) for c in rng.uniform(0, 9, (400, 3))]
     mesh = mesh_of(parts)
     kind = (np.arange(len(mesh.triangles)) % 3 == 0).astype(np.int32)
-    order, chunks = cut_into_chunks(mesh, kind)
+    order, chunks = cut_into_chunks(mesh, kind, np.zeros(len(kind), np.int32))
     assert sorted(order) == list(range(len(mesh.triangles)))
     assert chunks.count.sum() == len(order)
     for first, count, lower, upper, of_kind in zip(
@@ -102,7 +102,7 @@ def test_chunks_hold_every_triangle_once_within_their_bounds():
 def test_culling_keeps_every_triangle_with_a_corner_in_view():
     rng = np.random.default_rng(0)
     mesh = mesh_of([quad(c, (0.1, 0, 0), (0, 0.1, 0)) for c in rng.uniform(-9, 9, (500, 3))])
-    order, chunks = cut_into_chunks(mesh, np.zeros(len(mesh.triangles), np.int32))
+    order, chunks = cut_into_chunks(mesh, *np.zeros((2, len(mesh.triangles)), np.int32))
     triangles = mesh.triangles[order]
     culling = Culling(chunks, triangles, np.ones(len(mesh.position_m), np.int32))
     camera = Camera("c", 64, 48, pixel_um=2.0, focal_length_mm=0.1)

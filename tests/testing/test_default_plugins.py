@@ -117,7 +117,7 @@ class TestColourChart(SceneConformance):
 
 class TestStreetScene(SceneConformance):
     component = StreetScene
-    config = {"blocks": 1, "reach_m": 60, "frames": 3, "driving_cars": 1}
+    config = {"blocks": 1, "reach_m": 60, "frames": 3, "driving_cars": 1, "texture_px": 64}
 
 
 class TestTexturedTarget(SceneConformance):

@@ -98,7 +98,8 @@ def find_charts(mesh: FlatMesh, texel_m: float) -> Charts:
     Parameters
     ----------
     texel_m
-        Greatest distance of texels, kept to where the map does not grow beyond `MOST_TEXELS` [m].
+        Greatest distance of texels where parts have a light detail of 1, kept to where the map does not grow
+        beyond `MOST_TEXELS` [m].
     """
     corners = mesh.corners_m.astype(np.float64)
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -127,8 +128,9 @@ def find_charts(mesh: FlatMesh, texel_m: float) -> Charts:
     chosen = np.flatnonzero(worthy)
     number = np.full(len(leader), -1, dtype=np.int32)
     number[chosen] = np.arange(len(chosen))
-    texel_m = max(texel_m, float(np.sqrt(extent[chosen].prod(axis=1).sum() / MOST_TEXELS)))
-    size = np.maximum(np.ceil(extent[chosen] / texel_m).astype(np.int32) + 1, 2)
+    wanted = extent[chosen] * mesh.light_detail[mesh.part[leader[chosen]], None]
+    texel_m = max(texel_m, float(np.sqrt(wanted.prod(axis=1).sum() / MOST_TEXELS)))
+    size = np.maximum(np.ceil(wanted / texel_m).astype(np.int32) + 1, 2)
     place, map_size = pack_shelves(size + 2 * _PADDING_TEXELS)
     height = np.einsum("ij,ij->i", group_normal, corners[leader].mean(axis=1))[chosen]
     chosen_axes, chosen_normal = axes[chosen], group_normal[chosen]

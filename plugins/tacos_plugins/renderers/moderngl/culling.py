@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from tacos_framework.camera.geometry import frustum_planes
 from tacos_plugins.renderers.moderngl.flatten import Chunks, SurfaceKind
 
+_KINDS = 2 * int(max(SurfaceKind))
+"""More than any combination of the bits of `SurfaceKind`."""
+
 
 @dataclass(frozen=True, eq=False)
 class DrawList:
@@ -20,11 +23,12 @@ class DrawList:
     commands
         (N, 5) uint32: index count, instances, first index, base vertex, base instance.
     groups
-        The group's number (bits of `SurfaceKind`), its first command and its number of commands.
+        The moving object (0 for what stands still) and the bits of `SurfaceKind` of each group, its first
+        command and its number of commands.
     """
 
     commands: NDArray[np.uint32]
-    groups: tuple[tuple[int, int, int], ...]
+    groups: tuple[tuple[int, int, int, int], ...]
 
 
 class Culling:
@@ -50,12 +54,12 @@ class Culling:
         self._surfaces = surfaces
 
     def in_frustum(self, clip_from_world: NDArray[np.float64]) -> NDArray[np.intp]:
-        """The chunks whose bounding boxes reach into what a projection keeps."""
+        """The chunks whose bounding boxes reach into what a projection keeps, and all that move."""
         chunks, planes = self._chunks, frustum_planes(clip_from_world)
         # The corner of each box that lies farthest along each plane's normal decides.
         farthest = np.where(planes[:, None, :3] > 0, chunks.upper_m, chunks.lower_m)
         inside = np.einsum("pj,pcj->pc", planes[:, :3], farthest) + planes[:, 3:] >= 0
-        return np.flatnonzero(inside.all(axis=0))
+        return np.flatnonzero(inside.all(axis=0) | (chunks.mover > 0))
 
     def with_surfaces(self, chunk: NDArray[np.intp], surface_seen: NDArray[np.float32]) -> NDArray[np.intp]:
         """Those chunks that hold any of the surfaces in an image of surface numbers."""
@@ -72,10 +76,10 @@ class Culling:
     def draw_list(
         self, chunk: NDArray[np.intp], eye_m: NDArray[np.float64], group_bits: SurfaceKind
     ) -> DrawList:
-        """Commands for chunks, grouped by the given bits of their kind, nearest first within a group."""
+        """Commands for chunks, grouped by what moves and by the given bits of their kind, nearest first."""
         chunks = self._chunks
         nearest = np.clip(eye_m, chunks.lower_m[chunk], chunks.upper_m[chunk])
-        group = chunks.kind[chunk] & int(group_bits)
+        group = chunks.mover[chunk] * _KINDS + (chunks.kind[chunk] & int(group_bits))
         ordered = np.lexsort((np.linalg.norm(nearest - eye_m, axis=1), group))
         chunk, group = chunk[ordered], group[ordered]
         commands = np.zeros((len(chunk), 5), np.uint32)
@@ -83,5 +87,6 @@ class Culling:
         commands[:, 1] = 1
         commands[:, 2] = 3 * chunks.first[chunk]
         numbers, first, count = np.unique(group, return_index=True, return_counts=True)
-        groups = zip(numbers.tolist(), first.tolist(), count.tolist(), strict=True)
+        mover, bits = np.divmod(numbers, _KINDS)
+        groups = zip(mover.tolist(), bits.tolist(), first.tolist(), count.tolist(), strict=True)
         return DrawList(commands, tuple(groups))

@@ -38,6 +38,8 @@ class FlatMesh:
         (T, 3) int32.
     part
         (T,) int32 index of the part each triangle comes from.
+    light_detail
+        (parts,) float64 `Part.light_detail` [1].
     """
 
     position_m: NDArray[np.float32]
@@ -48,6 +50,7 @@ class FlatMesh:
     indirect_lux: NDArray[np.float32]
     triangles: NDArray[np.int32]
     part: NDArray[np.int32]
+    light_detail: NDArray[np.float64]
 
     @property
     def corners_m(self) -> NDArray[np.float32]:
@@ -67,6 +70,8 @@ class Chunks:
         (C, 3) float64 corners of the bounding boxes [m].
     kind
         (C,) int32 `SurfaceKind` of its materials; a chunk never mixes kinds.
+    mover
+        (C,) int32 the moving object they belong to, 0 for all that stands still; a chunk never mixes them.
     """
 
     first: NDArray[np.int32]
@@ -74,6 +79,7 @@ class Chunks:
     lower_m: NDArray[np.float64]
     upper_m: NDArray[np.float64]
     kind: NDArray[np.int32]
+    mover: NDArray[np.int32]
 
 
 class SurfaceKind(IntFlag):
@@ -127,16 +133,28 @@ def flatten(world: World, indirect_lux: tuple[NDArray[np.float32], ...]) -> Flat
             + [part.triangles + first for part, first in zip(parts, first_vertex, strict=False)]
         ).astype(np.int32),
         part=np.repeat(np.arange(len(parts), dtype=np.int32), [len(part.triangles) for part in parts]),
+        light_detail=np.array([part.light_detail for part in parts], np.float64),
     )
 
 
-def cut_into_chunks(mesh: FlatMesh, kind: NDArray[np.int32]) -> tuple[NDArray[np.intp], Chunks]:
+def movers(world: World, mesh: FlatMesh) -> NDArray[np.int32]:
+    """(T,) the moving object that each triangle belongs to, 0 for all that stands still."""
+    moves = np.array([thing.moves for thing in world.objects], dtype=bool)
+    owner = mesh.object_id[mesh.triangles[:, 0]]
+    return np.where(moves[owner], owner, 0).astype(np.int32)
+
+
+def cut_into_chunks(
+    mesh: FlatMesh, kind: NDArray[np.int32], mover: NDArray[np.int32]
+) -> tuple[NDArray[np.intp], Chunks]:
     """Sort the triangles of a mesh spatially and cut them into chunks.
 
     Parameters
     ----------
     kind
         (T,) int32 `SurfaceKind` of each triangle.
+    mover
+        (T,) int32 as `movers` gives it.
 
     Returns
     -------
@@ -149,9 +167,11 @@ def cut_into_chunks(mesh: FlatMesh, kind: NDArray[np.int32]) -> tuple[NDArray[np
     lower, upper = corners.min(axis=1), corners.max(axis=1)
     large = (upper - lower).max(axis=1) > LARGE_TRIANGLE_M
     runs: list[NDArray[np.intp]] = []
-    for each in np.unique(kind):
+    groups, group = np.unique(np.column_stack([mover, kind]), axis=0, return_inverse=True)
+    for each in range(len(groups)):
         for big in (False, True):
-            runs += _halve(np.flatnonzero((kind == each) & (large == big)), (lower + upper) / 2)
+            members = np.flatnonzero((group.reshape(-1) == each) & (large == big))
+            runs += _halve(members, (lower + upper) / 2)
     counts = np.array([len(run) for run in runs], dtype=np.int32)
     order = np.concatenate([np.zeros(0, np.intp), *runs])
     starts = (np.cumsum(counts) - counts).astype(np.int32)
@@ -162,6 +182,7 @@ def cut_into_chunks(mesh: FlatMesh, kind: NDArray[np.int32]) -> tuple[NDArray[np
         lower_m=boxes[:, 0],
         upper_m=boxes[:, 1],
         kind=kind[order[starts]].astype(np.int32),
+        mover=mover[order[starts]].astype(np.int32),
     )
 
 

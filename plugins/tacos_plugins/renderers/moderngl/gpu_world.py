@@ -56,6 +56,7 @@ class GpuWorld:
         self.object_of_surface[lit.surface] = lit.mesh.object_id
         self._lower_m, self._upper_m = _bounds(lit.mesh.position_m)
         self.ambient_cd_m2 = world.ambient_cd_m2
+        self.has_sky = world.sky_cd_m2 is not None
         self.levels, level_of_material = roughness_levels(world.materials)
         self._probe_of_vertex = np.zeros(len(lit.mesh.position_m), np.int32)
         self._lit = lit
@@ -74,6 +75,8 @@ class GpuWorld:
             "probe_boxes": _table(context, np.zeros((1, 3, 4), np.float32)),
             "probes": _layers(context, np.zeros((len(self.levels), 2, 2, 3), np.float32)),
         }
+        if world.sky_cd_m2 is not None:
+            self.textures["sky"] = _panorama(context, world.sky_cd_m2)
 
     def set_probes(self, probes: Sequence[Probe], of_vertex: NDArray[np.int32]) -> None:
         """Let glossy surfaces mirror probes; before, they mirror darkness.
@@ -190,9 +193,16 @@ def _map(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Textu
     return texture
 
 
+def _panorama(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Texture:
+    texture = _map(context, data)
+    texture.repeat_x = True
+    return texture
+
+
 def _layers(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.TextureArray:
     layers, rows, columns, channels = data.shape
-    content = data.astype(np.float16).tobytes()
+    # A mirror image of the sun is brighter than half floats reach; what saturates a sensor may do so here.
+    content = np.minimum(data, np.finfo(np.float16).max).astype(np.float16).tobytes()
     texture = context.texture_array((columns, rows, layers), channels, content, dtype="f2")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     texture.repeat_x = texture.repeat_y = False

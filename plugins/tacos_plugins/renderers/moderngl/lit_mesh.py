@@ -17,6 +17,7 @@ from tacos_plugins.renderers.moderngl.flatten import (
     cut_into_chunks,
     flatten,
     kind_of,
+    movers,
 )
 from tacos_plugins.renderers.moderngl.nearby import near_occlusion
 from tacos_plugins.renderers.moderngl.rays import RayTracer
@@ -101,15 +102,18 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
     kind = np.array([kind_of(m) for m in world.materials], np.int32)[mesh.material[mesh.triangles[:, 0]]]
     kind |= np.where(charts.of_triangle >= 0, SurfaceKind.MAPPED, 0).astype(np.int32)
     kind |= np.where(closed_parts(mesh)[mesh.part], SurfaceKind.CLOSED, 0).astype(np.int32)
-    order, chunks = cut_into_chunks(mesh, kind)
+    mover = movers(world, mesh)
+    order, chunks = cut_into_chunks(mesh, kind, mover)
+    mover = mover[order]
     mesh = replace(mesh, triangles=mesh.triangles[order], part=mesh.part[order])
     charts = replace(charts, of_triangle=charts.of_triangle[order])
     mesh, chart_of_vertex = _split_vertices(mesh, charts.of_triangle)
     frames = tangent_frames(mesh)
 
     emits = np.array([bool(m.emission_cd_m2.any()) for m in world.materials], dtype=bool)
-    opaque = np.flatnonzero(~emits[mesh.material[mesh.triangles[:, 0]]])
-    tracer = RayTracer(mesh.corners_m[opaque])  # lamps let their own light out
+    # Lamps let their own light out, and what moves on casts no shadow where it rests.
+    opaque = np.flatnonzero(~emits[mesh.material[mesh.triangles[:, 0]]] & (mover == 0))
+    tracer = RayTracer(mesh.corners_m[opaque])
 
     light_map, bend_map = _light_texels(world, mesh, frames, charts, tracer)
     on_map = chart_of_vertex >= 0

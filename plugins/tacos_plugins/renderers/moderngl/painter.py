@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
 
 import moderngl
@@ -28,6 +30,7 @@ class Programs:
         self._extra = ("FILTER_IN_HARDWARE",) if filters else ()
         self.truth = compile_program(context, "truth.vert", "truth.frag", ("DEPTH",))
         self.surfaces = compile_program(context, "truth.vert", "truth.frag")
+        self.sky = compile_program(context, "sky.vert", "sky.frag")
         self.context = context
         self._surface: dict[SurfaceKind, moderngl.Program] = {}
 
@@ -53,6 +56,15 @@ class Viewpoint:
     camera_from_world: NDArray[np.float64]
     clip_from_world: NDArray[np.float64]
 
+    def onto(self, moved: NDArray[np.float64]) -> Viewpoint:
+        """The view from which a thing at rest looks as it does from here once (4, 4) `moved` [m]."""
+        return Viewpoint(
+            camera=self.camera,
+            world_from_camera=invert_pose(moved) @ self.world_from_camera,
+            camera_from_world=self.camera_from_world @ moved,
+            clip_from_world=self.clip_from_world @ moved,
+        )
+
     @property
     def eye_m(self) -> NDArray[np.float64]:
         """(3,) optical centre [m]."""
@@ -76,6 +88,14 @@ class Painter:
         self._shaded = {kind: world.surface_arrays(programs.surface(kind)) for kind in world.kinds}
         self._truth = world.truth_arrays(programs.truth)
         self._surfaces = world.truth_arrays(programs.surfaces)
+        self._sky = programs.context.vertex_array(programs.sky, [])
+        self._moved: Mapping[int, NDArray[np.float64]] = {}
+
+    def with_moved(self, moved: Mapping[int, NDArray[np.float64]]) -> Painter:
+        """This painter, drawing objects where (4, 4) transforms by id take them from where they rest [m]."""
+        there = copy(self)
+        there._moved = moved
+        return there
 
     def in_view(self, view: Viewpoint) -> NDArray[np.intp]:
         """The chunks of the world that a camera may see."""
@@ -87,10 +107,8 @@ class Painter:
 
     def truth(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
         """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
-        program = self._programs.truth
-        _write(program, "depth_from_world", view.camera_from_world[2].astype("f4").tobytes())
         self._clear(target, (np.inf, 0.0, 0.0, 0.0))
-        self._draw_alike(program, self._truth, view, chunks)
+        self._draw_alike(self._programs.truth, self._truth, view, chunks)
 
     def surfaces(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
         """Draw the surface number into a target of 1 channel; 0 for nothing."""
@@ -109,13 +127,15 @@ class Painter:
             world.textures[name].use(unit)
         self._context.depth_func = "<="
         draws = world.culling.draw_list(chunks, view.eye_m, ~SurfaceKind(0))
-        for bits, first, count in draws.groups:
-            kind = SurfaceKind(bits)
+        for mover, bits, first, count in draws.groups:
+            kind, seen = SurfaceKind(bits), self._seen(view, mover)
             program = self._programs.surface(kind)
-            _write(program, "clip_from_world", _columns(view.clip_from_world))
+            _write(program, "clip_from_world", _columns(seen.clip_from_world))
             if SurfaceKind.GLOSSY in kind:
-                self._set_rays(program, view)
+                self._set_reflections(program, seen)
             self._draw(self._shaded[kind], kind, draws.commands[first : first + count])
+        if world.has_sky:
+            self._draw_sky(view)
         self._context.depth_func = "<"
 
     def viewpoint(self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float) -> Viewpoint:
@@ -131,7 +151,7 @@ class Painter:
 
     def release(self) -> None:
         """Give the world and all that belongs to it back."""
-        for arrays in (*self._shaded.values(), self._truth, self._surfaces):
+        for arrays in (*self._shaded.values(), self._truth, self._surfaces, self._sky):
             arrays.release()
         self.world.release()
 
@@ -147,10 +167,17 @@ class Painter:
         chunks: NDArray[np.intp],
     ) -> None:
         """Draw chunks with one program, whatever they are made of."""
-        _write(program, "clip_from_world", _columns(view.clip_from_world))
         draws = self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
-        for bits, first, count in draws.groups:
+        for mover, bits, first, count in draws.groups:
+            seen = self._seen(view, mover)
+            _write(program, "clip_from_world", _columns(seen.clip_from_world))
+            if "depth_from_world" in program:
+                _write(program, "depth_from_world", seen.camera_from_world[2].astype("f4").tobytes())
             self._draw(arrays, SurfaceKind(bits), draws.commands[first : first + count])
+
+    def _seen(self, view: Viewpoint, mover: int) -> Viewpoint:
+        """The view of an object that may have moved."""
+        return view.onto(self._moved[mover]) if mover in self._moved else view
 
     def _draw(self, arrays: moderngl.VertexArray, kind: SurfaceKind, commands: NDArray[np.uint32]) -> None:
         if SurfaceKind.CLOSED in kind:
@@ -161,17 +188,30 @@ class Painter:
         self.world.commands.write(commands.tobytes())
         arrays.render_indirect(self.world.commands, moderngl.TRIANGLES, len(commands))
 
-    def _set_rays(self, program: moderngl.Program, view: Viewpoint) -> None:
-        camera, rotation = view.camera, view.world_from_camera[:3, :3]
-        step = 1 / camera.focal_length_px
-        # Window coordinates of a pixel centre are half a pixel above its index.
-        corner = [-(camera.centre_px[0] + 0.5) * step, -(camera.centre_px[1] + 0.5) * step, 1.0]
-        program["ray_x"] = (*map(float, rotation[:, 0] * step), 0.0)
-        program["ray_y"] = (*map(float, rotation[:, 1] * step), 0.0)
-        program["ray_origin"] = (*map(float, rotation @ corner), 0.0)
+    def _draw_sky(self, view: Viewpoint) -> None:
+        """Last, so that only what is left of the image is shaded."""
+        program = self._programs.sky
+        self.world.textures["sky"].use(0)
+        _set_pixel_rays(program, view)
+        self._context.disable(moderngl.CULL_FACE)
+        self._sky.render(moderngl.TRIANGLES, vertices=3)
+
+    def _set_reflections(self, program: moderngl.Program, view: Viewpoint) -> None:
+        _set_pixel_rays(program, view)
         program["eye"] = tuple(map(float, view.eye_m))
         program["probe_scale"] = PROBE_SCALE
         program["probe_levels"] = len(self.world.levels)
+
+
+def _set_pixel_rays(program: moderngl.Program, view: Viewpoint) -> None:
+    """The world direction of each pixel centre, from its window coordinates."""
+    camera, rotation = view.camera, view.world_from_camera[:3, :3]
+    step = 1 / camera.focal_length_px
+    # Window coordinates of a pixel centre are half a pixel above its index.
+    corner = [-(camera.centre_px[0] + 0.5) * step, -(camera.centre_px[1] + 0.5) * step, 1.0]
+    program["ray_x"] = (*map(float, rotation[:, 0] * step), 0.0)
+    program["ray_y"] = (*map(float, rotation[:, 1] * step), 0.0)
+    program["ray_origin"] = (*map(float, rotation @ corner), 0.0)
 
 
 def _write(program: moderngl.Program, name: str, value: bytes) -> None:

@@ -72,21 +72,21 @@ class Multisampling:
         return self._picture()
 
     def take_all(
-        self, painter: Painter, world_from_camera: NDArray[np.float64], context: moderngl.Context
+        self, shots: Sequence[tuple[Painter, NDArray[np.float64]]], context: moderngl.Context
     ) -> Iterator[Picture]:
-        """The pictures from (N, 4, 4) poses, each copied to memory while the next one is drawn."""
+        """The pictures of painters from poses, each copied to memory while the next one is drawn."""
         arrays = (self._truth, self._luminance)
         slots = [[context.buffer(reserve=array.nbytes) for array in arrays] for _ in range(2)]
         try:
-            for number, pose in enumerate(world_from_camera):
+            for number, (painter, pose) in enumerate(shots):
                 for target, array, buffer in zip(
                     self._draw(painter, pose), arrays, slots[number % 2], strict=True
                 ):
                     target.copy(buffer, array.shape[2])
                 if number > 0:
                     yield self._copied(slots[(number - 1) % 2])
-            if len(world_from_camera) > 0:
-                yield self._copied(slots[(len(world_from_camera) - 1) % 2])
+            if len(shots) > 0:
+                yield self._copied(slots[(len(shots) - 1) % 2])
         finally:
             for buffer in itertools.chain(*slots):
                 buffer.release()

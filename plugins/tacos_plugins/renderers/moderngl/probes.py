@@ -24,6 +24,7 @@ APART_M = 3.5
 
 _FACES = ((0.0, 0.0), (0.0, 90.0), (0.0, 180.0), (0.0, 270.0), (90.0, 0.0), (-90.0, 0.0))  # pitch, yaw [deg]
 _BEYOND_M = 50.0  # stands for nothing in sight
+_SUN_DISTANCE = 8.0  # lights farther off, in diagonals of the world, belong to no room
 _ON_SURFACE_M = 0.05  # a light this close to a surface is that surface
 
 FaceView = Callable[[Camera, NDArray[np.float64]], tuple[NDArray[np.float32], NDArray[np.float32]]]
@@ -62,10 +63,13 @@ def face_rotations() -> NDArray[np.float64]:
 
 def probe_places(world: World, tracer: RayTracer) -> NDArray[np.float64]:
     """(P, 3) places for probes: half-way below lights, one per room as far as lights tell rooms apart [m]."""
+    corners = np.concatenate([np.zeros((1, 3), np.float32)] + [part.vertices_m for part in world.parts])
+    middle = (corners.min(axis=0) + corners.max(axis=0)).astype(np.float64) / 2
+    far_m = _SUN_DISTANCE * float(np.linalg.norm(np.ptp(corners, axis=0)))
     wanted = [light.position_m.astype(np.float64) for light in world.lights]
+    wanted = [place for place in wanted if np.linalg.norm(place - middle) <= far_m]
     if not wanted:
-        corners = np.concatenate([np.zeros((1, 3), np.float32)] + [part.vertices_m for part in world.parts])
-        return (corners.min(axis=0) + corners.max(axis=0)).astype(np.float64)[None] / 2
+        return middle[None]
     highest_first = sorted(wanted, key=lambda place: -place[2])
     chosen: list[NDArray[np.float64]] = []
     for light_m in highest_first:

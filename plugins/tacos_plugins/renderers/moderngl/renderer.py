@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -16,6 +16,9 @@ from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import cube_camera
 from tacos_plugins.renderers.moderngl.pictures import EdgeBlending, Multisampling, Photographer, Picture
 from tacos_plugins.renderers.moderngl.resample import Resampling
+
+Shot = tuple[Painter, NDArray[np.float64]]
+"""What draws the world as it is at a moment, and the (4, 4) camera pose then [m]."""
 
 
 class ModernglRenderer:
@@ -104,32 +107,32 @@ class ModernglRenderer:
         self, used: Device, painter: Painter, episode: Episode, camera: Camera, exposure: Exposure
     ) -> View:
         photographer = self._photographer(used, camera)
-        if self._config.reuse == "cube-map":
+        if self._config.reuse == "cube-map" and not episode.movers:  # a cube map shows one moment
             photographer = self._resampling(used, episode.world.key, camera, photographer)
-        poses = world_from_camera(episode.trajectory.at(episode.time_s), camera.agent_from_camera)
+        shots = _shots(painter, episode, camera, episode.time_s)
         shape = (len(episode), camera.height_px, camera.width_px)
         luminance = np.empty((*shape, 3), np.float32)
         depth = np.empty(shape, np.float32)
         object_id = np.empty(shape, np.int32)
-        for frame, picture in enumerate(self._pictures(used, photographer, painter, poses)):
+        for frame, picture in enumerate(self._pictures(used, photographer, shots)):
             luminance[frame], depth[frame] = picture.luminance_cd_m2, picture.depth_m
             object_id[frame] = painter.world.object_of_surface[picture.surface.astype(np.int32)]
             if self._config.motion_samples > 1:
                 luminance[frame] = 0.0
-                for moment in self._poses_during(episode.time_s[frame], episode, camera, exposure):
-                    luminance[frame] += photographer.take(painter, moment).luminance_cd_m2
+                during_s = episode.time_s[frame] + self._offsets_s(exposure)
+                for there, pose in _shots(painter, episode, camera, during_s):
+                    luminance[frame] += photographer.take(there, pose).luminance_cd_m2
                 luminance[frame] *= np.float32(1 / self._config.motion_samples)
+        poses = np.array([pose for _, pose in shots]).reshape(-1, 4, 4)
         return View(camera, poses, luminance, depth, object_id)
 
-    def _pictures(
-        self, used: Device, photographer: Photographer, painter: Painter, poses: NDArray[np.float64]
-    ) -> Iterator[Picture]:
-        """Pictures from all poses, one after the other, read while the next is drawn where that is faster."""
+    def _pictures(self, used: Device, photographer: Photographer, shots: Sequence[Shot]) -> Iterator[Picture]:
+        """Pictures one after the other, read while the next is drawn where that is faster."""
         way = self._config.read_back
         ahead = way == "buffered" or (way == "auto" and not used.is_software)
         if ahead and isinstance(photographer, Multisampling):
-            return photographer.take_all(painter, poses, used.context)
-        return (photographer.take(painter, pose) for pose in poses)
+            return photographer.take_all(shots, used.context)
+        return (photographer.take(painter, pose) for painter, pose in shots)
 
     def _resampling(self, used: Device, world_key: str, camera: Camera, direct: Photographer) -> Photographer:
         config = self._config
@@ -152,10 +155,19 @@ class ModernglRenderer:
         samples = min(config.samples, used.most_samples) if method == "multisampling" else 1
         return Multisampling(used.targets, camera, config.near_m, samples)
 
-    def _poses_during(
-        self, middle_s: float, episode: Episode, camera: Camera, exposure: Exposure
-    ) -> NDArray[np.float64]:
-        """(M, 4, 4) camera poses spread evenly over a frame's exposure [m]."""
+    def _offsets_s(self, exposure: Exposure) -> NDArray[np.float64]:
+        """(M,) moments spread evenly over an exposure, from its middle [s]."""
         count = self._config.motion_samples
-        offsets_s = ((np.arange(count) + 0.5) / count - 0.5) * exposure.time_s
-        return world_from_camera(episode.trajectory.at(middle_s + offsets_s), camera.agent_from_camera)
+        return np.asarray(((np.arange(count) + 0.5) / count - 0.5) * exposure.time_s)
+
+
+def _shots(painter: Painter, episode: Episode, camera: Camera, time_s: NDArray[np.float64]) -> list[Shot]:
+    """Painter and camera pose at each moment; the painters differ where something moves."""
+    poses = world_from_camera(episode.trajectory.at(time_s), camera.agent_from_camera)
+    if not episode.movers:
+        return [(painter, pose) for pose in poses]
+    ways = {mover.object_id: mover.trajectory.at(time_s) for mover in episode.movers}
+    return [
+        (painter.with_moved({object_id: way[number] for object_id, way in ways.items()}), pose)
+        for number, pose in enumerate(poses)
+    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,14 +105,22 @@ class TextureLibrary:
         return self._made[key]
 
 
+class Textures(Protocol):
+    """Textures by name and variant."""
+
+    def __getitem__(self, key: tuple[str, int], /) -> Texture:
+        """The texture, made on first use."""
+        ...
+
+
 def materials_of(
-    finishes: Iterable[Finish], library: TextureLibrary, images: Mapping[int, NDArray[np.uint8]]
+    finishes: Iterable[Finish], library: Textures, images: Mapping[int, NDArray[np.uint8]]
 ) -> tuple[Material, ...]:
     """One material per finish, in order; materials with the same texture share its array."""
     return tuple(_material(finish, library, images) for finish in finishes)
 
 
-def _material(finish: Finish, library: TextureLibrary, images: Mapping[int, NDArray[np.uint8]]) -> Material:
+def _material(finish: Finish, library: Textures, images: Mapping[int, NDArray[np.uint8]]) -> Material:
     colour, normal_map, size_m, name = None, None, 1.0, "plain"
     if finish.image >= 0:
         colour, name = images[finish.image], f"image-{finish.image}"

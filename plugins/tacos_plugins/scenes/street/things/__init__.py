@@ -1,0 +1,1 @@
+"""What stands in the streets, each as a `Piece` around the origin on the ground."""
