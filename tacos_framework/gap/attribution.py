@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.gap.evidence import Judged
-from tacos_framework.gap.fit import Fitted, fit, rescored, theta_of
+from tacos_framework.gap.fit import Fitted, fit, rescored, theta_of, with_exact_jacobian
 from tacos_framework.gap.parameters import Term
 from tacos_framework.gap.problem import Hypothesis, Problem, bent
 from tacos_framework.gap.starts import terms_for
@@ -97,6 +97,7 @@ class Search:
         self._workers = workers
         self._effects = effects
         self._fits: dict[tuple[str, ...], Fitted] = {}
+        self.trials: dict[str, list[Trial]] = {}
 
     def run(self) -> Attribution:
         """Search, and compare what was found with its rivals."""
@@ -105,12 +106,12 @@ class Search:
         self._fits[()] = null
         with ThreadPoolExecutor(self._workers) as pool:
             self._pool = pool
-            self.trials = self._try_all()
             best = null
             while len(best.hypothesis) < LARGEST:
                 judged = self.problem.judged(best.hypothesis)
                 if not unexplained(self.problem, judged).stands_out:
                     break
+                self.trials = self.trials or self._try_all()  # where nothing stands out, nothing is tried
                 best = self._in_units_of(judged, best)
                 better = self._extended(best)
                 if better is None:
@@ -120,7 +121,8 @@ class Search:
             best = self._pruned(best)
             null = self._fits[()]
             slots = {name: self._rivals(best, name) for name in best.names}
-            return self._settled(best, null, slots)
+            found = self._settled(best, null, slots)
+            return replace(found, best=with_exact_jacobian(self.problem, found.best))
 
     def _in_units_of(self, judged: Judged, best: Fitted) -> Fitted:
         """Take the floor of the explanation so far for the unit; what was simulated is only rescaled."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,6 +29,9 @@ CONFIDENCE = 0.9
 
 _LARGEST_PROBABILITY = 0.99
 _Z90 = 1.645
+ENOUGH_PIXELS = 500_000
+"""Repeated frames beyond so many pixels in all tell little that others do not, and cost as much."""
+
 _NO_GAP = 1.5
 """Gap up to which captures and simulator count as equal, whatever its significance [floor]."""
 
@@ -184,7 +188,7 @@ def diagnose(
     """
     tell = notify or (lambda text: None)
     tell("measuring the captures")
-    evidence, limitations = gather(folder, seed)
+    evidence, limitations = gather(folder, seed, workers)
     problem = Problem(evidence)
     tell("trying effects")
     attribution = Search(problem, effects, workers, tell).run()
@@ -214,24 +218,26 @@ def diagnose(
     )
 
 
-def gather(folder: CaptureFolder, seed: int) -> tuple[list[Evidence], list[str]]:
+def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
-    evidence: list[Evidence] = []
-    limitations: list[str] = []
-    for capture in folder.captures:
-        if capture.kind == "board":
-            corners = find_corners(capture)
-            if corners is None:
-                limitations.append(f"{capture.id}: the board's corners were not found; it is left out.")
-            else:
-                evidence.append(BoardEvidence(capture, corners, seed))
-            continue
-        if capture.expected_dn is None:
-            capture = with_sharp_edges(capture)
-        if not capture.valid.any():
-            continue
-        evidence.append(ImageEvidence(capture, seed))
-    return evidence, limitations
+    with ThreadPoolExecutor(workers) as pool:
+        found = list(pool.map(lambda capture: _evidence_of(capture, seed), folder.captures))
+    evidence = [each for each in found if not isinstance(each, str)]
+    return evidence, [text for text in found if isinstance(text, str) and text]
+
+
+def _evidence_of(capture: Capture, seed: int) -> Evidence | str:
+    """The evidence of a capture, or in a sentence why there is none; empty where that was said on reading."""
+    if capture.kind == "board":
+        corners = find_corners(capture)
+        if corners is None:
+            return f"{capture.id}: the board's corners were not found; it is left out."
+        return BoardEvidence(capture, corners, seed)
+    if capture.expected_dn is None:
+        capture = with_sharp_edges(capture)
+    if not capture.valid.any():
+        return ""
+    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed)
 
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +95,14 @@ class Capture:
     def frames(self) -> int:
         """Number of real frames."""
         return len(self.real_dn)
+
+    def of_at_most(self, pixels: int) -> Capture:
+        """With as many of its repeated frames as hold so many pixels, but two where there are two."""
+        assert self.expected_dn is None or len(self.expected_dn) in (1, self.frames)
+        enough = max(2, pixels // self.valid.size)
+        if self.frames <= enough or self.expected_dn is None or len(self.expected_dn) > 1:
+            return self
+        return replace(self, real_dn=self.real_dn[:enough])
 
     @property
     def is_structured(self) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,9 +79,7 @@ class Sample:
     @cached_property
     def signal(self) -> NDArray[np.float32]:
         """(H, W, C) expected signal above the pedestal, of the capture as it was read [DN]."""
-        assert self.capture.expected_dn is not None
-        expected = self.capture.expected_dn
-        return np.asarray(expected.mean(axis=0) - self.capture.context.black_level_dn)
+        return expected_signal(self.capture)
 
     @property
     def repeats(self) -> bool:
@@ -94,9 +93,14 @@ class Sample:
         return (self.frames - self.mean) * np.float32(np.sqrt(count / (count - 1)))
 
     @cached_property
+    def planes(self) -> NDArray[np.float32]:
+        """(C, N, H, W) `temporal`, channel by channel in memory [DN]."""
+        return np.ascontiguousarray(np.moveaxis(self.temporal, -1, 0))
+
+    @cached_property
     def variance(self) -> NDArray[np.float32]:
         """(H, W, C) variance over frames [DN^2]."""
-        return np.asarray(np.mean(self.temporal**2, axis=0))
+        return np.asarray(np.mean(np.square(self.temporal), axis=0))
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -107,6 +111,17 @@ class Sample:
     def valid(self) -> NDArray[np.bool_]:
         """(H, W) pixels that count."""
         return self.capture.valid
+
+
+_SIGNALS: WeakKeyDictionary[Capture, NDArray[np.float32]] = WeakKeyDictionary()
+
+
+def expected_signal(capture: Capture) -> NDArray[np.float32]:
+    """(H, W, C) what the simulator expects above the pedestal; worked out once per capture [DN]."""
+    if capture not in _SIGNALS:
+        assert capture.expected_dn is not None
+        _SIGNALS[capture] = capture.expected_dn.mean(axis=0) - np.float32(capture.context.black_level_dn)
+    return _SIGNALS[capture]
 
 
 HOT_DN = 2.0

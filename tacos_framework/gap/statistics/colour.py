@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tacos_framework.gap.statistics.block import Block, Sample
+from tacos_framework.gap.captures import Capture
+from tacos_framework.gap.statistics.block import Block, Sample, expected_signal
 
 _LEAST_SPREAD = 0.01
 """Spread of colours, over full scale, below which a matrix cannot be told."""
@@ -18,16 +21,13 @@ def colour_statistics(sample: Sample) -> Iterator[Block]:
         return
     black = np.float32(sample.capture.context.black_level_dn)
     white = np.float32(sample.capture.context.white_level_dn - black)
-    used = sample.valid & (sample.signal.max(axis=-1) < 0.9 * white)
-    if used.sum() < 500:
+    used = _used(sample.capture)
+    if len(used) < 500 // 7:
         return
-    expected = (sample.reference[used][::7] - black) / white
-    real = (sample.mean[used][::7] - black) / white
-    if (
-        np.linalg.svd(expected - expected.mean(axis=0), compute_uv=False)[-1] / np.sqrt(len(expected))
-        > _LEAST_SPREAD
-    ):
-        matrix = np.linalg.lstsq(expected, real, rcond=None)[0].T
+    expected = (sample.reference.reshape(-1, 3)[used] - black) / white
+    real = (sample.mean.reshape(-1, 3)[used] - black) / white
+    if np.linalg.eigvalsh(np.cov(expected.T))[0] > _LEAST_SPREAD**2:
+        matrix = np.linalg.solve(expected.T @ expected, expected.T @ real).T
         at = [{"from": "RGB"[column], "to": "RGB"[row]} for row in range(3) for column in range(3)]
         yield Block("colour_matrix", "isp", matrix.ravel(), at, 0.005)
     if sample.capture.patches is not None:
@@ -35,3 +35,15 @@ def colour_statistics(sample: Sample) -> Iterator[Block]:
         values = [sample.residual[y : y + h, x : x + w].mean(axis=(0, 1)) for x, y, w, h in boxes]
         places = [{"patch": int(k), "channel": c} for k in range(len(boxes)) for c in "RGB"]
         yield Block("patches", "isp", np.concatenate(values).astype(float), places, 0.3)
+
+
+_USED: WeakKeyDictionary[Capture, NDArray[np.int64]] = WeakKeyDictionary()
+
+
+def _used(capture: Capture) -> NDArray[np.int64]:
+    """Every seventh pixel that counts and is expected to stay well below saturation, as flat indices."""
+    if capture not in _USED:
+        context = capture.context
+        white = 0.9 * (context.white_level_dn - context.black_level_dn)
+        _USED[capture] = np.flatnonzero(capture.valid & (expected_signal(capture).max(axis=-1) < white))[::7]
+    return _USED[capture]

@@ -33,7 +33,7 @@ def field_statistics(sample: Sample) -> Iterator[Block]:
     if sample.repeats:
         circles = rings(capture)
         if len(circles.at) > 1:
-            ratio = sample.variance.sum(-1) / _expected_variance(sample)
+            ratio = np.einsum("hwc->hw", sample.variance) / _expected_variance(sample)
             value = np.log(np.maximum(circles.mean(ratio), 1e-6))
             yield Block("noise_over_field", "isp", value - value.mean(), circles.at, 0.02)
 
@@ -42,4 +42,5 @@ def _expected_variance(sample: Sample) -> np.ndarray:
     """(H, W) noise for the level that was *measured*: what dims light leaves the ratio at 1."""
     black = np.float32(sample.capture.context.black_level_dn)
     level = np.maximum(sample.mean - black, 0)
-    return np.asarray((sample.capture.noise.variance_dn2(level) + np.float32(1 / 12)).sum(-1))
+    rounding = np.float32(level.shape[-1] / 12)
+    return np.asarray(np.einsum("hwc->hw", sample.capture.noise.variance_dn2(level)) + rounding)

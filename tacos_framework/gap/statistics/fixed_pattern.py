@@ -16,6 +16,7 @@ HOT_DN = 4.0
 _WINDOW_PX = 7
 _RELATIVE = 0.0015
 _OFFSET_DN = 0.04
+_LEAST_OF_A_LINE = 16  # pixels
 
 
 def fixed_pattern_statistics(sample: Sample) -> Iterator[Block]:
@@ -32,6 +33,7 @@ def _covariance(sample: Sample) -> Iterator[Block]:
         return
     first = _fine(sample.frames[0::2].mean(axis=0) - sample.reference)
     second = _fine(sample.frames[1::2].mean(axis=0) - sample.reference)
+    count = [even.sum(axis=axis) for axis in (0, 1)]
     product = np.clip(first * second, -400, 400)
     for channel, label in enumerate(sample.channels):
         bins = levels(sample.capture, channel, even)
@@ -45,9 +47,10 @@ def _covariance(sample: Sample) -> Iterator[Block]:
             [{**at, "channel": label} for at in bins.at],
             (_RELATIVE * signal) ** 2 + _OFFSET_DN**2,
         )
+        one, two = (half[..., channel] * even for half in (first, second))
         for axis, name in ((0, "column_pattern"), (1, "row_pattern")):
-            a = _masked_mean(first[..., channel], even, axis)
-            b = _masked_mean(second[..., channel], even, axis)
+            filled = count[axis] > _LEAST_OF_A_LINE
+            a, b = (half.sum(axis=axis)[filled] / count[axis][filled] for half in (one, two))
             amplitude = (0.3 * _OFFSET_DN) ** 2 + (0.2 * _RELATIVE * signal.mean()) ** 2
             yield Block(name, "pixel", np.array([float(np.mean(a * b))]), [{"channel": label}], amplitude)
 
@@ -57,12 +60,6 @@ def _fine(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
     blurred = cv2.blur(image, (_WINDOW_PX, _WINDOW_PX)).reshape(image.shape)
     return np.asarray(image - blurred, np.float32)
-
-
-def _masked_mean(image: NDArray[np.float32], mask: NDArray[np.bool_], axis: int) -> NDArray[np.float64]:
-    count = mask.sum(axis=axis)
-    filled = count > 16
-    return np.asarray((image * mask).sum(axis=axis)[filled] / count[filled])
 
 
 def _hot_pixels(sample: Sample) -> Block:

@@ -128,13 +128,22 @@ def levels(capture: Capture, channel: int, flat: NDArray[np.bool_] | None = None
     return _kept(capture, ("levels", channel, flat is None), make)
 
 
+_SMOOTH: WeakKeyDictionary[Capture, NDArray[np.bool_]] = WeakKeyDictionary()
+
+
 def smooth_areas(capture: Capture) -> NDArray[np.bool_]:
     """(H, W) where the expectation has no edges: noise can be seen there in a single frame."""
+    if capture not in _SMOOTH:
+        _SMOOTH[capture] = _without_edges(capture)
+    return _SMOOTH[capture]
+
+
+def _without_edges(capture: Capture) -> NDArray[np.bool_]:
+    import cv2
+
     assert capture.expected_dn is not None
     level = capture.expected_dn.mean(axis=0).max(axis=-1)
     range_of = np.maximum(np.ptp(level), 1.0)
     gy, gx = np.gradient(level)
     edgy = np.hypot(gx, gy) > 0.01 * range_of + 0.25
-    import cv2
-
     return ~cv2.dilate(edgy.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(bool)

@@ -20,18 +20,19 @@ _LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
 def noise_statistics(sample: Sample) -> Iterator[Block]:
     """Noise of repeated frames; of a single one, what a high-pass leaves in even areas."""
     if sample.repeats:
-        noise = sample.temporal
+        planes = sample.planes
         yield from _photon_transfer(sample, sample.variance, "photon_transfer", None, 0.02)
-        yield from _tails(noise, sample.valid)
+        yield _tails(planes, sample.valid)
     else:
         even = smooth_areas(sample.capture) & sample.valid
         if even.sum() < 2000:
             return
-        noise = (sample.frames - sample.expected)[:1] * even[None, :, :, None]
-        yield from _photon_transfer(sample, _high_pass(noise[0]) ** 2, "spatial_noise", even, 0.03)
+        noise = (sample.frames[0] - sample.expected[0]) * even[:, :, None]
+        yield from _photon_transfer(sample, _high_pass(noise) ** 2, "spatial_noise", even, 0.03)
+        planes = np.ascontiguousarray(np.moveaxis(noise, -1, 0))[:, None]
     if sample.capture.noise.known or sample.repeats:
-        yield from _correlation(sample, noise)
-        yield from _lattice(sample, noise)
+        yield from _correlation(sample, planes)
+        yield from _lattice(sample, planes)
 
 
 def _photon_transfer(
@@ -57,25 +58,24 @@ def _photon_transfer(
             )
 
 
-def _tails(noise: NDArray[np.float32], valid: NDArray[np.bool_]) -> Iterator[Block]:
-    square = noise**2 if valid.all() else noise[:, valid] ** 2
+def _tails(planes: NDArray[np.float32], valid: NDArray[np.bool_]) -> Block:
+    square = np.square(planes if valid.all() else planes[:, :, valid])
     variance = max(float(square.mean()), 0.05)
     kurtosis = max(float(np.vdot(square, square)) / square.size / variance**2, 0.1)
-    yield Block("noise_tails", "readout", np.array([np.log(kurtosis)]), [{}], 0.03)
+    return Block("noise_tails", "readout", np.array([np.log(kurtosis)]), [{}], 0.03)
 
 
-def _correlation(sample: Sample, noise: NDArray[np.float32]) -> Iterator[Block]:
+def _correlation(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]:
     step = 2 if sample.capture.context.cfa else 1
-    for channel, label in enumerate(sample.channels):
-        plane = noise[..., channel]
-        variance = max(float(np.mean(plane**2)), 0.02)
+    for plane, label in zip(planes, sample.channels, strict=True):
+        variance = max(float(np.vdot(plane, plane)) / plane.size, 0.02)
         values = [_lagged(plane, rows * step, columns * step) / variance for rows, columns in LAGS]
         at = [{"lag_px": [columns * step, rows * step], "channel": label} for rows, columns in LAGS]
         yield Block("noise_autocorrelation", "pixel", np.array(values), at, 0.004)
     if len(sample.channels) == 3:
         pairs = ((0, 1), (1, 2), (0, 2))
-        flat = noise.reshape(-1, 3)
-        covariance = flat.T @ flat / len(flat)
+        flat = planes.reshape(3, -1)
+        covariance = flat @ flat.T / flat.shape[1]
         spread = np.sqrt(np.maximum(np.diag(covariance), 1e-6))
         values = [float(covariance[a, b] / (spread[a] * spread[b])) for a, b in pairs]
         at = [{"channels": sample.channels[a] + sample.channels[b]} for a, b in pairs]
@@ -89,13 +89,14 @@ def _lagged(plane: NDArray[np.float32], rows: int, columns: int) -> float:
     return float(np.einsum("nij,nij->", a, b) / a.size)
 
 
-def _lattice(sample: Sample, noise: NDArray[np.float32]) -> Iterator[Block]:
+def _lattice(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]:
     """Variance at the four places of a 2 x 2 lattice, which only a demosaiced image tells apart."""
     if sample.capture.context.cfa:
         return
-    for channel, label in enumerate(sample.channels):
-        square = noise[..., channel] ** 2
-        phases = np.array([float(square[:, r::2, c::2].mean()) for r in (0, 1) for c in (0, 1)])
+    for plane, label in zip(planes, sample.channels, strict=True):
+        height, width = (size // 2 * 2 for size in plane.shape[1:])
+        even = plane[:, :height, :width].reshape(-1, 2, width // 2, 2)
+        phases = np.einsum("nrwc,nrwc->rc", even, even).ravel() / (even.size / 4)
         logs = np.log(phases + 0.01)
         value = logs - logs.mean()
         at = [{"lattice": [c, r], "channel": label} for r in (0, 1) for c in (0, 1)]

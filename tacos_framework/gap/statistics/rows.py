@@ -15,33 +15,48 @@ WAVES = 24
 
 def row_statistics(sample: Sample) -> Iterator[Block]:
     """Variance of row and column means over that of independent pixels; waves over the rows."""
-    if len(sample.frames) > 1:
-        noise = sample.temporal if sample.repeats else sample.frames - sample.expected
-        fine = noise - noise.mean(axis=(1, 2), keepdims=True)
-    else:
-        fine = sample.frames - sample.expected
-        fine = fine - fine.mean(axis=(1, 2), keepdims=True)
+    noise = sample.temporal if sample.repeats else sample.frames - sample.expected
+    row_means = _row_means(noise)
     even = sample.repeats or sample.capture.kind in ("dark", "flat")
     if even:
-        for axis, name in ((2, "row_noise"), (1, "column_noise")):
-            yield _shared(fine, axis, name)
+        level = row_means.mean(axis=1)
+        variance = max(float(np.vdot(noise, noise)) / noise.size - float(np.mean(level**2)), 0.02)
+        yield _shared(row_means, variance / noise.shape[2], "row_noise")
+        yield _shared(_column_means(noise), variance / noise.shape[1], "column_noise")
     if sample.capture.kind != "dark" and (even or len(sample.frames) > 1):
-        yield _waves(sample, fine)
+        yield _waves(sample, noise, row_means)
 
 
-def _shared(fine: NDArray[np.float32], axis: int, name: str) -> Block:
-    """Variance of neighbouring line means' differences, over what independent pixels would give."""
-    lines = fine.mean(axis=axis)
+def _row_means(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(N, H, C) means along the rows of (N, H, W, C); many times faster than numpy's over a middle axis."""
+    import cv2
+
+    means = [cv2.reduce(frame, 1, cv2.REDUCE_AVG) for frame in image]
+    return np.stack(means).reshape(image.shape[0], image.shape[1], image.shape[3])
+
+
+def _column_means(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(N, W, C) means along the columns of (N, H, W, C)."""
+    import cv2
+
+    means = [cv2.reduce(frame, 0, cv2.REDUCE_AVG) for frame in image]
+    return np.stack(means).reshape(image.shape[0], image.shape[2], image.shape[3])
+
+
+def _shared(lines: NDArray[np.float32], independent: float, name: str) -> Block:
+    """Variance of neighbouring lines' differences, over what independent pixels would give, as a logarithm."""
     steps = np.diff(lines, axis=1) / np.sqrt(2)
-    independent = max(float(np.mean(fine**2)), 0.02) / fine.shape[axis]
-    return Block(
-        name, "readout", np.array([np.log(float(np.mean(steps**2)) / independent + 0.05)]), [{}], 0.05
-    )
+    ratio = float(np.mean(steps**2)) / independent
+    return Block(name, "readout", np.array([np.log(ratio + 0.05)]), [{}], 0.05)
 
 
-def _waves(sample: Sample, fine: NDArray[np.float32]) -> Block:
+def _waves(sample: Sample, noise: NDArray[np.float32], row_means: NDArray[np.float32]) -> Block:
     """Amplitude of waves over the rows of each frame, relative to the signal, by its rms over frames."""
-    profile = (fine.mean(axis=-1) * sample.valid).sum(axis=2)
+    level = row_means.mean(axis=1, keepdims=True)
+    if sample.valid.all():
+        profile = (row_means - level).mean(axis=-1) * noise.shape[2]
+    else:
+        profile = ((noise - level[:, :, None]) * sample.valid[None, :, :, None]).mean(axis=-1).sum(axis=2)
     weight = np.maximum((sample.signal.mean(axis=-1) * sample.valid).sum(axis=1), 1.0)
     profile = profile / weight[None, :]
     spectrum = np.abs(np.fft.rfft(profile - profile.mean(axis=1, keepdims=True), axis=1))
