@@ -123,3 +123,15 @@ def test_cost_volume_against_loops():
             expected[:, 3:, disparity, :, x] = right[..., x - disparity]
     found = cost_volume(torch.from_numpy(left), torch.from_numpy(right), 8)
     np.testing.assert_array_equal(found.numpy(), expected)
+
+
+def test_in_half_precision_the_disparity_itself_is_not_halved():
+    """As on a GPU, here on the CPU: convolutions in bfloat16, the mean over disparities not."""
+    volume = torch.from_numpy(np.random.default_rng(8).normal(0, 2, (1, 1, 48, 4, 4)).astype(np.float32))
+    network = narrow(max_disparity=192)
+    plain = network._disparity(volume, (192, 16, 16))
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        assert torch.equal(network._disparity(volume, (192, 16, 16)), plain)
+        with torch.no_grad():
+            (found,) = network.eval()(*images(1, 32, 64))
+    assert found.dtype == torch.float32

@@ -19,6 +19,7 @@ torch = pytest.importorskip("torch", reason="the extra perception is not install
 
 from tacos_plugins.tasks.learning.guard import TrainingDiverged  # noqa: E402
 from tacos_plugins.tasks.psmnet import task as task_module  # noqa: E402
+from tacos_plugins.tasks.psmnet import training as training_module  # noqa: E402
 from tacos_plugins.tasks.psmnet.network import PSMNet  # noqa: E402
 from tacos_plugins.tasks.psmnet.task import PsmnetDepth  # noqa: E402
 
@@ -237,6 +238,20 @@ def test_out_of_memory_halves_the_batch(monkeypatch, caplog):
     assert "training anew with batches of 2" in caplog.text
     monkeypatch.undo()
     assert fingerprint(fitted) == fingerprint(fit(start(), [frames()], batch_size=2))
+
+
+def test_half_precision_trains_about_as_well(monkeypatch):
+    """Mixed precision as on a GPU, here on the CPU."""
+    losses: dict[str, list[float]] = {"single": [], "half": []}
+    for precision, kept in losses.items():
+        if precision == "half":
+            monkeypatch.setattr(
+                training_module, "mixed_precision", lambda device: torch.autocast("cpu", torch.bfloat16)
+            )
+        state = fit(start(), [frames(8)], epochs=6, told=lambda loss, kept=kept: kept.append(loss["loss"]))
+        assert state["model.dres0.0.0.weight"].dtype == np.float32
+    assert losses["half"] != losses["single"]
+    np.testing.assert_allclose(losses["half"], losses["single"], rtol=0.1)
 
 
 def test_cuda_where_there_is_none(monkeypatch):

@@ -99,10 +99,11 @@ class PSMNet(nn.Module):
 
     def _disparity(self, volume: Tensor, size: tuple[int, ...]) -> Tensor:
         """(N, H, W) disparities of a volume of a quarter of the size [px]."""
-        fine = functional.interpolate(
-            volume.float(), size=size, mode="trilinear", align_corners=self.align_corners
-        )
-        return soft_argmax(fine.squeeze(1))
+        with torch.autocast(volume.device.type, enabled=False):  # eight bits cannot tell 150 from 150.4
+            fine = functional.interpolate(
+                volume.float(), size=size, mode="trilinear", align_corners=self.align_corners
+            )
+            return soft_argmax(fine.squeeze(1))
 
 
 def cost_volume(left: Tensor, right: Tensor, disparities: int) -> Tensor:
