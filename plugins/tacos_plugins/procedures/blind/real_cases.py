@@ -25,7 +25,14 @@ FLEA3 = {
     "bit_depth": 8,
     "black_level_dn": 0,
     "channels": 1,
+    "cfa": "GRBG",
 }
+
+LINEAR_MS = 250
+"""Exposure time up to which the signal of the Flea3 is linear where it does not clip."""
+
+UNCLIPPED_DN = 240
+"""Values below are far enough from clipping."""
 
 
 @dataclass(frozen=True)
@@ -154,19 +161,25 @@ def _darks(out: Path, frames: Mapping[int, Sequence[Path]]) -> None:
 def _series(
     out: Path, chosen: Mapping[int, Sequence[Path]], lit: Mapping[int, Sequence[Path]], white: float
 ) -> None:
-    """The expected image is the rate of light, found at 100 and 250 ms, times the exposure time."""
+    """What is expected is the light of the *other* exposures, with the half code back that each had lost."""
     folder = _folder(out)
-    rates = [_read(lit[time][0]) / time for time in (100, 250)]
-    rate = cv2.GaussianBlur(np.mean(rates, axis=0), (0, 0), 0.7)
+    frames = {time: _read(files[0]) for time, files in lit.items() if time <= LINEAR_MS}
     captures = []
     for time, files in chosen.items():
-        np.save(folder / f"expected_{time}.npy", (rate * time).astype(np.float32))
+        others = {t: image for t, image in frames.items() if t != time}
+        exposed = sum(t * (image < UNCLIPPED_DN) for t, image in others.items())
+        collected = sum((image + 0.5) * (image < UNCLIPPED_DN) for image in others.values())
+        light = collected / np.maximum(exposed, 1) * time
+        np.save(folder / f"expected_{time}.npy", light.astype(np.float32))
+        cv2.imwrite(str(folder / f"mask_{time}.png"), np.where(exposed > 0, 255, 0).astype(np.uint8))
         captures.append(
             {
                 "id": f"disks_{time}",
                 "kind": "bracket",
                 "real": [str(f.resolve()) for f in files],
                 "simulated": f"expected_{time}.npy",
+                "simulated_frames": max(1, round(float(np.median(exposed)) / time)),
+                "mask": f"mask_{time}.png",
                 "exposure_ms": time,
                 "group": "disks",
                 "level_uncertainty": 0.03,

@@ -1,0 +1,208 @@
+"""Each family of statistics, against numbers known beforehand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from tacos_framework.gap.captures import Capture, Noise
+from tacos_framework.gap.statistics import Block, Sample, measure
+from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, squares
+
+LEVEL = 100.0
+VARIANCE = 0.24 * LEVEL + 1.8
+
+
+def flat_frames(count: int = 4, seed: int = 1) -> np.ndarray:
+    """(N, H, W, 1) frames of an even field with the noise that the capture names, not rounded [DN]."""
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(0, np.sqrt(VARIANCE), (count, HEIGHT, WIDTH, 1))
+    return (BLACK_DN + LEVEL + noise).astype(np.float32)
+
+
+def flat(frames: int = 4) -> Capture:
+    return capture("flat", "flat", BLACK_DN + LEVEL, frames)
+
+
+def blocks(of: Capture, frames: np.ndarray) -> dict[str, Block]:
+    assert of.expected_dn is not None
+    return {block.statistic: block for block in measure(Sample(of, frames, of.expected_dn))}
+
+
+def at(block: Block, **wanted: Any) -> float:
+    """The number of a block taken at this place."""
+    (index,) = [i for i, place in enumerate(block.at) if all(place.get(k) == v for k, v in wanted.items())]
+    return float(block.values[index])
+
+
+def test_photon_transfer_is_the_variance():
+    measured = blocks(flat(), flat_frames())["photon_transfer"].values
+    assert np.exp(measured) == pytest.approx([VARIANCE], rel=0.02)
+
+
+def test_level_is_the_difference_of_the_means():
+    assert blocks(flat(), flat_frames() + 1.5)["level"].values == pytest.approx([1.5], abs=0.1)
+
+
+def test_neighbours_of_mixed_pixels_are_correlated():
+    share = 0.05
+    kernel = np.array([[0, share, 0], [share, 1 - 4 * share, share], [0, share, 0]], np.float32)
+    mixed = np.stack([cv2.filter2D(frame, -1, kernel)[..., None] for frame in flat_frames(6)])
+    found = blocks(flat(6), mixed)["noise_autocorrelation"]
+    energy = (1 - 4 * share) ** 2 + 4 * share**2
+    assert at(found, lag_px=[1, 0]) == pytest.approx(2 * share * (1 - 4 * share) / energy, abs=0.01)
+    assert at(found, lag_px=[1, 1]) == pytest.approx(2 * share**2 / energy, abs=0.01)
+    assert at(found, lag_px=[4, 0]) == pytest.approx(0, abs=0.01)
+
+
+def test_what_repeats_is_a_fixed_pattern_and_noise_is_not():
+    pattern = np.random.default_rng(3).normal(0, 1.2, (HEIGHT, WIDTH, 1)).astype(np.float32)
+    without = blocks(flat(), flat_frames())["fixed_pattern"].values[0]
+    with_it = blocks(flat(), flat_frames() + pattern)["fixed_pattern"].values[0]
+    high_pass = 1 - 1 / 49
+    assert without == pytest.approx(0, abs=0.25)
+    assert with_it - without == pytest.approx(1.2**2 * high_pass, rel=0.15)
+
+
+def test_hot_pixels_of_the_dark_are_counted_and_kept_out_of_the_rest():
+    rng = np.random.default_rng(5)
+    dark = capture("dark", "dark", BLACK_DN, 3)
+    frames = (BLACK_DN + rng.normal(0, np.sqrt(1.8), (3, HEIGHT, WIDTH, 1))).astype(np.float32)
+    hot = frames.copy()
+    hot[:, ::30, ::40] += 90.0
+    count = len(range(0, HEIGHT, 30)) * len(range(0, WIDTH, 40))
+    assert np.expm1(blocks(dark, hot)["hot_pixels"].values) == pytest.approx([count, count])
+    assert np.expm1(blocks(dark, frames)["hot_pixels"].values) == pytest.approx([0, 0])
+    assert blocks(dark, hot)["dark_level"].values == pytest.approx(
+        blocks(dark, frames)["dark_level"].values, abs=0.02
+    )
+
+
+@pytest.mark.parametrize(("axis", "name"), [(1, "row_noise"), (2, "column_noise")])
+def test_noise_that_lines_share(axis, name):
+    shape = [4, 1, 1, 1]
+    shape[axis] = HEIGHT if axis == 1 else WIDTH
+    sigma = 0.8
+    frames = flat_frames() + np.random.default_rng(7).normal(0, sigma, shape).astype(np.float32)
+    other = "column_noise" if name == "row_noise" else "row_noise"
+    along = WIDTH if axis == 1 else HEIGHT
+    found = blocks(flat(), frames)
+    variance = VARIANCE + sigma**2
+    assert np.exp(found[name].values[0]) == pytest.approx(1 + along * sigma**2 / variance, rel=0.25)
+    assert np.exp(found[other].values[0]) == pytest.approx(1, abs=0.3)
+
+
+def test_a_wave_over_the_rows_has_its_period_and_depth():
+    wave = 1 + 0.05 * np.sin(2 * np.pi * np.arange(HEIGHT) / 40)
+    frames = BLACK_DN + (flat_frames(1) - BLACK_DN) * wave[None, :, None, None].astype(np.float32)
+    found = blocks(flat(1), frames)["row_waves"]
+    assert at(found, period_rows=40.0) == pytest.approx(0.05, abs=0.003)
+    assert at(found, period_rows=HEIGHT / 5) < 0.01
+
+
+def test_falling_light_shows_in_the_level_of_tiles_but_not_in_noise_over_the_field():
+    capture_of = flat(6)
+    fall = (1 - 0.3 * capture_of.geometry.radius**2).astype(np.float32)[..., None]
+    rng = np.random.default_rng(9)
+    signal = np.broadcast_to(LEVEL * fall, (6, HEIGHT, WIDTH, 1))
+    frames = BLACK_DN + signal + rng.normal(0, 1, signal.shape) * np.sqrt(0.24 * signal + 1.8)
+    found = blocks(capture_of, frames.astype(np.float32))
+    tiles = found["relative_illumination"]
+    outer = [v for v, place in zip(tiles.values, tiles.at, strict=True) if place["radius"][1] > 0.95]
+    inner = [v for v, place in zip(tiles.values, tiles.at, strict=True) if place["radius"][1] < 0.35]
+    assert np.mean(inner) - np.mean(outer) == pytest.approx(0.3 * (0.8 - 0.05), abs=0.06)
+    assert np.abs(found["noise_over_field"].values).max() < 0.03
+
+
+def test_every_second_code_missing_is_a_comb():
+    found = blocks(flat(), np.rint(flat_frames()))["code_comb"]
+    combed = blocks(flat(), 2 * np.rint(flat_frames() / 2))["code_comb"]
+    assert at(found, period_dn=2) < 0.02
+    assert at(combed, period_dn=2) == pytest.approx(1.0)
+    assert at(combed, what="empty codes") == pytest.approx(0.5, abs=0.05)
+
+
+def test_clipping_is_counted_at_both_ends():
+    frames = np.rint(flat_frames())
+    frames[:, :12] = 255.0
+    frames[:, -6:] = 0.0
+    found = blocks(flat(), frames)["clipped"]
+    assert at(found, end="white") == pytest.approx(12 / HEIGHT)
+    assert at(found, end="zero") == pytest.approx(6 / HEIGHT)
+
+
+def test_blur_lowers_detail_by_its_transfer_function():
+    sigma = 0.9
+    edges = capture("edges", "edge", squares())
+    assert edges.expected_dn is not None
+    blurred = cv2.GaussianBlur(edges.expected_dn[0], (0, 0), sigma)[None, ..., None]
+    found = blocks(edges, np.repeat(blurred, 2, axis=0))["detail"]
+    band = {"frequency_cycles_px": [0.08, 0.16], "direction_deg": 0}
+    measured = [v for v, p in zip(found.values, found.at, strict=True) if band.items() <= p.items()]
+    low, high = (np.exp(-4 * np.pi**2 * sigma**2 * f**2) for f in (0.16, 0.08))
+    assert all(low <= np.exp(value) <= high for value in measured)
+    assert measured
+
+
+def test_shifted_detail_is_displaced():
+    grain = cv2.GaussianBlur(np.random.default_rng(10).normal(0, 1, (HEIGHT, WIDTH)), (0, 0), 2)
+    texture = BLACK_DN + 110 + 300 * grain
+    scene = capture("scene", "scene", texture)
+    to_the_right = np.array([[1, 0, 0.6], [0, 1, 0.0]])
+    moved = cv2.warpAffine(texture, to_the_right, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REFLECT)
+    frames = np.repeat(moved[None, ..., None], 2, axis=0).astype(np.float32)
+    assert scene.expected_dn is not None
+    found = [b for b in measure(Sample(scene, frames, scene.expected_dn)) if b.statistic == "displacement"]
+    along, across = (next(b for b in found if b.at[0]["axis"] == axis) for axis in "xy")
+    assert np.median(along.values) == pytest.approx(0.6, abs=0.1)
+    assert np.median(across.values) == pytest.approx(0.0, abs=0.05)
+
+
+def colourful() -> Capture:
+    """A chart of random colours."""
+    rng = np.random.default_rng(11)
+    patches = rng.uniform(20, 180, (6, 8, 3))
+    image = BLACK_DN + np.kron(patches, np.ones((HEIGHT // 6, WIDTH // 8, 1)))
+    mono = capture("chart", "chart", BLACK_DN)
+    return replace(
+        mono,
+        real_dn=np.zeros((2, HEIGHT, WIDTH, 3), np.float32),
+        expected_dn=image[None].astype(np.float32),
+        noise=Noise((0.24,) * 3, (1.8,) * 3),
+    )
+
+
+def test_the_matrix_between_colours_is_found():
+    matrix = np.array([[1.2, -0.15, -0.05], [-0.1, 1.2, -0.1], [0.0, -0.2, 1.2]])
+    chart = colourful()
+    assert chart.expected_dn is not None
+    frames = BLACK_DN + (chart.expected_dn - BLACK_DN) @ matrix.T
+    rng = np.random.default_rng(13)
+    frames = np.repeat(frames, 2, axis=0) + rng.normal(0, 1, (2, HEIGHT, WIDTH, 3))
+    found = blocks(chart, frames.astype(np.float32))["colour_matrix"]
+    assert found.values.reshape(3, 3) == pytest.approx(matrix, abs=0.01)
+
+
+def test_jpeg_leaves_borders_and_takes_coefficients():
+    edges = capture("edges", "edge", squares(), frames=1)
+    assert edges.expected_dn is not None
+    noise = np.random.default_rng(15).normal(0, 4, edges.expected_dn.shape)
+    image = np.clip(edges.expected_dn + noise, 0, 255)
+    _, code = cv2.imencode(".jpg", image[0, ..., 0].astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, 25])
+    squeezed = cv2.imdecode(code, cv2.IMREAD_GRAYSCALE)[None, ..., None].astype(np.float32)
+    before, after = blocks(edges, image.astype(np.float32)), blocks(edges, squeezed)
+    assert after["block_borders"].values.sum() > before["block_borders"].values.sum() + 0.2
+    assert (after["vanished_coefficients"].values > before["vanished_coefficients"].values + 0.1).all()
+
+
+def test_real_and_simulated_frames_are_measured_at_the_same_places():
+    edges = capture("edges", "edge", squares())
+    assert edges.expected_dn is not None
+    rng = np.random.default_rng(17)
+    one, other = (edges.expected_dn + rng.normal(0, s, (2, HEIGHT, WIDTH, 1)) for s in (1, 9))
+    first, second = (measure(Sample(edges, f.astype(np.float32), edges.expected_dn)) for f in (one, other))
+    assert [(b.statistic, list(b.at)) for b in first] == [(b.statistic, list(b.at)) for b in second]
