@@ -13,6 +13,7 @@ from safetensors.numpy import load_file
 from toy_study import comparable, run, toy_recipe
 
 from tacos_framework.errors import UserError
+from tacos_framework.loading import load_recipe
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.simulation import Evaluator
@@ -137,3 +138,25 @@ def test_keys_under_train_are_checked_with_the_recipe(plugins):
     assert "nodes.detect.train.learning_rat" in said
     assert "Did you mean 'learning_rate'" in said
     assert "batch_size is 0" in said
+
+
+@pytest.mark.slow
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("headset_joint_quick", {"nodes.world.frames": 8}),
+        ("headset_day", {"nodes.world.frames": 3, "rig.binning": 40}),
+    ],
+)
+def test_shipped_recipes_train_their_detector(tmp_path, name, changes):
+    short = {"use": "optimizer.genetic", "population": 2, "keep": 1, "parents": 2, "generations": 1}
+    recipe = load_recipe(
+        name, {**changes, "optimizer": short, "compare": None, "test.frames": 4, "test.episodes": 1}
+    )
+    plugins = Plugins.discover()
+    run(recipe, plugins, tmp_path / "out")
+    before, after = first_state(recipe, plugins), kept_state(tmp_path / "out")
+    assert after["schedule.steps"].tolist() == [2]
+    head = "model.roi_heads.box_predictor.cls_score.weight"
+    assert np.abs(after[head] - before[head]).max() > 0

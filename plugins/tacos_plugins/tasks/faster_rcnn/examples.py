@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,27 +37,32 @@ class Example:
         return Example(self.image_dn[:, ::-1], self.black_level_dn, self.white_level_dn, labels)
 
 
-def mixed(examples: Iterable[Example], held: int, rng: np.random.Generator) -> Iterator[Example]:
-    """The examples in a shuffled order, of which no more than `held` are in memory at once.
+def mixed_batches(
+    examples: Iterable[Example], size: int, held: int, rng: np.random.Generator
+) -> Iterator[list[Example]]:
+    """Batches of `size` in a shuffled order, of which no more than `held` examples are in memory at once.
 
-    Consecutive frames of a walk look alike; a batch of them teaches little more than one of them.
+    Consecutive frames of a walk look alike; a batch of them teaches little more than one of them. Where
+    cameras differ in their pixels, a batch takes images of like size, as all are padded to the largest.
     """
     waiting: list[Example] = []
     for example in examples:
         waiting.append(example)
-        if len(waiting) == held:
-            yield waiting.pop(int(rng.integers(held)))
-    for index in rng.permutation(len(waiting)):
-        yield waiting[int(index)]
+        if len(waiting) == max(held, size):
+            yield from _batches(waiting, size, rng)
+            waiting = []
+    yield from _batches(waiting, size, rng)
 
 
-def in_batches(examples: Iterable[Example], size: int) -> Iterator[list[Example]]:
-    """Batches of `size`, the last one of what is left."""
-    batch: list[Example] = []
-    for example in examples:
-        batch.append(example)
-        if len(batch) == size:
-            yield batch
-            batch = []
-    if batch:
-        yield batch
+def _batches(examples: Sequence[Example], size: int, rng: np.random.Generator) -> Iterator[list[Example]]:
+    shuffled = [examples[int(i)] for i in rng.permutation(len(examples))]
+    by_size = sorted(shuffled, key=lambda example: example.image_dn[..., 0].size)
+    batches = list(in_parts(by_size, size))
+    for i in rng.permutation(len(batches)):
+        yield batches[int(i)]
+
+
+def in_parts(examples: Sequence[Example], size: int) -> Iterator[list[Example]]:
+    """Runs of `size`, the last one of what is left."""
+    for start in range(0, len(examples), size):
+        yield list(examples[start : start + size])

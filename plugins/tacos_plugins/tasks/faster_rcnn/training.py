@@ -11,7 +11,7 @@ from torch import Tensor
 from torchvision.models.detection import FasterRCNN
 
 from tacos_framework.settings import Settings, setting
-from tacos_plugins.tasks.faster_rcnn.examples import Example, in_batches, mixed
+from tacos_plugins.tasks.faster_rcnn.examples import Example, in_parts, mixed_batches
 from tacos_plugins.tasks.faster_rcnn.images import network_image
 from tacos_plugins.tasks.faster_rcnn.networks import still_norms
 from tacos_plugins.tasks.faster_rcnn.schedule import learning_rate
@@ -96,11 +96,9 @@ def train(
         )
         for group in adam.param_groups:
             group["lr"] = rate
-        shuffled = (
-            example.mirrored() if training.mirror and rng.random() < 0.5 else example
-            for example in mixed(examples(), training.shuffled_frames, rng)
-        )
-        for batch in in_batches(shuffled, batch_size):
+        for batch in mixed_batches(examples(), batch_size, training.shuffled_frames, rng):
+            if training.mirror:
+                batch = [each.mirrored() if rng.random() < 0.5 else each for each in batch]
             losses = _step(model, adam, batch, training.frames_at_once or batch_size, encode, step)
             step += 1
             if told is not None:
@@ -121,7 +119,7 @@ def _step(
     device = next(model.parameters()).device
     means: dict[str, float] = {}
     adam.zero_grad(set_to_none=True)
-    for part in in_batches(batch, at_once):
+    for part in in_parts(batch, at_once):
         share = len(part) / len(batch)
         with mixed_precision(device):
             losses: dict[str, Tensor] = model(
