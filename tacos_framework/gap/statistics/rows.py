@@ -44,7 +44,7 @@ def _column_means(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _shared(lines: NDArray[np.float32], independent: float, name: str) -> Block:
-    """Variance of neighbouring lines' differences, over what independent pixels would give, as a logarithm."""
+    """Log variance of neighbouring lines' differences, over what independent pixels would give."""
     steps = np.diff(lines, axis=1) / np.sqrt(2)
     ratio = float(np.mean(steps**2)) / independent
     return Block(name, "readout", np.array([np.log(ratio + 0.05)]), [{}], 0.05)

@@ -1,0 +1,129 @@
+"""The search for parameters, on problems whose answer is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from tacos_framework.gap.evidence import Judged, Label
+from tacos_framework.gap.fit import fit, rescored, with_exact_jacobian
+from tacos_framework.gap.parameters import Term
+from tacos_framework.gap.problem import Problem
+from tacos_framework.settings import Settings, setting
+
+
+class Bump:
+    """An effect of two parameters; the second acts in a bent way."""
+
+    class Config(Settings):
+        height: float = setting(0.0, help="Height.")
+        bend: float = setting(0.0, help="Bend.", ge=-2, le=2)
+
+    neutral: ClassVar = {"height": 0.0, "bend": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+
+X = np.linspace(-1, 1, 80)
+
+
+def shape(height: float, bend: float) -> np.ndarray:
+    return height * np.exp(-4 * X**2) + np.sinh(bend) * X
+
+
+class Curve:
+    """Evidence: a curve measured with noise of 1."""
+
+    def __init__(self, height: float, bend: float, seed: int, kind: str = "flat"):
+        rng = np.random.default_rng(seed)
+        self.real = shape(height, bend) + rng.normal(0, 1, len(X))
+        self.labels = [Label(f"{kind} {seed}", kind, "curve", "optics", {"x": float(x)}) for x in X]
+        self.floor = rng.normal(0, 1, (16, len(X)))
+
+    def residual(self, effects: Sequence[Any]) -> np.ndarray:
+        return self.real - sum((shape(e.config.height, e.config.bend) for e in effects), np.zeros(len(X)))
+
+    def judged(self, effects: Sequence[Any]) -> Judged:
+        z = self.residual(effects)
+        return Judged(z, self.floor, np.ones_like(z))
+
+
+def problem(height: float, bend: float, count: int = 4) -> Problem:
+    return Problem([Curve(height, bend, seed) for seed in range(count)])
+
+
+def start(height: float = 1.0, bend: float = 0.1) -> tuple[Term, ...]:
+    return (Term("bump", Bump, {"height": height, "bend": bend}, {"height": 1.0, "bend": 0.3}),)
+
+
+def test_parameters_are_found_with_standard_errors_that_hold():
+    misses = []
+    for seed in range(12):
+        of = Problem([Curve(6.0, 1.2, 100 * seed + k) for k in range(4)])
+        found = fit(of, start())
+        assert found is not None
+        spread = with_exact_jacobian(of, found).spread(of)
+        values = found.hypothesis[0].values
+        misses += [(values["height"] - 6.0) / spread[0], (values["bend"] - 1.2) / spread[1]]
+    assert np.abs(misses).max() < 4
+    assert 0.3 < np.std(misses) < 1.6
+
+
+def test_what_the_steps_tell_of_the_jacobian_agrees_with_differences():
+    of = problem(6.0, 1.2)
+    found = fit(of, start())
+    assert found is not None
+    exact = with_exact_jacobian(of, found)
+    size = np.linalg.norm(exact.jacobian, axis=0)
+    assert np.linalg.norm(found.jacobian - exact.jacobian, axis=0) / size == pytest.approx([0, 0], abs=0.25)
+
+
+def test_an_effect_that_is_there_scores_higher_on_held_out_conditions():
+    of = problem(6.0, 0.0)
+    null, found = fit(of, ()), fit(of, start())
+    assert null is not None
+    assert found is not None
+    assert found.score > null.score + 50
+
+
+def test_flexibility_alone_gains_nothing_on_held_out_conditions():
+    gains = []
+    for seed in range(8):
+        of = Problem([Curve(0.0, 0.0, 50 * seed + k) for k in range(4)])
+        null, found = fit(of, ()), fit(of, start(0.5, 0.1))
+        assert null is not None
+        assert found is not None
+        gains.append(found.score - null.score)
+    assert np.mean(gains) < 0.5
+    assert max(gains) < 6.0  # what an effect must gain to be believed
+
+
+def test_bounds_of_a_parameter_are_kept():
+    found = fit(problem(0.0, 2.6), start(0.1, 1.9))
+    assert found is not None
+    assert found.hypothesis[0].values["bend"] <= 2.0
+
+
+def test_a_start_that_the_effect_refuses_is_no_fit():
+    assert fit(problem(1.0, 0.0), start(1.0, 9.0)) is None
+
+
+def test_in_units_of_a_larger_floor_the_score_of_the_null_shrinks():
+    of = problem(6.0, 1.2)
+    null = fit(of, ())
+    assert null is not None
+    wider = of.reweighted(np.full(len(of.labels), 2.0))
+    again = rescored(wider, null, of.scale)
+    assert again.z == pytest.approx(null.z / 2)
+    assert again.score > null.score
+
+
+def test_captures_of_a_kind_alternate_between_folds_and_single_ones_are_split():
+    of = Problem([Curve(1, 0, 0), Curve(1, 0, 1), Curve(1, 0, 2, kind="edge")])
+    folds = of.fold.reshape(3, -1)
+    assert folds[0].all() != folds[1].all()
+    assert 0 < folds[2].mean() < 1
