@@ -304,6 +304,10 @@ PROCEDURES = {
         "studies_compared.compare:CompareStudies",
         "Variants of a study, such as joint and frozen, over several seeds: designs on unseen scenes.",
     ),
+    "studies-table": (
+        "studies_table.table:StudiesTable",
+        "Several studies and the cameras they compare with in one table, published figures beside.",
+    ),
     "pretrain": (
         "pretraining.pretrain:Pretrain",
         "A task that learns, trained on images of our own scenes: weights for studies to start with.",
