@@ -17,6 +17,7 @@ pytest.importorskip("torchvision", reason="the extra perception is not installed
 
 import torch
 
+from tacos_plugins.tasks.faster_rcnn import task as task_module
 from tacos_plugins.tasks.faster_rcnn import training as training_module
 from tacos_plugins.tasks.faster_rcnn.examples import Example, mixed_batches
 from tacos_plugins.tasks.faster_rcnn.labels import frame_labels
@@ -147,6 +148,40 @@ def test_the_schedule_goes_on_from_call_to_call(monkeypatch):
     for _ in range(3):
         state = fitted(task, state, [squares(2)], decay_every=1, decay_floor=0.3)
     assert rates == pytest.approx([1e-4, 5e-5, 3e-5])
+
+
+def test_the_first_steps_are_smaller_where_the_rate_warms_up(monkeypatch):
+    """Counted over all trainings, not within one."""
+    rates = []
+    step = training_module._step
+    monkeypatch.setattr(
+        training_module,
+        "_step",
+        lambda model, adam, *rest: rates.append(adam.param_groups[0]["lr"]) or step(model, adam, *rest),
+    )
+    task = detector()
+    state = first_state(task)
+    for _ in range(3):
+        state = fitted(task, state, [squares(4)], batch_size=2, warm_up_steps=4)
+    assert rates == pytest.approx([0.25e-4, 0.5e-4, 0.75e-4, 1e-4, 1e-4, 1e-4])
+
+
+def test_a_gradient_is_scaled_down_to_its_limit(monkeypatch):
+    norms = []
+    clip = torch.nn.utils.clip_grad_norm_
+
+    def noting(parameters, limit):
+        parameters = list(parameters)
+        clip(parameters, limit)
+        norms.append(float(torch.stack([p.grad.norm() for p in parameters if p.grad is not None]).norm()))
+
+    monkeypatch.setattr(torch.nn.utils, "clip_grad_norm_", noting)
+    task = detector()
+    state = first_state(task)
+    fitted(task, state, [squares(2)])
+    assert norms == []
+    fitted(task, state, [squares(2)], gradient_limit=1e-3)
+    assert norms == pytest.approx([1e-3], rel=1e-3)
 
 
 def test_frames_without_objects_are_learnt_from_too():
@@ -280,3 +315,19 @@ def test_batch_normalisation_learns_by_default_only_from_nothing(weights, moves)
     state = first_state(task)
     after = fitted(task, state, [squares(4)])
     assert any(name.endswith("running_mean") for name in moved(state, after)) is moves
+
+
+def test_half_precision_trains_and_scores(monkeypatch):
+    """What a GPU does, on the CPU."""
+    monkeypatch.setattr(
+        training_module, "mixed_precision", lambda device: torch.autocast(device.type, torch.bfloat16)
+    )
+    monkeypatch.setattr(
+        task_module, "mixed_precision", lambda device: torch.autocast(device.type, torch.bfloat16)
+    )
+    task = detector()
+    state = first_state(task)
+    after = fitted(task, state, [squares(4)])
+    assert moved(state, after)
+    assert {after[name].dtype for name in after} == {state[name].dtype for name in state}
+    assert 0 <= scored(task, after, [squares(2)])["ap50"] <= 1

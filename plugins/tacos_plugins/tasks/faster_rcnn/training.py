@@ -38,6 +38,14 @@ class DetectorTraining(Settings):
     decay_floor: float = setting(
         0.05, help="Share of the first learning rate it never falls below.", ge=0, le=1
     )
+    warm_up_steps: int = setting(
+        0,
+        help="Steps of Adam over which the rate rises at first: from nothing, full steps kill units.",
+        ge=0,
+    )
+    gradient_limit: float | None = setting(
+        None, help="Norm of the gradient above which it is scaled down; by default any.", gt=0
+    )
     shuffled_frames: int = setting(
         32, help="Frames held in memory to draw batches from.", unit="frames", ge=1
     )
@@ -94,12 +102,14 @@ def train(
             decay_every=training.decay_every,
             floor=training.decay_floor,
         )
-        for group in adam.param_groups:
-            group["lr"] = rate
         for batch in mixed_batches(examples(), batch_size, training.shuffled_frames, rng):
             if training.mirror:
                 batch = [each.mirrored() if rng.random() < 0.5 else each for each in batch]
-            losses = _step(model, adam, batch, training.frames_at_once or batch_size, encode, step)
+            warm = min(1.0, (_steps_of(adam) + 1) / max(1, training.warm_up_steps))
+            for group in adam.param_groups:
+                group["lr"] = rate * warm
+            at_once = training.frames_at_once or batch_size
+            losses = _step(model, adam, batch, at_once, training.gradient_limit, encode, step)
             step += 1
             if told is not None:
                 told(losses)
@@ -112,6 +122,7 @@ def _step(
     adam: torch.optim.Adam,
     batch: Sequence[Example],
     at_once: int,
+    gradient_limit: float | None,
     encode: bool,
     step: int,
 ) -> dict[str, float]:
@@ -130,8 +141,15 @@ def _step(
         values |= {name: float(each.detach()) for name, each in losses.items()}
         (loss * share).backward()
         means = {name: means.get(name, 0.0) + share * value for name, value in values.items()}
+    if gradient_limit is not None:
+        torch.nn.utils.clip_grad_norm_(model.parameters(), gradient_limit)
     adam.step()
     return means
+
+
+def _steps_of(adam: torch.optim.Adam) -> int:
+    """Steps Adam has made, those before this training included."""
+    return max((int(kept["step"]) for kept in adam.state.values()), default=0)
 
 
 def inputs(batch: Sequence[Example], device: torch.device, encode: bool) -> list[Tensor]:
