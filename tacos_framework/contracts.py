@@ -251,7 +251,13 @@ class Scorer(Protocol):
 
 
 class Task(Protocol):
-    """A perception task. ``scores`` names what its scorers report, all "higher is better" or documented."""
+    """A perception task. ``scores`` names what its scorers report, all "higher is better" or documented.
+
+    A further member is optional:
+
+    ``lacks(rig) -> str | None``
+        Why it cannot judge a rig's cameras, in a sentence; used as that of a `Sensor`.
+    """
 
     Config: ClassVar[type[Settings]]
     scores: ClassVar[tuple[str, ...]]

@@ -125,6 +125,16 @@ def _place(fault: Fault) -> tuple[str, int, int]:
     return (found[1], int(found[2]), int(found[3])) if found else (fault.where, 0, 0)
 
 
+_FITTING_CAMERA = {
+    "sensor": (
+        "a camera of which it knows enough",
+        "Give the missing figures as settings of the node, or choose from a catalog that knows.",
+    ),
+    "task": ("cameras it can judge", "Choose another rig, or other values of its variables."),
+}
+"""Kind of a node that takes no camera -> what it expects, what to do."""
+
+
 @dataclass
 class _Checker:
     """Goes through a recipe section by section and keeps every fault."""
@@ -284,7 +294,7 @@ class _Checker:
         space = DesignSpace(tuple(variables))
         self._refused_by_rig(rig, fixed, space, given)
         if not self.faults:
-            self._unknown_to_sensors(rig, fixed, space, nodes)
+            self._unfit_cameras(rig, fixed, space, nodes)
         return space
 
     def _unit(self, name: str, rig: Part | None, nodes: Mapping[str, Part]) -> str | None:
@@ -351,10 +361,10 @@ class _Checker:
                     seen.add(fault.where)
                     self.faults.append(fault)
 
-    def _unknown_to_sensors(
+    def _unfit_cameras(
         self, rig: Part, fixed: Mapping[str, Any], space: DesignSpace, nodes: Mapping[str, Part]
     ) -> None:
-        """Ask sensors that need to know more of a camera whether they know it of any that can be chosen."""
+        """Ask sensors and tasks that do not take every camera whether they take any that can be chosen."""
         asking = {
             name: part
             for name, part in nodes.items()
@@ -366,12 +376,13 @@ class _Checker:
         rigs = self._choosable_rigs(rig, fixed, space)
         for name, part in asking.items():
             reasons = [part.make().lacks(each) for each in rigs]
+            wanted, remedy = _FITTING_CAMERA.get(part.use.partition(".")[0], _FITTING_CAMERA["task"])
             if reasons and all(reasons):
                 self._add(
                     ("nodes", name),
                     min(map(str, reasons), key=len),  # of the camera that lacks least
-                    f"a camera of which it knows enough; of {len(reasons)} tried there is none",
-                    "Give the missing figures as settings of the node, or choose from a catalog that knows.",
+                    f"{wanted}; of {len(reasons)} tried there is none",
+                    remedy,
                 )
 
     def _choosable_rigs(self, rig: Part, fixed: Mapping[str, Any], space: DesignSpace) -> list[Any]:

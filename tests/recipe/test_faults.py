@@ -195,6 +195,20 @@ def test_a_sensor_that_knows_enough_of_no_camera_says_what_it_lacks(toys):
     assert "Give the missing figures as settings of the node" in fault
 
 
+def test_a_task_that_can_judge_no_camera_says_why(toys):
+    (fault,) = faults_of(
+        RIGHT.replace("task.orb-features", "task.sgbm")
+        .replace("inliers", "d1")
+        .replace("inlier_ratio", "rmse_m"),
+        toys,
+    )
+    assert fault.startswith(
+        "r.yaml:16:3: stereo needs two cameras, and the rig has one: camera (see rig.stereo)"
+    )
+    assert "expected: cameras it can judge; of 43 tried there is none" in fault
+    assert "Choose another rig, or other values of its variables." in fault
+
+
 @pytest.mark.parametrize(
     "known",
     [
