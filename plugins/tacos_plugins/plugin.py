@@ -281,6 +281,11 @@ EXECUTORS = {
         "process:ProcessExecutor",
         "Evaluates candidates in spawned processes, one GL context each.",
     ),
+    "ray": (
+        "on_ray.executor:RayExecutor",
+        "Evaluates candidates on a Ray cluster, of this machine or of many, with shares of GPUs.",
+        "ray=tacos-framework[ray]",
+    ),
 }
 
 PROCEDURES = {

@@ -15,7 +15,8 @@ import pytest
 
 from tacos_framework.errors import UserError
 from tacos_plugins.executors.local import LocalExecutor
-from tacos_plugins.executors.process import JobLost, ProcessExecutor, WorkerTraceback
+from tacos_plugins.executors.outcomes import JobLost, WorkerTraceback
+from tacos_plugins.executors.process import ProcessExecutor
 from tests.executors import jobs
 
 ROOT = Path(__file__).parents[2]
@@ -194,7 +195,7 @@ def test_close_does_not_wait_for_running_jobs(tmp_path):
 STUDY = """
 import sys
 from pathlib import Path
-from tacos_plugins.executors.process import JobLost, ProcessExecutor, WorkerTraceback
+from tacos_plugins.executors.process import ProcessExecutor
 from tests.executors.jobs import Hang
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -55,6 +56,7 @@ from tacos_plugins.effects.veiling_glare import VeilingGlare
 from tacos_plugins.effects.vignetting import Vignetting
 from tacos_plugins.effects.white_balance import WhiteBalance
 from tacos_plugins.executors.local import LocalExecutor
+from tacos_plugins.executors.on_ray.executor import RayExecutor
 from tacos_plugins.executors.process import ProcessExecutor
 from tacos_plugins.optimizers.cma_es import CmaEs
 from tacos_plugins.optimizers.genetic import Genetic
@@ -495,3 +497,14 @@ class TestLocalExecutor(ExecutorConformance):
 class TestProcessExecutor(ExecutorConformance):
     component = ProcessExecutor
     config = {"workers": 2}
+
+
+@pytest.mark.slow
+class TestRayExecutor(ExecutorConformance):
+    component = RayExecutor
+    config = {"workers": 2}
+
+    @pytest.fixture(autouse=True)
+    def _needs_ray(self):
+        if find_spec("ray") is None:
+            pytest.skip("the extra ray is not installed")

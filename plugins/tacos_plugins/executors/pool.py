@@ -18,6 +18,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from tacos_plugins.executors import worker
+from tacos_plugins.executors.outcomes import Lost
 
 log = logging.getLogger(__name__)
 
@@ -32,13 +33,6 @@ class Limits:
     job_s: float | None = None
     resident_mib: float | None = None
     jobs: int | None = None
-
-
-@dataclass(frozen=True)
-class Lost:
-    """A job without an outcome: its worker died or hung, each time it was tried."""
-
-    reason: str
 
 
 @dataclass(frozen=True)

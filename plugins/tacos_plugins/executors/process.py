@@ -8,24 +8,14 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any, TypeVar
 
 from tacos_framework.settings import Settings, setting
-from tacos_plugins.executors.pool import Limits, Lost, Pool
+from tacos_plugins.executors.outcomes import results
+from tacos_plugins.executors.pool import Limits, Pool
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS")
 """Environment variables that numerical libraries and the llvmpipe rasterizer read once, when they start."""
-
-
-class JobLost(RuntimeError):
-    """The worker of a job died or hung each time the job was tried."""
-
-
-class WorkerTraceback(Exception):
-    """Where an error arose in a worker, as text: the cause of the error as it arrives here."""
-
-    def __str__(self) -> str:
-        return f"in a worker process\n\n{self.args[0]}"
 
 
 class ProcessExecutor:
@@ -91,14 +81,7 @@ class ProcessExecutor:
         if not jobs:
             return
         try:
-            outcomes = self._pool_for(evaluate).outcomes(jobs)
-            for job, outcome in zip(jobs, outcomes, strict=True):
-                if isinstance(outcome, Lost):
-                    yield _without_result(evaluate, job, outcome.reason)
-                elif outcome.error is not None:
-                    raise outcome.error from WorkerTraceback(outcome.traceback)
-                else:
-                    yield outcome.value
+            yield from results(evaluate, jobs, self._pool_for(evaluate).outcomes(jobs))
         except KeyboardInterrupt:
             self.close()
             raise
@@ -120,10 +103,3 @@ class ProcessExecutor:
             threads = dict.fromkeys(THREAD_LIMITS, str(config.threads))
             self._pool = Pool(payload, self.workers, limits, config.threads, threads)
         return self._pool
-
-
-def _without_result(evaluate: Callable[[Job], Result], job: Job, reason: str) -> Result:
-    lost: Callable[[Job, str], Result] | None = getattr(evaluate, "lost", None)
-    if lost is None:
-        raise JobLost(reason)
-    return lost(job, reason)

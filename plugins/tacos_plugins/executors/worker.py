@@ -39,6 +39,24 @@ class Answer:
     resident_mib: float = 0.0
 
 
+class Held:
+    """A function that is unpickled with its first job, and kept for all further ones."""
+
+    def __init__(self, payload: bytes) -> None:
+        self._payload = payload
+        self._function: Callable[[Any], Any] | None = None
+
+    def answer(self, message: bytes) -> bytes:
+        """The pickled `Answer` to a pickled job."""
+        try:
+            if self._function is None:  # unpickled here, so that its errors reach the caller like any other
+                self._function = ForkingPickler.loads(self._payload)
+            answer = Answer(self._function(ForkingPickler.loads(message)), resident_mib=resident_mib())
+        except Exception as error:  # noqa: BLE001 - whatever it is, the caller gets it
+            answer = Answer(error=error, traceback=traceback.format_exc(), resident_mib=resident_mib())
+        return _packed(answer)
+
+
 def serve(payload: bytes, channel: Connection, lifeline: Connection, threads: int) -> None:
     """Evaluate jobs until told to leave.
 
@@ -60,16 +78,9 @@ def serve(payload: bytes, channel: Connection, lifeline: Connection, threads: in
 
     cv2.setNumThreads(threads)
     channel.send_bytes(_packed(Answer()))
-    function: Callable[[Any], Any] | None = None
+    held = Held(payload)
     while (message := channel.recv_bytes()) != LEAVE:
-        try:
-            if function is None:  # unpickled here, so that its errors reach the caller like any other
-                function = ForkingPickler.loads(payload)
-            answer = Answer(function(ForkingPickler.loads(message)), resident_mib=resident_mib())
-        except Exception as error:  # noqa: BLE001 - whatever it is, the caller gets it
-            answer = Answer(error=error, traceback=traceback.format_exc(), resident_mib=resident_mib())
-        channel.send_bytes(_packed(answer))
-        del answer
+        channel.send_bytes(held.answer(message))
     os._exit(0)  # drivers may hang while a GL context is torn down; the system takes everything back
 
 

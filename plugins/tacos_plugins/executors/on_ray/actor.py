@@ -1,0 +1,30 @@
+"""What runs inside a Ray worker. Imports little, so that it starts fast."""
+
+from __future__ import annotations
+
+from tacos_plugins.executors.worker import Held
+
+
+class Evaluator:
+    """A process of its own on some node, which holds one function and what that keeps.
+
+    Parameters
+    ----------
+    payload
+        The pickled function.
+    threads
+        Threads OpenCV may use here.
+    """
+
+    def __init__(self, payload: bytes, threads: int) -> None:
+        import cv2
+
+        cv2.setNumThreads(threads)
+        self._held = Held(payload)
+
+    def ready(self) -> None:
+        """Answers once the process has started."""
+
+    def answer(self, message: bytes) -> bytes:
+        """The pickled `tacos_plugins.executors.worker.Answer` to a pickled job."""
+        return self._held.answer(message)

@@ -1,0 +1,167 @@
+"""Evaluation on a Ray cluster, of one machine or of many."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from multiprocessing.reduction import ForkingPickler
+from typing import TypeVar
+
+from tacos_framework.settings import Settings, setting
+from tacos_plugins.executors.on_ray.cluster import LOCAL, Cluster, Needs
+from tacos_plugins.executors.on_ray.crew import Crew
+from tacos_plugins.executors.outcomes import results
+from tacos_plugins.executors.process import THREAD_LIMITS
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+
+class RayExecutor:
+    """Evaluates jobs in Ray actors, with the same results as in this process.
+
+    Each worker is an actor: a process of its own (so one GL context each, and none is forked), on whichever
+    node has the processors and GPUs it needs. It receives the pickled ``evaluate`` once and keeps it, with
+    whatever it caches, for all jobs to come. Jobs carry their seeds with them, so neither the number of
+    workers nor where they run changes a result.
+
+    A job whose worker, node or answer is lost is tried again by another worker, ``attempts`` times in all;
+    then the result is ``evaluate.lost(job, reason)``, or a `JobLost` is raised where ``evaluate`` has no such
+    method. The other jobs go on meanwhile. Nodes may join while a study runs, up to ``workers``.
+
+    A cluster of our own listens on the loopback interface alone, has no dashboard, and ends with `close` or
+    with this process. No usage statistics are sent.
+
+    Examples
+    --------
+    As a recipe says it::
+
+        executor: {use: executor.ray, address: auto, gpus_per_worker: 0.5}
+
+    References
+    ----------
+    Moritz et al. 2018, "Ray: A distributed framework for emerging AI applications", OSDI.
+    """
+
+    class Config(Settings):
+        """Settings of the executor."""
+
+        address: str = setting(
+            LOCAL,
+            help="The cluster: local starts one on this machine for the run; auto joins the one that "
+            "'ray start' began here or RAY_ADDRESS names; else host:port of its head.",
+            min_length=1,
+        )
+        workers: int | None = setting(
+            None, help="Workers at most; by default as many as the cluster has room for when it is joined.",
+            ge=1,
+        )  # fmt: skip
+        cpus_per_worker: float = setting(1.0, help="Processors each worker takes up.", gt=0)
+        gpus_per_worker: float = setting(
+            0.0,
+            help="GPUs each worker takes up, as a share where several use one; with 0 torch sees none.",
+            ge=0,
+        )
+        threads: int | None = setting(
+            None, help="Threads each worker may compute with; by default cpus_per_worker, rounded up.", ge=1
+        )
+        attempts: int = setting(
+            3, help="How often a candidate is tried whose worker or node is lost, or that takes too long.",
+            ge=1,
+        )  # fmt: skip
+        timeout_s: float | None = setting(
+            None,
+            help="Longest time for one candidate, worlds built for it included; by default any.",
+            unit="s",
+            gt=0,
+        )
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self._needs = Needs(config.cpus_per_worker, config.gpus_per_worker)
+        self._cluster: Cluster | None = None
+        self._crew: Crew | None = None
+        self._workers = config.workers or 0
+
+    @property
+    def workers(self) -> int:
+        """How many workers there are at most; joins the cluster to see.
+
+        Raises
+        ------
+        UserError
+            When no cluster answers, or it has no room for a worker.
+        """
+        self._joined()
+        return self._workers
+
+    def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
+        """The results in the order of the jobs; those not begun are dropped when the iterator is left early.
+
+        Raises
+        ------
+        UserError
+            When no cluster answers, or it has no room for a worker.
+        JobLost
+            When the worker of a job was lost each time and ``evaluate`` has no answer to that.
+        RuntimeError
+            When the executor is closed meanwhile, or workers cannot start.
+        """
+        if not jobs:
+            return
+        try:
+            yield from results(evaluate, jobs, self._crew_for(evaluate).outcomes(jobs))
+        except KeyboardInterrupt:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End all workers at once, and the cluster if it is our own."""
+        crew, self._crew = self._crew, None
+        cluster, self._cluster = self._cluster, None
+        if crew is not None:
+            crew.close()
+        if cluster is not None:
+            cluster.leave()
+
+    def _joined(self) -> Cluster:
+        if self._cluster is None:
+            cores = len(os.sched_getaffinity(0))
+            wanted = max(cores, int(self._needs.cpus * (self.config.workers or 0)))
+            cluster = Cluster(self.config.address, wanted)
+            try:
+                room = cluster.room_for(self._needs)
+            except BaseException:
+                cluster.leave()
+                raise
+            self._cluster, self._workers = cluster, self.config.workers or room
+        return self._cluster
+
+    def _crew_for(self, evaluate: Callable[[Job], Result]) -> Crew:
+        """The crew that holds this very function, as told by its pickled bytes."""
+        payload = bytes(ForkingPickler.dumps(evaluate))
+        if self._crew is not None and self._crew.payload != payload:
+            self._crew.close()
+            self._crew = None
+        if self._crew is None:
+            config = self.config
+            threads = config.threads or math.ceil(config.cpus_per_worker)
+            self._crew = Crew(
+                self._joined(),
+                payload,
+                workers=self.workers,
+                needs=self._needs,
+                threads=threads,
+                attempts=config.attempts,
+                job_s=config.timeout_s,
+                environment={**dict.fromkeys(THREAD_LIMITS, str(threads)), **self._import_paths()},
+            )
+        return self._crew
+
+    def _import_paths(self) -> dict[str, str]:
+        """Workers of our own cluster import from where this process does; other nodes have theirs."""
+        if self.config.address != LOCAL:
+            return {}
+        return {"PYTHONPATH": os.pathsep.join(path for path in sys.path if os.path.isdir(path))}
