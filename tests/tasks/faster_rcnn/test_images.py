@@ -11,7 +11,8 @@ pytest.importorskip("torchvision", reason="the extra perception is not installed
 
 import torch
 
-from tacos_plugins.tasks.faster_rcnn.images import DEVIATION, MEAN, CameraPixels, network_image, srgb_encoded
+from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
+from tacos_plugins.tasks.learning.images import DEVIATION, MEAN, network_image, srgb_encoded
 
 CPU = torch.device("cpu")
 

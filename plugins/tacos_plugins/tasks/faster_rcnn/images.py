@@ -2,56 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import torch
-from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import interpolate, pad
 from torchvision.models.detection.transform import GeneralizedRCNNTransform
 
-MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
-"""Of ImageNet's sRGB colours, as torchvision's weights expect; only the network itself takes them off."""
+from tacos_plugins.tasks.learning.images import DEVIATION, MEAN
 
 SMALLEST_PX = 64
 """Images are padded to this, so that batch normalisation has several values even at a stride of 32 [px]."""
-
-
-def network_image(
-    image_dn: NDArray[Any],
-    device: torch.device,
-    *,
-    black_level_dn: float,
-    white_level_dn: float,
-    encode: bool,
-) -> Tensor:
-    """A frame as the network takes it.
-
-    Parameters
-    ----------
-    image_dn
-        (H, W, C) uint8 or uint16; one channel, or linear RGB [DN].
-    black_level_dn, white_level_dn
-        The file's pedestal and full scale [DN].
-    encode
-        Whether to encode linear light as sRGB, as the images are that networks are commonly trained on.
-
-    Returns
-    -------
-    Tensor
-        (3, H, W) float32 in 0..1, *not* normalised by mean and deviation: the network does that itself.
-    """
-    samples = torch.from_numpy(image_dn.copy())
-    if device.type == "cuda":
-        samples = samples.pin_memory().to(device, non_blocking=True)
-    linear = ((samples.float() - black_level_dn) / (white_level_dn - black_level_dn)).clamp(0, 1)
-    colour = srgb_encoded(linear) if encode else linear
-    return colour.permute(2, 0, 1).expand(3, -1, -1)
-
-
-def srgb_encoded(linear: Tensor) -> Tensor:
-    """Linear light in 0..1 as sRGB (IEC 61966-2-1); see `tacos_framework.camera.colour.srgb_from_linear`."""
-    return torch.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 class CameraPixels(GeneralizedRCNNTransform):

@@ -19,9 +19,16 @@ from tacos_plugins.tasks.faster_rcnn.examples import Example
 from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
 from tacos_plugins.tasks.faster_rcnn.labels import class_numbers, frame_labels
 from tacos_plugins.tasks.faster_rcnn.networks import Backbone, faster_rcnn, still_norms
-from tacos_plugins.tasks.faster_rcnn.training import WHERE, DetectorTraining, inputs, mixed_precision, train
-from tacos_plugins.tasks.faster_rcnn.weights import NONE, load_weights, weights_file
-from tacos_plugins.tasks.learning.device import DEVICE_HELP, DEVICE_PATTERN, drawing_from, pick_device
+from tacos_plugins.tasks.faster_rcnn.training import WHERE, DetectorTraining, inputs, train
+from tacos_plugins.tasks.faster_rcnn.weights import load_weights, weights_file
+from tacos_plugins.tasks.learning.checkpoints import NONE
+from tacos_plugins.tasks.learning.device import (
+    DEVICE_HELP,
+    DEVICE_PATTERN,
+    drawing_from,
+    mixed_precision,
+    pick_device,
+)
 from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_of_memory
 from tacos_plugins.tasks.learning.states import fresh_state, restore, state_of
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
 
 import numpy as np
 import torch
@@ -12,10 +11,11 @@ from torchvision.models.detection import FasterRCNN
 
 from tacos_framework.settings import Settings, setting
 from tacos_plugins.tasks.faster_rcnn.examples import Example, in_parts, mixed_batches
-from tacos_plugins.tasks.faster_rcnn.images import network_image
 from tacos_plugins.tasks.faster_rcnn.networks import still_norms
 from tacos_plugins.tasks.faster_rcnn.schedule import learning_rate
+from tacos_plugins.tasks.learning.device import mixed_precision
 from tacos_plugins.tasks.learning.guard import finite
+from tacos_plugins.tasks.learning.images import network_image
 
 WHERE = "task.faster-rcnn"
 
@@ -164,12 +164,6 @@ def inputs(batch: Sequence[Example], device: torch.device, encode: bool) -> list
         )
         for example in batch
     ]
-
-
-def mixed_precision(device: torch.device) -> AbstractContextManager[object]:
-    """Half precision where a GPU has bfloat16, whose range needs no scaling of losses."""
-    enabled = device.type == "cuda" and torch.cuda.is_bf16_supported()
-    return torch.autocast(device.type, dtype=torch.bfloat16, enabled=enabled)
 
 
 def _target(example: Example, device: torch.device) -> dict[str, Tensor]:

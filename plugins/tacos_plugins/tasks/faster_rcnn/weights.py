@@ -13,13 +13,12 @@ from torchvision.models.detection import (
     FasterRCNN_ResNet50_FPN_Weights,
 )
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.shipped import shipped_folder
+from tacos_framework.errors import Fault, UserError
 from tacos_plugins.tasks.faster_rcnn.networks import Backbone
-from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, read_checkpoint
+from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, named_weights, read_checkpoint
 
-NONE, COCO = "none", "coco"
-SUFFIXES = (".safetensors", ".pt", ".pth", ".tar")
+COCO = "coco"
+"""What a setting ``weights`` says for torchvision's own."""
 WHERE = "task.faster-rcnn: weights"
 
 PREDICTOR = "roi_heads.box_predictor."
@@ -37,23 +36,7 @@ def weights_file(name: str) -> Path | None:
     UserError
         When there is no such file.
     """
-    if name in (NONE, COCO):
-        return None
-    if name.endswith(SUFFIXES):
-        if not Path(name).is_file():
-            raise UserError(Fault(WHERE, f"there is no file {name}", "", "Correct the path."))
-        return Path(name)
-    shipped = {path.stem: path for path in (shipped_folder("catalogs") / "weights").glob("*.safetensors")}
-    if name not in shipped:
-        raise UserError(
-            Fault(
-                WHERE,
-                f"no weights {name!r} are shipped",
-                f"{NONE}, {COCO}, a shipped name, or a file ({', '.join(SUFFIXES)})",
-                did_you_mean(name, shipped),
-            )
-        )
-    return shipped[name]
+    return None if name == COCO else named_weights(name, where=WHERE, others=(COCO,))
 
 
 def load_weights(model: FasterRCNN, name: str, backbone: Backbone) -> None:

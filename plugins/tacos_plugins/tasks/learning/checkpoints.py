@@ -44,8 +44,13 @@ SHOWN = 3
 """Names listed of each kind of mismatch."""
 
 
-def weights_file(name: str, *, where: str) -> Path | None:
+def named_weights(name: str, *, where: str, others: Sequence[str] = ()) -> Path | None:
     """The file a setting ``weights`` names: by its path, or as weights that are shipped; None for ``none``.
+
+    Parameters
+    ----------
+    others
+        What else the setting may say, for the message.
 
     Raises
     ------
@@ -61,7 +66,8 @@ def weights_file(name: str, *, where: str) -> Path | None:
         return path
     shipped = {path.stem: path for path in (shipped_folder("catalogs") / "weights").glob("*.safetensors")}
     if name not in shipped:
-        expected = f"{NONE}, a file ({', '.join(SUFFIXES)}), or the name of shipped weights"
+        words = ", ".join((NONE, *others))
+        expected = f"{words}, a file ({', '.join(SUFFIXES)}), or the name of shipped weights"
         raise UserError(
             Fault(where, f"no weights {name!r} are shipped", expected, did_you_mean(name, shipped))
         )

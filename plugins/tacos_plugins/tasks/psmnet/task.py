@@ -14,7 +14,7 @@ from tacos_framework.contracts import Budget, Scores, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, FrameBatch, Rig
-from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, read_checkpoint, weights_file
+from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, named_weights, read_checkpoint
 from tacos_plugins.tasks.learning.device import DEVICE_HELP, DEVICE_PATTERN, drawing_from, pick_device
 from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_of_memory
 from tacos_plugins.tasks.learning.states import fresh_state, restore, state_of
@@ -78,7 +78,7 @@ class PsmnetDepth:
     def __init__(self, config: Config) -> None:
         self.config = config
         self._device = pick_device(config.device, where=WHERE)
-        self._weights = weights_file(config.weights, where=f"{WHERE}: weights")
+        self._weights = named_weights(config.weights, where=f"{WHERE}: weights")
 
     def lacks(self, rig: Rig) -> str | None:
         """Why the cameras of a rig are no pair for it, in a sentence; None when they are."""
