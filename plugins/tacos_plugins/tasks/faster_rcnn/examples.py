@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -43,7 +44,8 @@ def mixed_batches(
     """Batches of `size` in a shuffled order, of which no more than `held` examples are in memory at once.
 
     Consecutive frames of a walk look alike; a batch of them teaches little more than one of them. Where
-    cameras differ in their pixels, a batch takes images of like size, as all are padded to the largest.
+    cameras differ in their pixels, a batch takes images of like size, as all are padded to the largest: of
+    the same octave and no more alike, or it would be of one camera.
     """
     waiting: list[Example] = []
     for example in examples:
@@ -56,7 +58,7 @@ def mixed_batches(
 
 def _batches(examples: Sequence[Example], size: int, rng: np.random.Generator) -> Iterator[list[Example]]:
     shuffled = [examples[int(i)] for i in rng.permutation(len(examples))]
-    by_size = sorted(shuffled, key=lambda example: example.image_dn[..., 0].size)
+    by_size = sorted(shuffled, key=lambda example: round(math.log2(example.image_dn[..., 0].size)))
     batches = list(in_parts(by_size, size))
     for i in rng.permutation(len(batches)):
         yield batches[int(i)]
