@@ -18,7 +18,7 @@ def mixed(examples: Iterable[Example], held: int, rng: np.random.Generator) -> I
     Examples
     --------
     >>> list(mixed("abcdef", 3, np.random.default_rng(1)))
-    ['b', 'd', 'a', 'c', 'f', 'e']
+    ['b', 'c', 'e', 'f', 'a', 'd']
     """
     waiting: list[Example] = []
     for example in examples:
