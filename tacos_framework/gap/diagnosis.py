@@ -32,6 +32,9 @@ _Z90 = 1.645
 ENOUGH_PIXELS = 500_000
 """Repeated frames beyond so many pixels in all tell little that others do not, and cost as much."""
 
+LEAST_BESIDE_UNKNOWN = 0.1
+"""Share of the gap that an effect must remove to be named where something unknown is at work."""
+
 _NO_GAP = 1.5
 """Gap up to which captures and simulator count as equal, whatever its significance [floor]."""
 
@@ -196,6 +199,8 @@ def diagnose(
     left = unexplained(problem, problem.judged(best.hypothesis))
     tell("how far the gap shrinks")
     causes = _causes(problem, attribution, left, folder.captures, seed)
+    if left.probability >= 0.5:  # a little of everything fits what nothing explains
+        causes = [cause for cause in causes if cause.shapley >= LEAST_BESIDE_UNKNOWN]
     before, after = problem.gap(problem.null), problem.gap(best.held_out)
     cause_set, wanted = _cause_set(causes, attribution, folder.captures)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):

@@ -6,12 +6,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_framework.gap.captures import Capture
 from tacos_framework.gap.evidence import Evidence, ImageEvidence
 from tacos_framework.gap.parameters import Term, starts_of
 
 Probe = Mapping[str, Any]
+
+_DIRECTIONAL = 1.5
+"""Gradients kept in one direction, over those in another, from which on blur seems to have a direction."""
 
 
 def terms_for(name: str, cls: type[Any], evidence: Sequence[Evidence]) -> list[Term]:
@@ -78,9 +82,37 @@ def _matrix(captures: Sequence[Capture]) -> Iterator[Probe]:
         yield {"matrix": best[1].tolist()}
 
 
+def _motion(captures: Sequence[Capture]) -> Iterator[Probe]:
+    """The direction whose gradients have lost most against the expectation, at lengths beyond the usual."""
+    steepest: tuple[float, float] = (_DIRECTIONAL, 0.0)
+    for capture in captures:
+        if not capture.is_structured or capture.expected_dn is None:
+            continue
+        real, expected = (
+            _gradient_energy(f.mean(axis=0), capture) for f in (capture.real_dn, capture.expected_dn)
+        )
+        angles = np.arange(0.0, 180.0, 5.0)
+        along = np.stack([np.cos(np.radians(angles)), np.sin(np.radians(angles))])
+        kept = np.einsum("ia,ij,ja->a", along, real, along) / np.einsum("ia,ij,ja->a", along, expected, along)
+        anisotropy = float(kept.max() / max(kept.min(), 1e-9))
+        if anisotropy > steepest[0]:
+            steepest = anisotropy, float(angles[np.argmin(kept)])
+    if steepest[0] > _DIRECTIONAL:
+        for length in (10.0, 22.0):
+            yield {"length_px": length, "angle_deg": steepest[1]}
+
+
+def _gradient_energy(image: NDArray[np.float32], capture: Capture) -> NDArray[np.float64]:
+    """(2, 2) mean outer product of the gradient, x before y [DN^2 per px^2]."""
+    down, right = np.gradient(image.mean(axis=-1))
+    gradients = np.stack([right[capture.valid], down[capture.valid]])
+    return np.asarray(gradients @ gradients.T / gradients.shape[1] + 1e-6 * np.eye(2), np.float64)
+
+
 SUGGESTIONS: Mapping[str, Callable[[Sequence[Capture]], Iterator[Probe]]] = {
     "saturation": _saturation,
     "flicker": _flicker,
     "colour-matrix": _matrix,
+    "motion-blur": _motion,
 }
 """Effects whose search needs a hint, since far from the truth nothing points to it."""

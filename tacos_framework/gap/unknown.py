@@ -58,8 +58,10 @@ def unexplained(problem: Problem, judged: Judged) -> Unexplained:
     over its largest among the replicates' quantiles, so that an effect that shows in one place only is seen.
     """
     z = judged.z
-    size = float(np.sqrt(np.mean(bent(judged.floor) ** 2)))
-    gap, before = float(np.sqrt(np.mean(bent(z) ** 2))) / size, problem.gap(problem.null)
+    # what there was, too, in units of the hypothesis: a noisier one must not seem to explain by that alone
+    null = problem.null * problem.scale / judged.scale
+    size = _rms(judged.floor)
+    gap, before = _rms(z) / size, _rms(null) / size
     blocks = block_index(problem)
     sizes = np.bincount(blocks)
     own = np.bincount(blocks, bent(z) ** 2) / sizes
@@ -74,6 +76,10 @@ def unexplained(problem: Problem, judged: Judged) -> Unexplained:
     worst = int(np.argmax(own * sizes)) if len(own) else 0
     where = block_names(problem)[worst][1] if probability > 0.1 else None
     return Unexplained(round(probability, 3), p_value, gap, round(share, 4), where)
+
+
+def _rms(z: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(bent(z) ** 2)))
 
 
 def block_names(problem: Problem) -> list[tuple[str, str]]:

@@ -23,6 +23,7 @@ def estimate_noise(
     valid: NDArray[np.bool_],
     black_level_dn: float,
     white_level_dn: float,
+    mosaic: bool = False,
 ) -> Noise:
     """A straight line through variance against signal, per channel.
 
@@ -39,11 +40,19 @@ def estimate_noise(
         (H, W) pixels that count.
     black_level_dn, white_level_dn
         Levels of the files [DN].
+    mosaic
+        Whether neighbours have other colours.
     """
     level = real_dn.mean(axis=0)
     static = len(real_dn) > 1 and (expected_dn is None or len(expected_dn) == 1)
     detail = real_dn[0] if expected_dn is None else real_dn[0] - expected_dn[0]
-    variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(detail)
+    variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(detail, 2 if mosaic else 1)
+    white = 0.95 * white_level_dn
+    clipped = (level >= white) | (level <= 0) | ~valid[..., None]
+    if expected_dn is not None:
+        clipped |= expected_dn.mean(axis=0) >= white
+    if not static:
+        clipped = _near(clipped, 2 if mosaic else 1)
     photon, thermal = [], []
     for channel in range(real_dn.shape[-1]):
         plane = real_dn[..., channel][:, valid]
@@ -51,7 +60,7 @@ def estimate_noise(
             photon.append(0.0)
             thermal.append(_censored_variance(plane))
             continue
-        inside = valid & (level[..., channel] < 0.95 * white_level_dn) & (level[..., channel] > 0)
+        inside = ~clipped[..., channel]
         signal = level[..., channel][inside] - black_level_dn
         slope, intercept = _line(signal, variance[..., channel][inside], robust=not static)
         photon.append(slope)
@@ -81,14 +90,25 @@ def _line(signal: NDArray[np.float32], variance: NDArray[np.float32], robust: bo
     y = np.array([middle(variance[which == b]) for b in filled])
     if len(x) < 2 or np.ptp(x) < 5:
         return 0.0, float(max(y.mean(), 0.01)) if len(y) else 1.0
-    slope, intercept = np.polyfit(x, y, 1)
+    slope, intercept = np.polyfit(x, y, 1, w=1 / np.maximum(y, 0.01))
     slope = max(float(slope), 0.0)
     return slope, float(max(intercept if slope else y.mean(), 0.01))
 
 
-def _high_pass_variance(frame: NDArray[np.float32]) -> NDArray[np.float32]:
+def _near(pixels: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """(H, W, C) pixels, and those whose high-pass they enter."""
     import cv2
 
-    kernel = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
+    size = 2 * reach + 1
+    grown = cv2.dilate(pixels.astype(np.uint8), np.ones((size, size), np.uint8))
+    return np.asarray(grown.reshape(pixels.shape), bool)
+
+
+def _high_pass_variance(frame: NDArray[np.float32], step: int) -> NDArray[np.float32]:
+    """(H, W, C) squared high-pass over neighbours `step` pixels away [DN^2]."""
+    import cv2
+
+    kernel = np.zeros((2 * step + 1, 2 * step + 1), np.float32)
+    kernel[::step, ::step] = [[1, -2, 1], [-2, 4, -2], [1, -2, 1]]
     filtered = cv2.filter2D(frame, cv2.CV_32F, kernel, borderType=cv2.BORDER_REFLECT)
     return np.asarray(filtered.reshape(frame.shape) ** 2 / _LAPLACIAN_GAIN, np.float32)

@@ -138,7 +138,10 @@ class _Reader:
                 reference_row=entry.row_time_reference,
                 cfa=camera.cfa,
             ),
-            noise=noise or estimate_noise(real, expected, valid, camera.black_level_dn, camera.white),
+            noise=noise
+            or estimate_noise(
+                real, expected, valid, camera.black_level_dn, camera.white, mosaic=camera.cfa is not None
+            ),
             exposure_stated=entry.exposure_ms is not None,
             group=entry.group,
             level_uncertainty=entry.level_uncertainty,

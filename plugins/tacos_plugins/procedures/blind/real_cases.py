@@ -169,7 +169,8 @@ def _series(
         others = {t: image for t, image in frames.items() if t != time}
         exposed = sum(t * (image < UNCLIPPED_DN) for t, image in others.items())
         collected = sum((image + 0.5) * (image < UNCLIPPED_DN) for image in others.values())
-        light = collected / np.maximum(exposed, 1) * time
+        brightest = np.full_like(exposed, 256 / min(others), dtype=float)  # where all others clip
+        light = np.where(exposed > 0, collected / np.maximum(exposed, 1), brightest) * time
         np.save(folder / f"expected_{time}.npy", light.astype(np.float32))
         cv2.imwrite(str(folder / f"mask_{time}.png"), np.where(exposed > 0, 255, 0).astype(np.uint8))
         captures.append(
