@@ -11,13 +11,14 @@ from safetensors.numpy import load_file
 import tacos_framework
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
+from tacos_framework.testing.fingerprint import fingerprint
 
 torch = pytest.importorskip("torch", reason="the extra perception is not installed")
 
 from tacos_plugins.tasks.psmnet import training  # noqa: E402
 
 
-def recipe(**train) -> Recipe:
+def recipe(batch: int, **train) -> Recipe:
     return Recipe.model_validate(
         {
             "name": "stereo in small",
@@ -41,17 +42,18 @@ def recipe(**train) -> Recipe:
                 },
             },
             "fitness": [{"score": "stereo.inverse_log_error", "weight": 1}],
-            "optimizer": {"use": "optimizer.random", "evaluations": 3, "batch": 3},
+            "optimizer": {"use": "optimizer.random", "evaluations": 3, "batch": batch},
         }
     )
 
 
-def run(out, **train):
-    """The candidates of the study's one generation, and the weights after it."""
-    tacos_framework.run(recipe(**train), out=out, plugins=Plugins.discover(), report=False)
-    (line,) = (out / "generations.jsonl").read_text().splitlines()
+def run(out, *, batch: int = 3, resume: bool = False, **train):
+    """The candidates of all generations, and the weights after the last."""
+    plugins = Plugins.discover()
+    tacos_framework.run(recipe(batch, **train), out=out, plugins=plugins, report=False, resume=resume)
+    lines = (out / "generations.jsonl").read_text().splitlines()
     (weights,) = (out / "weights").iterdir()
-    return json.loads(line)["candidates"], load_file(weights)
+    return [candidate for line in lines for candidate in json.loads(line)["candidates"]], load_file(weights)
 
 
 def test_weights_follow_the_cameras(tmp_path):
@@ -80,3 +82,21 @@ def test_a_candidate_on_which_training_diverges_fails_alone(tmp_path, monkeypatc
     assert "training of task.psmnet diverged: its loss is nan at step 1" in reasons[1]
     assert set(weights["adam.step"].tolist()) == {2.0}
     assert all(np.isfinite(array).all() for array in weights.values())
+
+
+def test_a_study_that_was_broken_off_ends_with_the_same_weights(tmp_path, monkeypatch):
+    candidates, weights = run(tmp_path / "whole", batch=1, weights="shared")
+    real, steps = training.disparity_loss, []
+
+    def loss(*args):
+        steps.append(1)
+        if len(steps) == 3:
+            raise KeyboardInterrupt
+        return real(*args)
+
+    monkeypatch.setattr(training, "disparity_loss", loss)
+    run(tmp_path / "broken", batch=1, weights="shared")
+    assert len(steps) == 3
+    resumed, resumed_weights = run(tmp_path / "broken", batch=1, weights="shared", resume=True)
+    assert resumed == candidates
+    assert fingerprint(dict(resumed_weights)) == fingerprint(dict(weights))
