@@ -251,12 +251,15 @@ class Scorer(Protocol):
 
 
 class Task(Protocol):
-    """A perception task. ``scores`` names what its scorers report, all "higher is better" or documented.
+    """A perception task. ``scores`` names what its scorers report.
 
-    A further member is optional:
+    Further members are optional:
 
     ``lacks(rig) -> str | None``
         Why it cannot judge a rig's cameras, in a sentence; used as that of a `Sensor`.
+    ``lower_is_better: ClassVar[frozenset[str]]``
+        Those of the scores that are errors, of which reports call the smallest best. Of the others higher is
+        better.
     """
 
     Config: ClassVar[type[Settings]]

@@ -249,6 +249,11 @@ class Study:
             "derived_units": dict(self.plan.rig.cls.derived_quantities),
             "design_space": self.plan.space.as_data(),
             "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
+            "lower_is_better": sorted(
+                f"{name}.{score}"
+                for name, node in self.plan.nodes.items()
+                for score in getattr(node.cls, "lower_is_better", ())
+            ),
             "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
             "environment": self._environment,
             "notes": [*self.plan.recipe.notes, *self._automatic_notes()],

@@ -130,10 +130,9 @@ def score_changes(study: StudyData, other: CameraResult) -> dict[str, Difference
     """The designed camera's differences from another in every score both have."""
     if study.designed is None:
         return {}
-    weights = score_weights(study)
     pairs = (
-        (score, difference(study.designed, other, score, higher_is_better=weights.get(score, 1.0) >= 0))
-        for score in score_names([study.designed, other], weights)
+        (score, difference(study.designed, other, score, higher_is_better=higher_is_better(study, score)))
+        for score in score_names([study.designed, other], score_weights(study))
     )
     return {score: change for score, change in pairs if change is not None}
 
@@ -141,6 +140,14 @@ def score_changes(study: StudyData, other: CameraResult) -> dict[str, Difference
 def score_weights(study: StudyData) -> dict[str, float]:
     """Weight of each score in the fitness."""
     return {str(row["score"]): float(row["weight"]) for row in study.result.get("fitness") or []}
+
+
+def higher_is_better(study: StudyData, score: str) -> bool:
+    """By the sign of its weight; where the fitness leaves it out, by what its task says."""
+    weight = score_weights(study).get(score)
+    if weight is not None:
+        return weight >= 0
+    return score not in (study.result.get("lower_is_better") or ())
 
 
 def floor_words(camera: CameraResult, eye_height_m: float) -> str:

@@ -16,7 +16,7 @@ from tacos_framework.report.quantities import (
     unit_of,
     words,
 )
-from tacos_framework.report.story import floor_words, score_weights
+from tacos_framework.report.story import floor_words, higher_is_better, score_weights
 from tacos_framework.report.study_data import CameraResult, StudyData
 
 
@@ -75,10 +75,10 @@ def score_table(study: StudyData) -> list[Row]:
 
 def _score_row(study: StudyData, name: str, weights: dict[str, float]) -> Row:
     weight = weights.get(name)
-    higher_is_better = weight is None or weight >= 0
+    higher_first = higher_is_better(study, name)
     values = [camera.fitness if name == "fitness" else camera.scores.get(name) for camera in study.cameras]
     known = [value for value in values if value is not None]
-    top = (max(known) if higher_is_better else min(known)) if len(known) > 1 and len(set(known)) > 1 else None
+    top = (max(known) if higher_first else min(known)) if len(known) > 1 and len(set(known)) > 1 else None
     cells = tuple(
         Cell(
             "none" if value is None else measured(value, camera.spread.get(name)),
@@ -89,7 +89,7 @@ def _score_row(study: StudyData, name: str, weights: dict[str, float]) -> Row:
     other = best_of(study.others)
     change = None
     if study.designed is not None and other is not None:
-        change = difference(study.designed, other, name, higher_is_better=higher_is_better)
+        change = difference(study.designed, other, name, higher_is_better=higher_first)
     detail = f"weight {weight:g}" if weight is not None else "" if name == "fitness" else "not in the fitness"
     return Row(words(name), cells, detail, _change_text(change), change.outcome if change else "")
 

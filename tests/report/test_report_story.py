@@ -10,6 +10,7 @@ from tacos_framework.fitness import standard_errors
 from tacos_framework.report import story
 from tacos_framework.report.comparison import Difference, difference
 from tacos_framework.report.study_data import CameraResult, Generation, StudyData, Tried
+from tacos_framework.report.tables import score_table
 
 
 def camera(name: str, fitness: float | None, *episodes: float, **scores: float) -> CameraResult:
@@ -87,6 +88,21 @@ def test_a_score_of_negative_weight_is_better_when_lower() -> None:
     change = difference(ours, theirs, "depth.error", higher_is_better=False)
     assert change is not None
     assert change.outcome == "better"
+
+
+def test_errors_that_the_fitness_leaves_out_are_better_when_lower() -> None:
+    ours = camera("designed", 1.0, **{"depth.error": 0.1, "depth.share": 0.1})
+    theirs = camera("a", 0.9, **{"depth.error": 0.2, "depth.share": 0.2})
+    data = study(ours, theirs, lower_is_better=["depth.error"])
+    rows = {row.label: row for row in score_table(data)}
+    error, share = rows["depth: error"], rows["depth: share"]
+    assert (error.outcome, share.outcome) == ("better", "worse")
+    assert [cell.best for cell in error.cells] == [True, False]
+    assert [cell.best for cell in share.cells] == [False, True]
+    weighed = study(
+        ours, theirs, fitness=[{"score": "depth.error", "weight": 1}], lower_is_better=["depth.error"]
+    )
+    assert story.score_changes(weighed, theirs)["depth.error"].outcome == "worse"  # the weight decides
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch, Rig
-from tacos_plugins.tasks.stereo.depth_scores import SCORES, DepthScores
+from tacos_plugins.tasks.stereo.depth_scores import ERRORS, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 
 STEP = 16
@@ -72,6 +72,7 @@ class Sgbm:
         )
 
     scores: ClassVar[tuple[str, ...]] = SCORES
+    lower_is_better: ClassVar[frozenset[str]] = ERRORS
 
     def __init__(self, config: Config) -> None:
         self.config = config

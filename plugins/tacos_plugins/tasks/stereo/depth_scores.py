@@ -13,6 +13,9 @@ from tacos_plugins.tasks.stereo.pair import StereoPair
 SCORES = ("log_error", "inverse_log_error", "rmse_m", "d1", "log_error_all", "rmse_all_m")
 """What stereo tasks report; see `DepthScores`."""
 
+ERRORS = frozenset(SCORES) - {"inverse_log_error"}
+"""Those of them of which less is better."""
+
 LEAST_LOG_ERROR = 1e-3
 """Log errors below count as this much in their inverse, which would have no bound otherwise [1]."""
 
