@@ -205,7 +205,10 @@ def test_curves_are_the_best_so_far_over_images():
     assert StudyRun("a", 0, {}, lines).curve == ([20, 25], [0.3, 0.4])
 
 
-@pytest.mark.parametrize("name", ["stereo_compared"])
+TABLES = ("stereo_compared", "stereo_start", "stereo_population", "stereo_parents", "headset_compared")
+
+
+@pytest.mark.parametrize("name", TABLES)
 def test_shipped_tables_name_studies_cameras_and_scores_there_are(name):
     recipe = load_recipe(name)
     assert isinstance(recipe, ProcedureRecipe)
