@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from tacos_framework.camera.geometry import invert_pose, project
-from tacos_framework.catalog import Part
+from tacos_framework.catalog import Part, load_cameras
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.rigs.mounted_camera import SensorPart, field_of_view_deg, focal_length_for_mm
 from tacos_plugins.rigs.stereo import StereoRig
@@ -107,6 +107,36 @@ def test_field_of_view_and_focal_length_describe_the_same_stereo_camera():
     assert derived["hfov_deg"] == pytest.approx(87)
     assert derived["baseline_m"] == 0.12
     assert builder.build(by_field).cameras[0].hfov_deg == pytest.approx(87)
+
+
+@pytest.mark.parametrize(
+    ("name", "baseline_m", "hfov_deg", "focal_baseline_px_m"),
+    [("realsense_d450", 0.095, 87, 49.6), ("zed_2i", 0.12, 72, 81.8)],
+)
+def test_the_cameras_the_paper_compares_with(name, baseline_m, hfov_deg, focal_baseline_px_m):
+    [camera] = load_cameras([name])
+    assert camera.rig == "rig.stereo"
+    assert dict(camera.fixes) == {"baseline_m": baseline_m, "hfov_deg": hfov_deg}
+    builder, variables = stereo(**camera.fixes)
+    left, _ = builder.build(variables).cameras
+    assert (left.width_px, left.height_px) == (991, 495)  # 1.536 x 0.768 mm at 1.55 um
+    assert left.focal_length_px * variables.baseline_m == pytest.approx(focal_baseline_px_m, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"baseline_m": 0.0}, "greater than 0"),
+        ({"baseline_m": -0.1}, "greater than 0"),
+        ({"baseline_m": float("inf")}, "finite"),
+        ({"hfov_deg": 0.0}, "greater than 0"),
+        ({"hfov_deg": 180.0}, "less than 180"),
+        ({"hfov_deg": float("nan")}, "finite"),
+    ],
+)
+def test_degenerate_stereo_cameras_are_refused(wrong, said):
+    with pytest.raises(ValidationError, match=said):
+        stereo(**{"hfov_deg": 70, **wrong})
 
 
 @pytest.mark.parametrize("given", [{}, {"hfov_deg": 80, "focal_length_mm": 3}])
