@@ -1,0 +1,70 @@
+"""Real captures with known truth, from `../shared/data/real` beside the checkout; skipped where absent."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tacos_framework.gap.captures import read_captures
+from tacos_framework.gap.diagnosis import Diagnosis, diagnose
+from tacos_framework.plugins import Plugins
+from tacos_plugins.procedures.blind.real_cases import real_cases
+from tacos_plugins.procedures.diagnose import candidate_effects
+
+DATA = Path(__file__).parents[3] / "shared" / "data" / "real"
+
+pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real captures are not at {DATA}")
+
+
+@pytest.fixture(scope="module")
+def diagnosed(tmp_path_factory):
+    """Diagnoses a case by its name, each once."""
+    effects = candidate_effects(Plugins.discover(), ())
+    cases = {case.name: case for case in real_cases(DATA)}
+    found: dict[str, Diagnosis] = {}
+
+    def of(name: str) -> Diagnosis:
+        if name not in found:
+            folder = tmp_path_factory.mktemp("case")
+            cases[name].write(folder)
+            found[name] = diagnose(read_captures(folder / "captures"), effects, seed=0)
+        return found[name]
+
+    return of
+
+
+def test_chessboards_of_a_wide_lens_lead_to_its_distortion(diagnosed):
+    found = diagnosed("chessboards, first half")
+    assert [cause.effect for cause in found.causes] == ["lens-distortion"]
+    assert found.verdict == "explained"
+    assert found.causes[0].parameters["k1"].value == pytest.approx(-0.281, rel=0.1)  # a fit of all views
+    assert found.causes[0].closure >= 0.9
+
+
+@pytest.mark.parametrize("times", ["25 and 50 ms", "50 and 100 ms", "25 to 100 ms"])
+def test_short_darks_show_no_gap(diagnosed, times):
+    found = diagnosed(f"short darks, {times}")
+    assert found.verdict == "no_gap"
+    assert found.causes == []
+
+
+@pytest.mark.parametrize("times", ["500 and 2000 ms", "2000 and 3916 ms"])
+def test_long_darks_lead_to_dark_current(diagnosed, times):
+    found = diagnosed(f"long darks, {times}")
+    assert [cause.effect for cause in found.causes] == ["dark-current"]
+    assert found.verdict == "explained"
+
+
+@pytest.mark.slow
+def test_clipping_below_the_believed_white_level_is_saturation_first(diagnosed):
+    found = diagnosed("series to 2000 ms, believed wider")
+    assert found.causes[0].effect == "saturation"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["text, motion", "focus stack, step 1", "series, 25 to 250 ms"])
+def test_what_captures_alone_cannot_tell_is_not_named_with_confidence(diagnosed, name):
+    found = diagnosed(name)
+    assert found.verdict in ("unknown", "partly_explained")
+    assert all(cause.probability < 0.5 for cause in found.causes)
