@@ -28,7 +28,6 @@ FRONTS: tuple[tuple[str, tuple[float, float, float]], ...] = (
 SHOP_VARIANTS = 3
 OFFICE_VARIANTS = 2
 POSTER_VARIANTS = 3
-ASPHALT_VARIANTS = 2
 
 LARGEST_PX = 512
 _SMALLEST_PX = 32
@@ -118,7 +117,7 @@ def front(kind: int) -> Finish:
 
 
 def entrance(kind: int) -> Finish:
-    """Ground floor of a kind of front; one floor is `facade.CELLS` high in texture coordinates."""
+    """Ground floor of a kind of front; one floor is `walls.CELLS` high in texture coordinates."""
     return Finish(f"entrance {kind}", roughness=MATTE)
 
 

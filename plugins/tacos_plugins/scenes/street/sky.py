@@ -17,7 +17,7 @@ SUN_DISTANCE_M = 10_000.0
 SUN_RADIUS_DEG = 0.2666
 """Half the sun's apparent diameter [deg]."""
 _ROWS = 256
-_SUN_K, _CLOUD_HEIGHT = 5500.0, 1.0
+_SUN_K = 5500.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from tacos_plugins.scenes.street.finishes import (
     front,
 )
 from tacos_plugins.scenes.street.panels import panel
-from tacos_plugins.scenes.street.textures.facade import CELLS
+from tacos_plugins.scenes.street.textures.walls import CELLS
 
 GROUND_FLOOR_M = 3.9
 _STEP_M = 7.0
