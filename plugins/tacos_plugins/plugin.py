@@ -270,6 +270,11 @@ OPTIMIZERS = {
         "Optuna's samplers: Parzen estimators (tpe) and Gaussian processes (gp).",
         "optuna",
     ),
+    "ppo": (
+        "policy.ppo:Ppo",
+        "The published reinforcement learning: a policy network that changes cameras step by step.",
+        "stable_baselines3=tacos-framework[rl]",
+    ),
 }
 
 EXECUTORS = {

@@ -101,6 +101,22 @@ class OptimizerConformance(ComponentConformance):
         optimizer = self.make()
         assert [c.key for c in optimizer.ask()] == [c.key for c in optimizer.ask()]
 
+    def test_a_state_once_taken_does_not_change(self) -> None:
+        optimizer = self.make()
+        while optimizer.stop() is None:
+            state = optimizer.state()
+            kept = json.dumps(state)
+            self.round(optimizer)
+            assert json.dumps(state) == kept, "state() hands out what the optimizer goes on to change"
+
+    def test_it_asks_for_no_more_than_it_expects(self) -> None:
+        optimizer = self.make()
+        expected = optimizer.expected_candidates
+        if expected is None:
+            return
+        asked = sum(len(keys) for keys in self.rounds(optimizer))
+        assert asked <= expected, f"{asked} candidates were asked, {expected} expected"
+
     def test_it_goes_on_when_every_candidate_fails(self) -> None:
         optimizer = self.make()
         for _ in range(3):

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
+from tacos_framework.design_space import Continuous, DesignSpace
 from tacos_framework.testing import (
     EffectConformance,
     ExecutorConformance,
@@ -61,6 +62,7 @@ from tacos_plugins.executors.process import ProcessExecutor
 from tacos_plugins.optimizers.cma_es import CmaEs
 from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.optuna_search import OptunaSearch
+from tacos_plugins.optimizers.policy.ppo import Ppo
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.optimizers.sobol import Sobol
 from tacos_plugins.procedures.noise.calibrate import CalibrateNoise
@@ -413,6 +415,27 @@ class TestCmaEs(OptimizerConformance):
 class TestCmaEsThatStartsAnywhere(OptimizerConformance):
     component = CmaEs
     config = {"evaluations": 30, "initial": 0, "population": 4, "restarts": "ipop"}
+
+
+class TestCmaEsOfNumbers(OptimizerConformance):
+    component = CmaEs
+    config = {"evaluations": 33, "initial": 6}
+
+    def space(self):
+        return DesignSpace([Continuous("pitch_deg", -30, 30, "deg"), Continuous("cameras", 1, 8, "1")])
+
+
+class TestPpo(OptimizerConformance):
+    component = Ppo
+    config = {"evaluations": 22, "cameras": 4, "steps": 3, "rollout": 8, "minibatch": 4, "epochs": 2}
+
+    @pytest.fixture(autouse=True)
+    def _needs_stable_baselines(self):
+        pytest.importorskip("stable_baselines3", reason="the extra rl is not installed")
+
+
+class TestPpoRewardedByGain(TestPpo):
+    config = {**TestPpo.config, "reward": "gain", "hidden": (8,)}
 
 
 class TestOptunaTpe(OptimizerConformance):

@@ -152,6 +152,21 @@ class RestlessSearch(RandomSearch):
         return self._draw()
 
 
+class LiveSearch(RandomSearch):
+    """Hands out the very list it goes on to fill."""
+
+    def tell(self, evaluated):
+        self.__dict__.setdefault("told", []).append(len(evaluated))
+        super().tell(evaluated)
+
+    def state(self):
+        return {**super().state(), "told": self.__dict__.setdefault("told", [])}
+
+
+class UnderstatedSearch(RandomSearch):
+    expected_candidates = 5
+
+
 class FirstFaultExecutor(LocalExecutor):
     """Keeps of an error only its first fault."""
 
@@ -278,6 +293,8 @@ FAULTS = [
     (RendererConformance, MisreadingRenderer, "test_it_reads_fields_of_camera_and_exposure"),
     (SensorConformance, CameraByCameraSensor, "test_batches_may_be_cut_anywhere"),
     (OptimizerConformance, RestlessSearch, "test_it_asks_the_same_until_it_is_told"),
+    (OptimizerConformance, LiveSearch, "test_a_state_once_taken_does_not_change"),
+    (OptimizerConformance, UnderstatedSearch, "test_it_asks_for_no_more_than_it_expects"),
     (ExecutorConformance, FirstFaultExecutor, "test_errors_keep_what_they_carry"),
     (ExecutorConformance, StickyExecutor, "test_functions_may_change_between_calls"),
     (TrainableConformance, HoardingTask, "test_the_task_itself_learns_nothing"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -121,9 +121,9 @@ class CmaEs:
         self._draw_initial()
 
     @property
-    def expected_candidates(self) -> int:
-        """The evaluations; repeated candidates come on top."""
-        return self.config.evaluations
+    def expected_candidates(self) -> int | None:
+        """The evaluations; None where candidates are snapped, as repeated ones come on top."""
+        return None if np.any(self._cube.spacing() > 0) else self.config.evaluations
 
     def ask(self) -> list[Candidate]:
         """The different candidates of the generation; the same ones until they are told."""
@@ -158,7 +158,7 @@ class CmaEs:
         """What was told so far, and the generator before the first draw, as JSON values."""
         return {
             "rng": self._first_rng_state,
-            "told": self._told,
+            "told": [list(fitness) for fitness in self._told],
             "asked": [list(candidate.genes) for candidate in self._asked],
         }
 
@@ -189,6 +189,8 @@ class CmaEs:
         self._seen |= known.keys()
         finite = [value for value in fitness if value is not None]
         self._worst = min([*finite, *([] if self._worst is None else [self._worst])], default=None)
+        if self.stop() is not None:
+            return  # a last generation may be cut short, and there is nothing left to learn for
         drawn = [known[candidate.key] for candidate in self._drawn]
         if self._strategy is None:
             self._restart(self._best_point(drawn))
@@ -267,7 +269,14 @@ class CmaEs:
     def _choose(self, points: list[NDArray[np.float64]]) -> None:
         self._points = points
         self._drawn = [self._cube.candidate(point[: self._cube.dimension]) for point in points]
-        self._asked = list(dict.fromkeys(self._drawn))
+        self._asked = self._affordable(dict.fromkeys(self._drawn))
+
+    def _affordable(self, candidates: Collection[Candidate]) -> list[Candidate]:
+        """Those that were seen before, and of the others as many as the evaluations still allow."""
+        left = self.config.evaluations - len(self._seen)
+        new = [candidate for candidate in candidates if candidate.key not in self._seen]
+        too_many = {candidate.key for candidate in new[left:]}
+        return [candidate for candidate in candidates if candidate.key not in too_many]
 
 
 def _spread(count: int, dimension: int, rng: np.random.Generator) -> list[NDArray[np.float64]]:
