@@ -122,6 +122,7 @@ def test_the_report_says_what_differs_and_what_was_left_out(tabled):
     for said in ("a paper, Table 7", "The toys are not the paper", "ghost was left out", "IMX172", "(best)"):
         assert said in page
     assert "Haunted" not in page
+    assert page.count('<th scope="col">published') == 3  # only beside columns that have such figures
     assert 'src="http' not in page
     assert result["summary"].startswith(
         ("Ours has the best closeness", "Random has the best closeness", "Flea3")

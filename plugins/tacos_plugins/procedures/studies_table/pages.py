@@ -74,7 +74,7 @@ def page(outcome: Outcome) -> Page:
         eyebrow="Studies compared",
         title=summary(outcome).splitlines()[0],
         lead=(
-            f"{len(outcome.runs)} studies of the problem {config.problem}, judged on the same unseen scenes. "
+            f"{len(outcome.runs)} studies of the problem {config.problem}, judged on unseen scenes. "
             f"{middle}Each study's own report lies in its folder under studies/."
         ),
         sections=(
@@ -143,23 +143,27 @@ def _headline(outcome: Outcome) -> str:
 
 def _table(outcome: Outcome) -> Table:
     columns = outcome.config.columns
-    published = any(cell.published is not None for row in outcome.rows for cell in row.cells)
+    published = [
+        any(row.cells[number].published is not None for row in outcome.rows) for number in range(len(columns))
+    ]
     heads = ["Camera"]
-    for column in columns:
+    for column, beside in zip(columns, published, strict=True):
         mark = {"lower": " ↓", "higher": " ↑", None: ""}[column.better]
         heads.append(f"{column.head}{f' [{column.unit}]' if column.unit else ''}{mark}")
-        if published:
-            heads.append("published")
+        heads += ["published"] * beside
     rows = []
     for row in outcome.rows:
         words = [row.title]
-        for column, cell in zip(columns, row.cells, strict=True):
+        for column, cell, beside in zip(columns, row.cells, published, strict=True):
             words.append(f"{shown(cell, column)}{' (best)' if cell.best else ''}")
-            if published:
-                words.append("" if cell.published is None else _published(cell.published, column))
+            words += ["" if cell.published is None else _published(cell.published, column)] * beside
         rows.append(tuple(words))
-    where = f" Published: {outcome.config.published_in}." if outcome.config.published_in and published else ""
-    return Table(tuple(heads), tuple(rows), f"Every camera on the same test scenes.{where}")
+    where = (
+        f" Published: {outcome.config.published_in}."
+        if outcome.config.published_in and any(published)
+        else ""
+    )
+    return Table(tuple(heads), tuple(rows), f"Cameras on unseen scenes.{where}")
 
 
 def _published(value: float | str, column: Column) -> str:
