@@ -29,7 +29,7 @@ pytestmark = pytest.mark.skipif(find_spec("ray") is None, reason="the extra ray 
 
 @pytest.fixture(scope="module")
 def two_workers() -> Iterator[RayExecutor]:
-    executor = RayExecutor(RayExecutor.Config(workers=2, attempts=2))
+    executor = RayExecutor(RayExecutor.Config(workers=2, attempts=2, cpus_per_worker=0.5))
     yield executor
     executor.close()
 
@@ -90,7 +90,9 @@ def test_a_cluster_of_our_own_listens_on_the_loopback_alone_and_is_quiet(two_wor
 
 @pytest.mark.slow
 def test_a_job_that_hangs_is_given_up_in_time(two_workers):
-    executor = RayExecutor(RayExecutor.Config(workers=1, timeout_s=0.5, attempts=1))  # joins the same cluster
+    executor = RayExecutor(
+        RayExecutor.Config(workers=1, cpus_per_worker=0.5, timeout_s=0.5, attempts=1)
+    )  # joins the same cluster
     started = time.monotonic()
     assert list(executor.map(jobs.HangAt(1), range(3))) == [
         0, "1 lost: it took longer than 0.5 s, 1 times in a row", 4
@@ -141,7 +143,7 @@ def test_a_study_whose_worker_is_killed_midway_ends_as_one_that_runs_here(tmp_pa
     local = run(toy_recipe(**LEARNER), plugins, tmp_path / "local")
     killer = KillsOnce()
     plugins.register(killer, name="kills once")
-    spread = {"executor": {"use": "executor.ray", "workers": 2}, **LEARNER}
+    spread = {"executor": {"use": "executor.ray", "workers": 2, "cpus_per_worker": 0.5}, **LEARNER}
     assert comparable(run(toy_recipe(**spread), plugins, tmp_path / "ray")) == comparable(local)
     assert killer.killed
     assert "it is tried again" in (tmp_path / "ray" / "log.txt").read_text()

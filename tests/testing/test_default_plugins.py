@@ -525,7 +525,7 @@ class TestProcessExecutor(ExecutorConformance):
 @pytest.mark.slow
 class TestRayExecutor(ExecutorConformance):
     component = RayExecutor
-    config = {"workers": 2}
+    config = {"workers": 2, "cpus_per_worker": 0.25}  # so that two executors have room side by side
 
     @pytest.fixture(autouse=True)
     def _needs_ray(self):
