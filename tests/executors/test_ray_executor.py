@@ -111,21 +111,23 @@ def test_more_than_any_node_has_is_refused_with_what_there_is(two_workers):
 
 
 class KillsOnce:
-    """Ends one Ray worker of this process by SIGKILL after the first generation of a study."""
+    """Ends by SIGKILL, after the first generation of a study, the Ray workers that were started for it."""
 
     def __init__(self) -> None:
-        self.killed: list[int] = []
+        self.others = workers_of(os.getpid())
+        self.killed: set[int] = set()
 
     @hookimpl
     def tacos_generation_finished(self) -> None:
         if not self.killed:
-            self.killed.append(workers_of(os.getpid())[0])
-            os.kill(self.killed[0], signal.SIGKILL)
+            self.killed = workers_of(os.getpid()) - self.others
+            for worker in self.killed:
+                os.kill(worker, signal.SIGKILL)
 
 
-def workers_of(process: int) -> list[int]:
+def workers_of(process: int) -> set[int]:
     """Process ids of the Ray workers below a process."""
-    found = []
+    found = set()
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             name = (folder / "cmdline").read_bytes()
@@ -133,8 +135,8 @@ def workers_of(process: int) -> list[int]:
             while line[-1] > 1 and line[-1] != process:
                 line.append(int(Path(f"/proc/{line[-1]}/stat").read_text().rpartition(")")[2].split()[1]))
             if name.startswith(b"ray::Evaluator") and line[-1] == process:
-                found.append(line[0])
-    return sorted(found)
+                found.add(line[0])
+    return found
 
 
 def test_a_study_whose_worker_is_killed_midway_ends_as_one_that_runs_here(tmp_path):
