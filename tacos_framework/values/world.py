@@ -109,7 +109,7 @@ class Object:
 
     name: str
     class_name: str
-    moves: bool = False
+    moves: bool = field(default=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
