@@ -12,6 +12,7 @@ pytest.importorskip("torchvision", reason="the extra perception is not installed
 import torch
 
 from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
+from tacos_plugins.tasks.faster_rcnn.networks import faster_rcnn
 from tacos_plugins.tasks.learning.images import DEVIATION, MEAN, network_image, srgb_encoded
 
 CPU = torch.device("cpu")
@@ -91,3 +92,27 @@ def test_an_image_of_a_few_pixels_can_be_learnt_from():
     assert images.tensors.shape == (1, 3, 64, 64)
     assert images.image_sizes == [(5, 7)]
     assert not images.tensors[0, :, 5:].any()
+
+
+@pytest.mark.parametrize("backbone", ["narrow-fpn", "mobilenet-v3-fpn", "resnet50-fpn"])
+def test_a_tiny_image_does_not_change_what_is_found_in_the_next(backbone):
+    """torchvision's pooling keeps the strides that it takes from the first image, before it is padded."""
+    torch.manual_seed(0)
+    settings = {"proposals": 20, "rois": 8, "detections": 20, "score_threshold": 0.0}
+    model = faster_rcnn(
+        backbone, 2, smallest_anchor_px=None, pixels=CameraPixels(1.0, None, None), **settings
+    ).eval()
+    assert model.roi_heads.box_roi_pool.scales[0] in (1 / 4, 1 / 32)
+    image = torch.rand(3, 96, 128)
+    with torch.no_grad():
+        (before,) = model([image])
+        model([torch.rand(3, 34, 46)])
+        (after,) = model([image])
+        fresh = faster_rcnn(
+            backbone, 2, smallest_anchor_px=None, pixels=CameraPixels(1.0, None, None), **settings
+        ).eval()
+        fresh.load_state_dict(model.state_dict())
+        fresh([torch.rand(3, 34, 46)])
+        (first_tiny,) = fresh([image])
+    assert torch.equal(before["boxes"], after["boxes"])
+    assert torch.equal(before["scores"], first_tiny["scores"])

@@ -6,6 +6,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from typing import Any, Literal
 
+import torch
 from torch import nn
 from torchvision.models.detection import (
     FasterRCNN,
@@ -27,6 +28,9 @@ ASPECT_RATIOS = (0.5, 1.0, 2.0)
 
 SMALLEST_ANCHOR_PX = {"resnet50-fpn": 32.0, "mobilenet-v3-fpn": 32.0, "narrow-fpn": 12.0}
 """Edge of the smallest anchors; the next are twice as large each [px]."""
+
+STRIDES_PX = 128
+"""Edge of an image that all strides divide [px]."""
 
 NARROW_STEM = 24
 NARROW_WIDTHS = (32, 48, 64, 96)
@@ -90,6 +94,7 @@ def faster_rcnn(
         model = build(weights=None, weights_backbone=None, num_classes=classes + 1, **settings)
         model.rpn.anchor_generator = _anchors(smallest, levels, sizes_per_level)
     model.transform = pixels
+    _learn_strides(model)
     return model
 
 
@@ -99,6 +104,20 @@ def still_norms(model: nn.Module) -> None:
         if isinstance(part, nn.BatchNorm2d):
             part.eval()
             part.requires_grad_(False)
+
+
+def _learn_strides(model: FasterRCNN) -> None:
+    """Let the pooling of regions take its strides from an image whose size they all divide.
+
+    It takes them from the first image it meets, before padding, and keeps them: after one of 34 pixels
+    that was padded to 64, it would look for all regions in the wrong place ever after.
+    """
+    size = (STRIDES_PX, STRIDES_PX)
+    model.eval()
+    with torch.no_grad():
+        features = model.backbone(torch.zeros(1, 3, *size))
+        model.roi_heads.box_roi_pool(features, [torch.tensor([[0.0, 0.0, *size]])], [size])
+    model.train()
 
 
 def _anchors(smallest_px: float, levels: int, sizes_per_level: int) -> AnchorGenerator:
