@@ -33,6 +33,9 @@ LEAST_SHARE = 0.003
 TRIED = 4
 """Effects fitted in each round."""
 
+_FORETOLD = 0.25
+"""Share of its price that the trials of an effect must promise for it to be fitted beside others."""
+
 Notify = Callable[[str], None]
 
 
@@ -203,7 +206,10 @@ class Search:
 
     def _extended(self, base: Fitted) -> Fitted | None:
         """The best explanation with one more effect; None when none is worth its price."""
-        tried = self._fitted([(*base.hypothesis, start) for start in self._promising(base, TRIED)])
+        least = _FORETOLD * self._price(base)
+        tried = self._fitted(
+            [(*base.hypothesis, start) for start in self._promising(base, TRIED, least=least)]
+        )
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
@@ -213,11 +219,14 @@ class Search:
         """What one more effect must gain [nat]."""
         return max(PRICE, LEAST_SHARE * (fitted.score - self._fits[()].score))
 
-    def _promising(self, base: Fitted, count: int, without: Sequence[str] = ()) -> list[Term]:
-        """Starts of the effects that promise most on top of `base`."""
+    def _promising(
+        self, base: Fitted, count: int, without: Sequence[str] = (), least: float = 0.0
+    ) -> list[Term]:
+        """Starts of the effects that promise most on top of `base`, and more than `least` [nat]."""
         free = [name for name in self.trials if name not in base.names and name not in without]
         promises = sorted((self._promise(name, base.z) for name in free), key=lambda p: -p[0])
-        return [start for gain, start in promises[:count] if gain > 0]
+        worth = 0.5 * self.problem.weight
+        return [start for gain, start in promises[:count] if worth * gain > least]
 
     def _thinned(self, fitted: Fitted) -> Fitted:
         """Without effects that another made superfluous, and with each replaced by a better rival."""

@@ -86,8 +86,9 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
         better, better_z, damping = moved
         gain = 1 - _cost(better_z) / max(_cost(z), 1e-9)
         step = (theta_of(better) - theta_of(hypothesis)) / steps
-        missed = bent(better_z) - bent(z) - jacobian @ step
-        jacobian = jacobian + np.outer(missed, step) / max(float(step @ step), 1e-12)
+        if (length := float(np.linalg.norm(step))) >= STEP:  # what a shorter one shows is rounding of codes
+            missed = bent(better_z) - bent(z) - jacobian @ step
+            jacobian = jacobian + np.outer(missed, step) / length**2
         hypothesis, z = better, better_z
         if gain < CONVERGED:
             break
