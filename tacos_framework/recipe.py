@@ -177,7 +177,14 @@ class Compare(Settings):
 
     cameras: tuple[str, ...] = setting(help="Names in the catalog of cameras.", min_length=1)
     catalog: str = setting("cameras", help="Name of a shipped catalog of cameras, or a path.")
-    evaluations: int = setting(30, help="Evaluations spent on what each product leaves free.", ge=1)
+    evaluations: int = setting(
+        30,
+        help=(
+            "Evaluations spent on what each product leaves free; where tasks learn, a product that leaves "
+            "nothing free gets as many to train them."
+        ),
+        ge=1,
+    )
 
 
 class Test(Settings):

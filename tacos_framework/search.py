@@ -105,7 +105,7 @@ class Search:
     def expected_candidates(self) -> int | None:
         """How many candidates are still to come, elites counted each time, if that can be told."""
         if self.optimizer is None:
-            return 1
+            return max(0, (self.budget or 1) - self.told) if self._training else 1
         known = [n for n in (self.optimizer.expected_candidates, self.budget) if n is not None]
         return max(0, min(known) - self.told) if known else None
 
@@ -135,6 +135,8 @@ class Search:
 
     def _stop(self) -> str | None:
         if self.optimizer is None:
+            if self._training and self.evaluations < (self.budget or 1):
+                return None  # its tasks learn from it as long as they may from the others
             return "nothing is left free to search"
         if self.budget is not None and self.evaluations >= self.budget:
             return f"{self.evaluations} evaluations, the budget of {self.budget}, are spent"

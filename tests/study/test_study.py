@@ -78,6 +78,24 @@ def test_off_the_shelf_cameras_are_fitted_and_tested_beside(toys, tmp_path):
     assert flea3["evaluations"] >= 7
 
 
+@pytest.mark.parametrize(("weights", "evaluations"), [("shared", 5), ("branched", 5), ("frozen", 1)])
+def test_tasks_learn_from_a_camera_that_leaves_nothing_free_as_long_as_from_others(
+    toys, tmp_path, weights, evaluations
+):
+    learner = {**LEARNER["nodes"]["learner"], "train": {"weights": weights}}
+    recipe = toy_recipe(
+        nodes={"learner": learner},
+        compare={"cameras": ["flea3"], "evaluations": 5},
+        rig={"binning": 200},
+        optimizer={"generations": 2},
+    )
+    recipe = recipe.model_copy(update={"design": {"focal_length_mm": recipe.design["focal_length_mm"]}})
+    result = run(recipe, toys, tmp_path / "out")
+    assert result["cameras"]["flea3"]["free"] == []
+    assert result["cameras"]["flea3"]["evaluations"] == evaluations
+    assert result["test"]["flea3"]["fitness"] is not None
+
+
 def test_failed_candidates_are_told_and_the_study_goes_on(toys, tmp_path):
     reasons = []
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
+import numpy as np
 import pytest
 
 from tacos_framework import Recipe, load_recipe, run
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
+from tacos_framework.shipped import shipped_folder
 
 
 def planned(name: str, **sets: object) -> Plan:
@@ -37,6 +41,22 @@ def test_stereo_car_is_the_papers_study() -> None:
     assert [camera.name for camera in plan.cameras] == ["realsense_d450", "zed_2i"]
     sensor = plan.rig_variables({"baseline_m": 1.6, "hfov_deg": 50.0}).sensor
     assert (sensor.width_mm, sensor.height_mm) == pytest.approx((1.536, 0.767), abs=1e-3)
+
+
+def test_shipped_weights_fit_the_recipe_that_names_them_and_say_how_they_were_made() -> None:
+    safetensors = pytest.importorskip("safetensors", reason="comes with the extra perception")
+    pytest.importorskip("torch", reason="comes with the extra perception")
+    plan = planned("stereo_joint_quick")
+    name = plan.recipe.nodes["stereo"].settings["weights"]
+    file = shipped_folder("catalogs") / "weights" / f"{name}.safetensors"
+    with safetensors.safe_open(file, "numpy") as opened:
+        about = opened.metadata()
+    assert about["task"] == "task.psmnet"
+    assert about["seed"] not in (str(plan.recipe.seed), str(plan.recipe.test.seed))  # other towns
+    assert float(json.loads(about["scores"])["log_error"]) < 0.3
+    assert file.stat().st_size < 1e6
+    state = plan.nodes["stereo"].make().initial_state(rng=np.random.default_rng(0))
+    assert any(np.abs(array).max() > 0 for array in state.values())
 
 
 @pytest.mark.gl
