@@ -151,11 +151,16 @@ def test_a_study_whose_worker_is_killed_midway_ends_as_one_that_runs_here(tmp_pa
     assert "it is tried again" in (tmp_path / "ray" / "log.txt").read_text()
 
 
-def test_a_cluster_that_does_not_answer_is_an_error_that_says_what_to_do(monkeypatch):
+def test_a_cluster_that_does_not_answer_is_an_error_that_says_what_to_do(monkeypatch, tmp_path):
     import ray
 
     monkeypatch.setattr(ray, "is_initialized", lambda: False)  # as in a process of its own
-    for address, said in (("127.0.0.1:9", "Connection refused"), ("nowhere", "this is no address")):
+    (tmp_path / "ray").mkdir()
+    (tmp_path / "ray" / "ray_current_cluster").write_text("127.0.0.1:9")  # of one that has died
+    monkeypatch.setenv("RAY_TMPDIR", str(tmp_path))
+    monkeypatch.delenv("RAY_ADDRESS", raising=False)
+    refused = "no Ray cluster answers at '127.0.0.1:9': .*Connection refused"
+    for address, said in (("127.0.0.1:9", refused), ("auto", refused), ("nowhere", "this is no address")):
         executor = RayExecutor(RayExecutor.Config(address=address))
         with pytest.raises(UserError, match=said) as raised:
             list(executor.map(jobs.square, [1]))

@@ -7,8 +7,10 @@ import math
 import os
 import socket
 import sys
+import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -150,16 +152,25 @@ def _ray(environment: Mapping[str, str]) -> ModuleType:
 
 def _refuse_silence(address: str) -> None:
     """Knock at the door of a cluster: Ray itself would wait for many minutes."""
-    named = os.environ.get("RAY_ADDRESS", "") if address == "auto" else address
-    host, colon, port = named.rpartition(":")
+    named = address if address != "auto" else os.environ.get("RAY_ADDRESS") or _started_here()
     if not named or named == "auto":
-        return
+        return  # Ray looks for one, and is quick to say that there is none
+    host, colon, port = named.rpartition(":")
     if not (colon and port.isdecimal()):
         raise UserError(_no_answer(named, "this is no address", "local, auto, or host:port"))
     try:
         socket.create_connection((host.strip("[]"), int(port)), timeout=ANSWER_S).close()
     except OSError as error:
         raise UserError(_no_answer(named, str(error))) from error
+
+
+def _started_here() -> str:
+    """The address that ``ray start`` left on this machine; it stays there when the cluster dies."""
+    folder = Path(os.environ.get("RAY_TMPDIR") or tempfile.gettempdir())
+    try:
+        return (folder / "ray" / "ray_current_cluster").read_text(encoding="utf-8").strip()
+    except OSError:
+        return ""
 
 
 def _no_answer(address: str, reason: str, expected: str = "") -> Fault:
