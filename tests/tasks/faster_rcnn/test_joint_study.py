@@ -157,6 +157,6 @@ def test_shipped_recipes_train_their_detector(tmp_path, name, changes):
     plugins = Plugins.discover()
     run(recipe, plugins, tmp_path / "out")
     before, after = first_state(recipe, plugins), kept_state(tmp_path / "out")
-    assert after["schedule.steps"].tolist() == [2]
+    assert after["schedule.steps"].tolist() == [2 * recipe.nodes["detect"].train.epochs]
     head = "model.roi_heads.box_predictor.cls_score.weight"
     assert np.abs(after[head] - before[head]).max() > 0
