@@ -49,6 +49,7 @@ COMMANDS = [
     for line in commands(block)
     if line.startswith(("tacos-run headset", "tacos catalog image_sensors", "tacos plugins", "tacos doctor"))
     and "--with " not in line  # a file that the page makes; tests/docs/test_diagnosis_tutorial.py does so
+    and "=runs/" not in line  # likewise
 ]
 
 

@@ -78,7 +78,8 @@ def test_a_changed_truth_is_noticed(tmp_path: Path) -> None:
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("split", [False, True])
 def test_pairs_make_folders_that_can_be_read(pair: str, split: bool, tmp_path: Path) -> None:
-    order = Order("p", 3, "T6", (), None, "charts", 128, 96, notes={"pair": pair, "split": split})
+    truth, notes = PAIRS[pair].truth, {"pair": pair, "split": split}
+    order = Order("p", 3, "T6", (truth,), 4.0, "charts", 128, 96, notes=notes)
     make_sealed(order, tmp_path, tmp_path / "truths")
     read_captures(tmp_path / "p" / CAPTURES)
 

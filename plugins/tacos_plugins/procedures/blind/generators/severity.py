@@ -118,8 +118,8 @@ class Floor:
         }
 
     def severity(self, flaws: Sequence[Flaw]) -> float:
-        """How far the flaws take the captures from the floor, where it shows most [floor]."""
-        return max(self.changes(flaws).values())
+        """How far the flaws take captures from the floor, where it shows most; 0 for boards alone [floor]."""
+        return max(self.changes(flaws).values(), default=0.0)
 
     def changes(self, flaws: Sequence[Flaw]) -> dict[tuple[str, str], float]:
         """The same for each capture and family, less what other noise alone would change."""
