@@ -116,6 +116,8 @@ def _flaw(
     if order.severity is None:
         flaw = build(float(rng.uniform(low, high)))
         return flaw, floor.severity([flaw])
+    if not floor.measures:  # boards alone: as strong as it gets in the field
+        return build(high), 0.0
     usual = float(np.sqrt(max(low, 0.02 * high) * high))
     return calibrated(build, order.severity, floor, usual, entry.largest)
 

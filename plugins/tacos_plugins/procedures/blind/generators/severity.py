@@ -117,6 +117,11 @@ class Floor:
             for key in self._clean
         }
 
+    @property
+    def measures(self) -> bool:
+        """Whether any capture but boards is there to measure by."""
+        return bool(self._clean)
+
     def severity(self, flaws: Sequence[Flaw]) -> float:
         """How far the flaws take captures from the floor, where it shows most; 0 for boards alone [floor]."""
         return max(self.changes(flaws).values(), default=0.0)
