@@ -15,6 +15,7 @@ from tacos_framework.contracts import Evaluated
 from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.settings import Settings, setting
 from tacos_plugins.optimizers.restarts import Descent, Restarts
+from tacos_plugins.optimizers.told import check_told
 from tacos_plugins.optimizers.unit_cube import UnitCube
 
 NARROW = 0.003
@@ -137,11 +138,7 @@ class CmaEs:
         ValueError
             When a fitness is NaN or infinite, or the results are not those of the candidates asked.
         """
-        for result in evaluated:
-            if result.fitness is not None and not math.isfinite(result.fitness):
-                raise ValueError(f"the fitness of candidate {result.candidate.key} is not a finite number")
-        if [result.candidate for result in evaluated] != self._asked:
-            raise ValueError("tell takes the results of the candidates last asked, in their order")
+        check_told(evaluated, self._asked)
         self._take([result.fitness for result in evaluated])
 
     def stop(self) -> str | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from tacos_framework.contracts import Evaluated
 from tacos_framework.design_space import Candidate, Categorical, DesignSpace
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
+from tacos_plugins.optimizers.told import check_told
 
 if TYPE_CHECKING:
     import optuna
@@ -124,11 +124,7 @@ class OptunaSearch:
         ValueError
             When a fitness is NaN or infinite, or the results are not those of the candidates asked.
         """
-        for result in evaluated:
-            if result.fitness is not None and not math.isfinite(result.fitness):
-                raise ValueError(f"the fitness of candidate {result.candidate.key} is not a finite number")
-        if [result.candidate for result in evaluated] != self._asked:
-            raise ValueError("tell takes the results of the candidates last asked, in their order")
+        check_told(evaluated, self._asked)
         for trial, result in zip(self._trials, evaluated, strict=True):
             entry = {"genes": trial.params, "fitness": result.fitness}
             outcome = self._outcome(entry)

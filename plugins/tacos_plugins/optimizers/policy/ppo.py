@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,6 +12,7 @@ from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
 from tacos_plugins.optimizers.policy.designers import Designers, RewardScale
+from tacos_plugins.optimizers.told import check_told
 from tacos_plugins.optimizers.unit_cube import UnitCube
 
 if TYPE_CHECKING:
@@ -113,11 +113,7 @@ class Ppo:
         ValueError
             When a fitness is NaN or infinite, or the results are not those of the candidates asked.
         """
-        for result in evaluated:
-            if result.fitness is not None and not math.isfinite(result.fitness):
-                raise ValueError(f"the fitness of candidate {result.candidate.key} is not a finite number")
-        if [result.candidate for result in evaluated] != self._asked:
-            raise ValueError("tell takes the results of the candidates last asked, in their order")
+        check_told(evaluated, self._asked)
         self._evaluated += len(evaluated)
         rewards = self._rewards([result.fitness for result in evaluated])
         if self.stop() is not None:
