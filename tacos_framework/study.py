@@ -35,6 +35,9 @@ DESIGNED = "designed"
 SAMPLES_AT = (0.15, 0.5, 0.85)
 """Where along the test episode sample frames are taken [share of the episode]."""
 
+BROKEN_OFF = "interrupted by the user"
+"""Why a study stopped that was broken off with Ctrl-C, as its result says."""
+
 
 def run_study(
     recipe: Recipe,
@@ -230,7 +233,7 @@ class Study:
     def finish(self) -> dict[str, Any]:
         """Write ``result.json``; returns what stands in it."""
         designed = self.searches[0]
-        stopped = "interrupted by the user" if self.interrupted else designed.stopped
+        stopped = BROKEN_OFF if self.interrupted else designed.stopped
         result = {
             "tacos": __version__,
             "name": self.plan.recipe.name,

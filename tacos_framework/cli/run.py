@@ -82,6 +82,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
 
     from tacos_framework.cli.bar import progress_for
     from tacos_framework.running import run
+    from tacos_framework.study import BROKEN_OFF
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
     with progress_for(quiet=arguments.quiet) as progress:
@@ -89,7 +90,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
             recipe, out=out, plugins=plugins, resume=arguments.resume, progress=progress, command=command
         )
     print(summary(result, out))
-    return INTERRUPTED if result.get("stopped") == "interrupted by the user" else DONE
+    return INTERRUPTED if result.get("stopped") == BROKEN_OFF else DONE
 
 
 def _explain_study(recipe: Any, plugins: Plugins, faults: list[Fault]) -> Callable[[], str]:

@@ -142,6 +142,22 @@ def test_a_broken_run_keeps_the_studies_that_are_done(problem, toys, tmp_path):
     assert toy_plugin.WidthTask.begun - before < 6  # tested anew at most, not searched
 
 
+class BrokenOff(InThisProcess):
+    """Ctrl-C while the first candidates are evaluated."""
+
+    def map(self, evaluate, jobs):
+        raise KeyboardInterrupt
+
+
+def test_ctrl_c_ends_all_of_it_not_one_study(problem, toys, tmp_path):
+    out = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt):
+        run(asked(problem), out=out, plugins=toys, executor=BrokenOff())
+    assert [folder.name for folder in (out / "studies").iterdir()] == ["genetic_3"]
+    again = run(asked(problem), out=out, plugins=toys, resume=True)
+    assert again["table"] == run(asked(problem), out=tmp_path / "whole", plugins=toys)["table"]
+
+
 @pytest.mark.parametrize(
     ("settings", "said"),
     [

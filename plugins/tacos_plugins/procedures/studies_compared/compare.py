@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.report.page import write_page
 from tacos_framework.results import Results
 from tacos_framework.settings import Settings, setting
-from tacos_framework.study import run_study
+from tacos_plugins.procedures.kept_studies import result_of
 from tacos_plugins.procedures.studies_compared.pages import Compared, lines, page, summary
 from tacos_plugins.procedures.studies_compared.pairs import Outcome
 
@@ -74,8 +73,8 @@ class CompareStudies:
         outcomes = []
         for variant, seed, recipe in studies:
             folder = out / "studies" / f"{variant}-{seed}"
-            result = _result(recipe, folder, plugins, executor, resume and folder.exists())
-            outcome = _outcome(variant, seed, result)
+            result = result_of(recipe, folder, plugins=plugins, executor=executor, resume=resume)
+            outcome = _outcome(variant, seed, _with_design(result, folder))
             outcomes.append(outcome)
             progress.step(f"{variant}, seed {seed}: {outcome.scores['fitness']:.3f}")
         compared = Compared(self.config.study, self.config.reference, tuple(outcomes))
@@ -110,18 +109,11 @@ class CompareStudies:
         return recipe.model_copy(update={"test": test})
 
 
-def _result(
-    recipe: Recipe, out: Path, plugins: Plugins, executor: Executor, resume: bool
-) -> Mapping[str, Any]:
-    """The result of a study: what is there already, or what comes out now."""
-    done = out / "result.json"
-    kept: dict[str, Any] = json.loads(done.read_text("utf-8")) if resume and done.exists() else {}
-    if DESIGNED in kept.get("test", {}):
-        return kept
-    result = run_study(recipe, out=out, plugins=plugins, executor=executor, resume=resume)
+def _with_design(result: Mapping[str, Any], out: Path) -> Mapping[str, Any]:
+    """The result, if its design was tested."""
     if DESIGNED not in result["test"]:
         what = f"the study ended without a design that was tested: {result['stopped']}"
-        raise UserError(Fault(str(out), what, "", "If it was interrupted, go on with --resume."))
+        raise UserError(Fault(str(out), what))
     return result
 
 

@@ -18,7 +18,7 @@ from tacos_framework.progress import Progress
 from tacos_framework.recipe import Recipe
 from tacos_framework.report.page import write_page
 from tacos_framework.results import Results
-from tacos_framework.running import run
+from tacos_plugins.procedures.kept_studies import result_of
 from tacos_plugins.procedures.studies_table.findings import StudyRun, findings
 from tacos_plugins.procedures.studies_table.pages import Outcome, folder_of, page, summary, table_csv
 from tacos_plugins.procedures.studies_table.settings import DESIGNED, StudiesConfig
@@ -134,27 +134,16 @@ class StudiesTable:
             for study in planned:
                 seed = study.recipe.seed + number
                 folder = out / folder_of(study.name, seed)
-                result = _finished(folder) if resume else None
-                if result is None:
-                    log.info("study %s, seed %d", study.name, seed)
-                    result = run(
-                        study.recipe.model_copy(update={"seed": seed}),
-                        out=folder,
-                        plugins=plugins,
-                        executor=executor,
-                        resume=resume and folder.exists(),
-                        progress=progress,
-                    )
+                log.info("study %s, seed %d", study.name, seed)
+                result = result_of(
+                    study.recipe.model_copy(update={"seed": seed}),
+                    folder,
+                    plugins=plugins,
+                    executor=executor,
+                    resume=resume,
+                    progress=progress,
+                )
                 yield StudyRun(study.name, seed, result, _lines(folder / "generations.jsonl"))
-
-
-def _finished(folder: Path) -> dict[str, Any] | None:
-    """The result of a run that came to its end."""
-    path = folder / "result.json"
-    if not path.exists():
-        return None
-    result: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return None if result["stopped"] == "interrupted by the user" else result
 
 
 def _lines(path: Path) -> list[dict[str, Any]]:

@@ -1,0 +1,48 @@
+"""Studies that are part of a procedure: each is left whole in a folder, and run once."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.contracts import Executor
+from tacos_framework.plugins import Plugins
+from tacos_framework.progress import Progress
+from tacos_framework.recipe import Recipe
+from tacos_framework.running import run
+from tacos_framework.study import BROKEN_OFF
+
+
+def result_of(
+    recipe: Recipe,
+    folder: Path,
+    *,
+    plugins: Plugins,
+    executor: Executor,
+    resume: bool,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """The result of a study: with `resume` that of one that ended, else what comes out now.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When the user breaks the study off: what it found is kept, and the procedure ends too.
+    """
+    done = folder / "result.json"
+    if resume and done.exists():
+        kept: dict[str, Any] = json.loads(done.read_text(encoding="utf-8"))
+        if kept["stopped"] != BROKEN_OFF:
+            return kept
+    result = run(
+        recipe,
+        out=folder,
+        plugins=plugins,
+        executor=executor,
+        resume=resume and folder.exists(),
+        progress=progress,
+    )
+    if result["stopped"] == BROKEN_OFF:
+        raise KeyboardInterrupt
+    return result
