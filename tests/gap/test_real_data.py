@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from tacos_framework.gap.captures import read_captures
-from tacos_framework.gap.diagnosis import Diagnosis, diagnose
+from tacos_framework.gap.diagnosis import diagnose
+from tacos_framework.gap.findings import Diagnosis
 from tacos_framework.plugins import Plugins
 from tacos_plugins.procedures.blind.real_cases import real_cases
 from tacos_plugins.procedures.diagnose import candidate_effects

@@ -16,7 +16,8 @@ from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.gap.bench import recipe_renderer
 from tacos_framework.gap.captures import read_captures
-from tacos_framework.gap.diagnosis import Diagnosis, diagnose
+from tacos_framework.gap.diagnosis import diagnose
+from tacos_framework.gap.findings import Diagnosis
 from tacos_framework.plugins import Plugins
 from tacos_framework.progress import Progress
 from tacos_framework.report.gap.page import Circumstances, page

@@ -8,7 +8,8 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tacos_framework.gap.diagnosis import Diagnosis, slot_probabilities
+from tacos_framework.gap.causes import slot_probabilities
+from tacos_framework.gap.findings import Diagnosis
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.gap.series import AFTER, BEFORE
 from tacos_framework.report.gap.words import share

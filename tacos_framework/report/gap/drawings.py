@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.gap.captures import Capture
-from tacos_framework.gap.diagnosis import Diagnosis
+from tacos_framework.gap.findings import Diagnosis
 from tacos_framework.gap.fit import Fitted
 from tacos_framework.gap.problem import Problem, bent
 from tacos_framework.report.gap.arrows import arrows, of_boards, of_tiles

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.gap.boards import AMPLITUDE_PX, CORNER_PX
 from tacos_framework.gap.captures import Capture
-from tacos_framework.gap.diagnosis import Diagnosis
 from tacos_framework.gap.evidence import ImageEvidence, Label
+from tacos_framework.gap.findings import Diagnosis
 from tacos_framework.gap.problem import Problem
 
 CORNER_UNIT_PX = float(np.hypot(CORNER_PX, AMPLITUDE_PX))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tacos_framework.gap.captures import Capture, CaptureFolder
-from tacos_framework.gap.diagnosis import Cause, Diagnosis
+from tacos_framework.gap.findings import Cause, Diagnosis
 from tacos_framework.report.gap import bars, words
 from tacos_framework.report.gap.drawings import Artist, decisive, is_wide, mapped, standing_out
 from tacos_framework.report.gap.frames import Compared, compare, to_show

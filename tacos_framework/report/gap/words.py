@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tacos_framework.gap.diagnosis import Cause, Diagnosis, Parameter
+from tacos_framework.gap.findings import Cause, Diagnosis, Parameter
 from tacos_framework.report.gap.views import view_of
 from tacos_framework.report.quantities import number, unit_sign
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from tacos_framework.gap.ambiguity import NextCapture
-from tacos_framework.gap.diagnosis import Cause, Diagnosis, Parameter
+from tacos_framework.gap.findings import Cause, Diagnosis, Parameter
 from tacos_framework.gap.locate import Place
 from tacos_framework.gap.unknown import Unexplained
 from tacos_framework.report.gap import words

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.gap.captures import Capture
-from tacos_framework.gap.diagnosis import Diagnosis
 from tacos_framework.gap.evidence import ImageEvidence
+from tacos_framework.gap.findings import Diagnosis
 from tacos_framework.gap.fit import Fitted
 from tacos_framework.gap.formation import simulate
 from tacos_framework.gap.parameters import Term, starts_of
