@@ -32,6 +32,11 @@ def _joined(floors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     return np.concatenate([floor[:count] for floor in floors], axis=1) if floors else np.zeros((2, 0))
 
 
+def _key(hypothesis: Hypothesis) -> str:
+    """What tells hypotheses apart."""
+    return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
+
+
 @dataclass(frozen=True)
 class Slot:
     """Where the numbers of a capture stand in the whole."""
@@ -60,11 +65,12 @@ class Problem:
         self.scale = np.ones(len(self.labels))
         self.evaluations = 0
         self._kept: dict[str, NDArray[np.float64]] = {}
+        self._judged: dict[str, Judged] = {}
         self._lock = Lock()
 
     def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
         """(K,) residuals in units of the floor; None where an effect refuses its parameters."""
-        key = repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
+        key = _key(hypothesis)
         effects = [effect for term in hypothesis if (effect := term.make()) is not None]
         if len(effects) < len(hypothesis):
             return None
@@ -82,6 +88,12 @@ class Problem:
 
     def judged(self, hypothesis: Hypothesis) -> Judged:
         """Residuals and floor when the hypothesis is part of the simulator; see `Evidence.judged`."""
+        key = _key(hypothesis)
+        if key not in self._judged:
+            self._judged[key] = self._judge(hypothesis)
+        return self._judged[key]
+
+    def _judge(self, hypothesis: Hypothesis) -> Judged:
         effects = [effect for term in hypothesis if (effect := term.make()) is not None]
         parts = [evidence.judged(effects) for evidence in self.evidence]
         return Judged(
