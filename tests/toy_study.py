@@ -18,6 +18,30 @@ LEARNER: Mapping[str, Any] = {
 }
 """Sections that add a task that learns."""
 
+FROM_CATALOG: Mapping[str, Any] = {
+    "tacos": 1,
+    "name": "toy",
+    "seed": 3,
+    "rig": {"use": "rig.monocular", "binning": 128},
+    "design": {
+        "focal_length_mm": {"between": [1, 20]},
+        "pitch_deg": {"between": [-30, 30]},
+        "sensor": {"from": "image_sensors"},
+    },
+    "constraints": {"hfov_deg": {"max": 140}},
+    "nodes": {
+        "world": {"use": "scene.toy", "frames": 3},
+        "capture": {"use": "renderer.toy", "in": {"episode": "world"}},
+        "frames": {"use": "sensor.toy", "in": {"capture": "capture"}},
+        "width": {"use": "task.toy-width", "in": {"frames": "frames"}},
+    },
+    "fitness": [{"score": "width.closeness", "weight": 1}],
+    "optimizer": {"use": "optimizer.genetic"},
+    "study": {"renew_episodes": "never"},
+    "test": {"seed": 9, "frames": 2, "episodes": 1},
+}
+"""A recipe as a file has it, whose sensor comes from the catalog."""
+
 
 def toy_recipe(**sections: Any) -> Recipe:
     """A recipe that designs a toy, with `sections` put over it, mappings key by key."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 import yaml
+from toy_study import FROM_CATALOG
 
 from tacos_framework import UserError
 from tacos_framework.plugins import Plugins
@@ -16,23 +17,7 @@ from tacos_framework.testing.procedure import InThisProcess
 from tacos_plugins.procedures.diagnosis.decision import Question, decide, sentence
 
 STUDY: dict[str, Any] = {
-    "tacos": 1,
-    "name": "toy",
-    "seed": 3,
-    "rig": {"use": "rig.monocular", "binning": 128},
-    "design": {
-        "focal_length_mm": {"between": [1, 20]},
-        "pitch_deg": {"between": [-30, 30]},
-        "sensor": {"from": "image_sensors"},
-    },
-    "constraints": {"hfov_deg": {"max": 140}},
-    "nodes": {
-        "world": {"use": "scene.toy", "frames": 3},
-        "capture": {"use": "renderer.toy", "in": {"episode": "world"}},
-        "frames": {"use": "sensor.toy", "in": {"capture": "capture"}},
-        "width": {"use": "task.toy-width", "in": {"frames": "frames"}},
-    },
-    "fitness": [{"score": "width.closeness", "weight": 1}],
+    **FROM_CATALOG,
     "optimizer": {
         "use": "optimizer.genetic",
         "population": 4,
@@ -40,7 +25,6 @@ STUDY: dict[str, Any] = {
         "parents": 2,
         "generations": 3,
     },
-    "study": {"renew_episodes": "never"},
     "compare": {"cameras": ["flea3", "basler_dart"], "evaluations": 4},
     "test": {"seed": 9, "frames": 2, "episodes": 2},
 }

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from toy_study import FROM_CATALOG
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.progress import Silent
@@ -29,28 +30,6 @@ from tacos_plugins.procedures.optimizers_compared.standings import (
     standing,
 )
 
-PROBLEM = {
-    "tacos": 1,
-    "name": "toy",
-    "seed": 3,
-    "rig": {"use": "rig.monocular", "binning": 128},
-    "design": {
-        "focal_length_mm": {"between": [1, 20]},
-        "pitch_deg": {"between": [-30, 30]},
-        "sensor": {"from": "image_sensors"},
-    },
-    "constraints": {"hfov_deg": {"max": 140}},
-    "nodes": {
-        "world": {"use": "scene.toy", "frames": 3},
-        "capture": {"use": "renderer.toy", "in": {"episode": "world"}},
-        "frames": {"use": "sensor.toy", "in": {"capture": "capture"}},
-        "width": {"use": "task.toy-width", "in": {"frames": "frames"}},
-    },
-    "fitness": [{"score": "width.closeness", "weight": 1}],
-    "optimizer": {"use": "optimizer.genetic"},
-    "study": {"renew_episodes": "never"},
-    "test": {"seed": 9, "frames": 2, "episodes": 1},
-}
 OPTIMIZERS = {
     "genetic": {"use": "optimizer.genetic", "population": 6, "keep": 2, "parents": 3, "generations": 50},
     "random": {"use": "optimizer.random", "evaluations": 500},
@@ -64,7 +43,7 @@ LOCAL = Use(use="executor.local")
 @pytest.fixture(scope="module")
 def problem(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("problem") / "toy.yaml"
-    path.write_text(yaml.safe_dump(PROBLEM))
+    path.write_text(yaml.safe_dump(dict(FROM_CATALOG)))
     return path
 
 
