@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.gap.evidence import Judged
-from tacos_framework.gap.fit import Fitted, fit, rescored, theta_of, with_exact_jacobian
+from tacos_framework.gap.fit import Fitted, finished, fit, rescored, theta_of
 from tacos_framework.gap.parameters import Term
 from tacos_framework.gap.problem import Hypothesis, Problem, bent
 from tacos_framework.gap.starts import terms_for
-from tacos_framework.gap.unknown import unexplained
+from tacos_framework.gap.unknown import block_index, unexplained
 
 LARGEST = 3
 """Most effects in one explanation."""
@@ -30,8 +30,18 @@ PRICE = 6.0
 LEAST_SHARE = 0.003
 """What it must gain over what all have gained so far: no model is exact, and a rest is always there."""
 
+LEAST_CHANGE = 0.25
+"""Mean square by which an effect must change some statistic of a capture; less is nobody's concern."""
+
 TRIED = 4
 """Effects fitted in each round."""
+
+WIDER = 3.0
+"""Where an explanation spreads so much more than the simulator, as lamps do whose phase nobody knows, it was
+judged in units too narrow and by the luck of one simulation: its fit begins anew."""
+
+AVERAGED = 3
+"""Simulations whose mean stands for such an explanation."""
 
 _FORETOLD = 0.25
 """Share of its price that the trials of an effect must promise for it to be fitted beside others."""
@@ -110,12 +120,12 @@ class Search:
         with ThreadPoolExecutor(self._workers) as pool:
             self._pool = pool
             best = null
-            while len(best.hypothesis) < LARGEST:
-                judged = self.problem.judged(best.hypothesis)
-                if not unexplained(self.problem, judged).stands_out:
+            while True:
+                best, judged = self._in_its_units(best)
+                enough = len(best.hypothesis) == LARGEST
+                if enough or not unexplained(self.problem, judged).stands_out:
                     break
                 self.trials = self.trials or self._try_all()  # where nothing stands out, nothing is tried
-                best = self._in_units_of(judged, best)
                 better = self._extended(best)
                 if better is None:
                     break
@@ -125,7 +135,18 @@ class Search:
             null = self._fits[()]
             slots = {name: self._rivals(best, name) for name in best.names}
             found = self._settled(best, null, slots)
-            return replace(found, best=with_exact_jacobian(self.problem, found.best))
+            return replace(found, best=finished(self.problem, found.best))
+
+    def _in_its_units(self, best: Fitted) -> tuple[Fitted, Judged]:
+        """An explanation in units of its own floor, and how it fares there."""
+        before = self.problem.scale
+        judged = self.problem.judged(best.hypothesis)
+        best = self._in_units_of(judged, best)
+        if best.hypothesis and np.any(self.problem.scale > WIDER * before):
+            best = self._begun_anew(best)
+            judged = self.problem.judged(best.hypothesis)
+            best = self._in_units_of(judged, best)
+        return best, judged
 
     def _in_units_of(self, judged: Judged, best: Fitted) -> Fitted:
         """Take the floor of the explanation so far for the unit; what was simulated is only rescaled."""
@@ -138,6 +159,16 @@ class Search:
             for name, trials in self.trials.items()
         }
         return self._fits[tuple(sorted(best.names))]
+
+    def _begun_anew(self, best: Fitted) -> Fitted:
+        """The explanation with its last effect fitted again, in the units of now, from each of its trials."""
+        self.problem = self.problem.averaging(AVERAGED)
+        *rest, last = best.hypothesis
+        starts = [(*rest, trial.term) for trial in self.trials[last.name]]
+        fits = [f for f in self._pool.map(lambda h: fit(self.problem, h), starts) if f is not None]
+        best = max([best, *fits], key=lambda fitted: fitted.score)
+        self._fits[tuple(sorted(best.names))] = best
+        return best
 
     # trials -----------------------------------------------------------------------------------------------
 
@@ -210,10 +241,20 @@ class Search:
         tried = self._fitted(
             [(*base.hypothesis, start) for start in self._promising(base, TRIED, least=least)]
         )
+        tried = [fitted for fitted in tried if self._shows(base, fitted)]
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
         return best if best.score > base.score + self._price(best) else None
+
+    def _shows(self, base: Fitted, fitted: Fitted) -> bool:
+        """Whether what a fit changes is more than nobody's concern in any statistic of any capture.
+
+        Thousands of pixels find a little of everything in every camera.
+        """
+        blocks = block_index(self.problem)
+        change = np.bincount(blocks, (bent(fitted.z) - bent(base.z)) ** 2) / np.bincount(blocks)
+        return bool(change.max() >= LEAST_CHANGE)
 
     def _price(self, fitted: Fitted) -> float:
         """What one more effect must gain [nat]."""

@@ -93,7 +93,7 @@ class BoardEvidence:
         ]
         self.floor = self._make_floor(seed, replicates)
 
-    def residual(self, effects: Sequence[Any]) -> NDArray[np.float64]:
+    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
         """See `tacos_framework.gap.evidence.Evidence`; only effects that move pixels bear on it."""
         moving = sorted(filter(moves_pixels, effects), key=lambda e: formation_order(type(e)), reverse=True)
         if not moving:

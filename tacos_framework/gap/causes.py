@@ -13,16 +13,16 @@ from tacos_framework.gap.captures import Capture
 from tacos_framework.gap.closure import bootstrap_interval, closure, shapley
 from tacos_framework.gap.findings import Cause, Parameter, short
 from tacos_framework.gap.fit import Fitted
+from tacos_framework.gap.intervals import half_widths
 from tacos_framework.gap.parameters import Term, unit_of
 from tacos_framework.gap.problem import Problem, bent
 from tacos_framework.gap.unknown import Unexplained, block_index
 from tacos_framework.randomness import generator
 
 CONFIDENCE = 0.9
-"""Probability a set of causes is to hold the truth with."""
+"""Probability with which a set of causes is to hold the truth, and an interval its parameter."""
 
 _LARGEST_PROBABILITY = 0.99
-_Z90 = 1.645
 
 
 def causes_of(
@@ -33,7 +33,7 @@ def causes_of(
         return []
     before = problem.gap(problem.null)
     groups = block_index(problem)
-    spread = best.spread(problem)
+    half_width = half_widths(problem, best, CONFIDENCE)
     values = _subset_closures(problem, best, before)
     shares = shapley(best.names, lambda names: values[names])
     interval = bootstrap_interval(
@@ -62,7 +62,7 @@ def causes_of(
             Cause(
                 effect=term.name,
                 probability=certainty * (1 - left.probability),
-                parameters=_parameters(term, spread[start:stop]),
+                parameters=_parameters(term, half_width[start:stop]),
                 closure=values[best.names] if len(best.names) == 1 else own,
                 closure_interval=interval,
                 closure_alone=alone,
@@ -92,14 +92,13 @@ def _subset_closures(problem: Problem, best: Fitted, before: float) -> dict[tupl
     return values
 
 
-def _parameters(term: Term, spread: Any) -> dict[str, Parameter]:
+def _parameters(term: Term, half_width: Any) -> dict[str, Parameter]:
     found: dict[str, Parameter] = {}
     settings = term.settings
-    errors = dict(zip(term.free, spread, strict=True))
+    reach = dict(zip(term.free, half_width, strict=True))
     for name, value in settings.items():
-        if name in errors:
-            width = _Z90 * float(errors[name])
-            interval = (float(value) - width, float(value) + width)
+        if name in reach:
+            interval = (float(value) - float(reach[name]), float(value) + float(reach[name]))
             found[name] = Parameter(short(value), interval, unit_of(term.cls, name))
         elif name == "matrix":
             rows = [[short(v) for v in row] for row in value]

@@ -21,10 +21,10 @@ from tacos_framework.randomness import generator
 REPLICATES = 16
 """Simulations of each capture that the floor is made of."""
 
-JUDGES = 8
+JUDGES = 16
 """Simulations that the floor of a hypothesis is made of."""
 
-_SPREAD_OF_ONE = 1.5
+SPREAD_OF_ONE = 1.5
 """Variance of real less simulated over that of real alone: the simulated mean is not known exactly."""
 
 
@@ -71,8 +71,8 @@ class Evidence(Protocol):
         """(B, K) the numbers when the simulator stands against itself."""
         ...
 
-    def residual(self, effects: Sequence[Any]) -> NDArray[np.float64]:
-        """(K,) real less simulated with these effects, in units of the floor."""
+    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
+        """(K,) real less the mean of so many simulations with these effects, in units of the floor."""
         ...
 
     def judged(self, effects: Sequence[Any]) -> Judged:
@@ -105,7 +105,7 @@ class ImageEvidence:
         ]
         self.real = _values(blocks)
         draws = np.stack([self._simulated((), draw) for draw in range(replicates)])
-        self._first = draws[0]
+        self._draws = draws
         self.mean = draws.mean(axis=0)
         self._blocks = blocks
         self._amplitude = np.concatenate([np.broadcast_to(b.amplitude, b.values.shape) for b in blocks])
@@ -113,11 +113,12 @@ class ImageEvidence:
         self._level = self._level_direction()
         self.floor = np.stack([self._without_level((draw - self.mean) / self.sigma) for draw in draws])
 
-    def residual(self, effects: Sequence[Any]) -> NDArray[np.float64]:
+    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
         """See `Evidence`. Hypotheses share their noise, so that they differ by their effects alone."""
         expected = self.mean
         if effects and not self._untouched(effects):
-            expected = self.mean + self._simulated(effects, 0) - self._first
+            changes = [self._simulated(effects, draw) - self._draws[draw] for draw in range(draws)]
+            expected = self.mean + np.mean(changes, axis=0)
         return self._without_level((self.real - expected) / self.sigma)
 
     def judged(self, effects: Sequence[Any]) -> Judged:
@@ -135,7 +136,7 @@ class ImageEvidence:
 
     def _sigma(self, draws: NDArray[np.float64]) -> NDArray[np.float64]:
         spread = _steadied(draws.std(axis=0, ddof=1), self._blocks)
-        return np.asarray(np.sqrt(_SPREAD_OF_ONE * spread**2 + self._amplitude**2))
+        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._amplitude**2))
 
     def simulated(self, effects: Sequence[Any]) -> NDArray[np.float64]:
         """(K,) the statistics a simulation with these effects gives, with the noise of the first draw."""
@@ -183,7 +184,7 @@ class ImageEvidence:
         rng = generator(self._seed, "gap", self.capture.id, 0)
         frames = simulate(brighter, (), rng)
         moved = _values(measure(Sample(self.capture, frames, self.capture.expected_dn)))
-        return np.asarray((moved - self._first) / self.sigma)
+        return np.asarray((moved - self._draws[0]) / self.sigma)
 
     def _without_level(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """Whiten by the uncertain level: along its direction d the variance is 1 + d.d rather than 1."""

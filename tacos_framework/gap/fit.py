@@ -6,7 +6,7 @@ themselves show (Broyden 1965).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from tacos_framework.gap.parameters import Term
 from tacos_framework.gap.problem import BEND, Hypothesis, Problem, bent
 
 ITERATIONS = 5
-STEP = 0.08
+STEP = 0.25
 """Finite differences take this share of the step that matters of a parameter."""
 
 CONVERGED = 0.005
@@ -54,16 +54,6 @@ class Fitted:
         """The effects, in order."""
         return tuple(term.name for term in self.hypothesis)
 
-    def spread(self, problem: Problem) -> NDArray[np.float64]:
-        """(P,) standard errors of the free parameters, in their units."""
-        if not self.jacobian.shape[1]:
-            return np.zeros(0)
-        information = self.jacobian.T @ self.jacobian * problem.weight
-        excess = max(1.0, float(np.mean(bent(self.z) ** 2)))
-        ridge = 1e-6 * np.trace(information) / len(information)
-        covariance = np.linalg.pinv(information + ridge * np.eye(len(information)))
-        return np.asarray(np.sqrt(np.maximum(np.diag(covariance), 0) * excess) * self.steps)
-
 
 def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) -> Fitted | None:
     """Fit all free parameters of a hypothesis together.
@@ -75,7 +65,7 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
     z = problem.residual(hypothesis)
     if z is None:
         return None
-    jacobian, steps = _jacobian(problem, hypothesis, z)
+    jacobian, steps = jacobian_of(problem, hypothesis, z)
     damping = 1e-2
     for _ in range(iterations):
         if not len(steps):
@@ -92,15 +82,23 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
         hypothesis, z = better, better_z
         if gain < CONVERGED:
             break
-    held_out = _held_out(problem, z, jacobian)
-    score = -0.5 * problem.weight * float(np.sum(bent(held_out) ** 2))
-    return Fitted(hypothesis, z, jacobian, steps, score, held_out)
+    return _fitted(problem, hypothesis, z, jacobian, steps)
 
 
-def with_exact_jacobian(problem: Problem, fitted: Fitted) -> Fitted:
-    """A fit with its Jacobian taken anew where it ended, for standard errors."""
-    jacobian, _ = _jacobian(problem, fitted.hypothesis, fitted.z)
-    return replace(fitted, jacobian=jacobian)
+def finished(problem: Problem, fitted: Fitted) -> Fitted:
+    """A fit led to its end: steps with the Jacobian taken anew, until they gain next to nothing."""
+    hypothesis, z = fitted.hypothesis, fitted.z
+    jacobian, steps = jacobian_of(problem, hypothesis, z)
+    for _ in range(ITERATIONS if len(steps) else 0):
+        moved = _improved(problem, hypothesis, z, jacobian, steps, damping=1e-4)
+        if moved is None:
+            break
+        gain = 1 - _cost(moved[1]) / max(_cost(z), 1e-9)
+        hypothesis, z, _ = moved
+        jacobian, _ = jacobian_of(problem, hypothesis, z)
+        if gain < CONVERGED:
+            break
+    return _fitted(problem, hypothesis, z, jacobian, steps)
 
 
 def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> Fitted:
@@ -109,9 +107,19 @@ def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> F
     z = fitted.z * factor
     slope = np.sqrt(1 + (fitted.z / BEND) ** 2) / np.sqrt(1 + (z / BEND) ** 2)
     jacobian = fitted.jacobian * (factor * slope)[:, None]
+    return _fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps)
+
+
+def _fitted(
+    problem: Problem,
+    hypothesis: Hypothesis,
+    z: NDArray[np.float64],
+    jacobian: NDArray[np.float64],
+    steps: NDArray[np.float64],
+) -> Fitted:
     held_out = _held_out(problem, z, jacobian)
     score = -0.5 * problem.weight * float(np.sum(bent(held_out) ** 2))
-    return Fitted(fitted.hypothesis, z, jacobian, fitted.steps, score, held_out)
+    return Fitted(hypothesis, z, jacobian, steps, score, held_out)
 
 
 def _cost(z: NDArray[np.float64]) -> float:
@@ -134,9 +142,10 @@ def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis
     return tuple(changed)
 
 
-def _jacobian(
+def jacobian_of(
     problem: Problem, hypothesis: Hypothesis, z: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(K, P) change of the bent residuals per step of each free parameter, and (P,) those steps."""
     theta = theta_of(hypothesis)
     steps = np.array([step for term in hypothesis for step in term.free.values()])
     columns = []

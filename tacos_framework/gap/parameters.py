@@ -79,19 +79,30 @@ def starts_of(
     each float with a neutral value is moved a little to either side of it.
     """
     neutral = {k: v for k, v in cls.neutral.items() if isinstance(v, float)}
-    probes = getattr(cls, "probes", None) if suggested is None else suggested
-    if probes is None:
-        probes = [{key: value + side * step(cls, key)} for key, value in neutral.items() for side in (1, -1)]
-    for probe in probes:
-        values = _flattened(probe)
+    own = getattr(cls, "probes", None)
+    if own is None:
+        own = [{key: value + side * step(cls, key)} for key, value in neutral.items() for side in (1, -1)]
+    probes = [_flattened(probe) for probe in (own if suggested is None else suggested)]
+    scales = _scales([*probes, *map(_flattened, own)], neutral)
+    for values in probes:
         free = {
-            key: max(abs(value - neutral.get(key, 0.0)), 1e-9)
+            key: abs(value - neutral.get(key, 0.0)) or scales.get(key, 1.0)
             for key, value in values.items()
             if isinstance(value, float)
         }
         term = Term(name, cls, values, free)
         if term.make() is not None:
             yield term
+
+
+def _scales(probes: Sequence[Mapping[str, Any]], neutral: Mapping[str, float]) -> dict[str, float]:
+    """The least distance from neutral at which a probe stands, for those that begin at it: 0 degrees, say."""
+    scales: dict[str, float] = {}
+    for probe in probes:
+        for key, value in probe.items():
+            if isinstance(value, float) and (distance := abs(value - neutral.get(key, 0.0))):
+                scales[key] = min(distance, scales.get(key, distance))
+    return scales
 
 
 def _flattened(probe: Mapping[str, Any]) -> dict[str, Any]:

@@ -63,6 +63,7 @@ class Problem:
         self.null = np.concatenate([e.residual(()) for e in self.evidence]) if self.evidence else np.zeros(0)
         self.floor = _joined([e.floor for e in self.evidence])
         self.scale = np.ones(len(self.labels))
+        self.draws = 1
         self.evaluations = 0
         self._kept: dict[str, NDArray[np.float64]] = {}
         self._judged: dict[str, Judged] = {}
@@ -70,7 +71,7 @@ class Problem:
 
     def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
         """(K,) residuals in units of the floor; None where an effect refuses its parameters."""
-        key = _key(hypothesis)
+        key = f"{self.draws} {_key(hypothesis)}"
         effects = [effect for term in hypothesis if (effect := term.make()) is not None]
         if len(effects) < len(hypothesis):
             return None
@@ -80,7 +81,7 @@ class Problem:
             self.evaluations += 1
         z = np.empty(len(self.labels))
         for evidence, slot in zip(self.evidence, self.slots, strict=True):
-            z[slot.start : slot.stop] = evidence.residual(effects)
+            z[slot.start : slot.stop] = evidence.residual(effects, self.draws)
         z = np.nan_to_num(z, nan=1e3, posinf=1e3, neginf=-1e3)
         with self._lock:
             self._kept[key] = z
@@ -110,6 +111,12 @@ class Problem:
         other.scale = scale
         other.null = self.null * self.scale / scale
         other.floor = self.floor * self.scale / scale
+        return other
+
+    def averaging(self, draws: int) -> Problem:
+        """The same evidence, each hypothesis by the mean of several simulations."""
+        other = copy(self)
+        other.draws = draws
         return other
 
     # what counts how much ---------------------------------------------------------------------------------

@@ -39,9 +39,9 @@ def _saturation(captures: Sequence[Capture]) -> Iterator[Probe]:
 def _flicker(captures: Sequence[Capture]) -> Iterator[Probe]:
     """The strongest waves over the rows, refined between whole periods of the height."""
     power: dict[float, float] = {}
-    for capture in captures:
-        if capture.kind == "dark" or capture.expected_dn is None:
-            continue
+    lit = [c for c in captures if c.kind != "dark" and c.expected_dn is not None]
+    for capture in lit:
+        assert capture.expected_dn is not None
         signal = np.maximum(capture.expected_dn.mean(axis=0).mean(axis=-1), 1.0).sum(axis=1)
         rows = (capture.real_dn - capture.expected_dn).mean(axis=-1).sum(axis=2) / signal
         rows = rows - rows.mean(axis=0) if len(rows) > 2 else rows - rows.mean(axis=1, keepdims=True)
@@ -49,7 +49,7 @@ def _flicker(captures: Sequence[Capture]) -> Iterator[Probe]:
         spectrum = np.abs(np.fft.rfft(rows * np.hanning(height), n=8 * height, axis=1)).mean(axis=0)
         for k in range(6, min(8 * 60, len(spectrum))):
             period = round(8 * height / k, 2)
-            power[period] = power.get(period, 0.0) + float(spectrum[k]) * 4 / height
+            power[period] = power.get(period, 0.0) + float(spectrum[k]) * 4 / height / len(lit)
     strongest = sorted(power, key=lambda period: -power[period])
     chosen: list[float] = []
     for period in strongest:

@@ -11,11 +11,11 @@ from tacos_framework.gap.evidence import Judged
 from tacos_framework.gap.problem import Problem, bent
 
 TOLERATED = 0.05
-CERTAIN = 0.22
+CERTAIN = 0.15
 """Shares of the gap left: up to the first nothing is unknown, from the second on something certainly is."""
 
-SIGNIFICANT = 0.12
-"""p-value below which something is left: none of the few replicates of a hypothesis stands out as much."""
+SIGNIFICANT = 0.06
+"""p-value below which something is left: no replicate of a hypothesis, of sixteen, stands out as much."""
 
 SLACK = 1.25
 """What a right model of a real camera may leave, over the floor: its formulas are never the camera's own."""

@@ -14,7 +14,7 @@ from tacos_framework.testing.samples import sample_exposure, sample_frames, samp
 from tacos_framework.values import ContextMissing, FrameBatch
 from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.colour_matrix import ColourMatrix
-from tacos_plugins.effects.denoise import SIZE_PX, Denoise
+from tacos_plugins.effects.denoise import SIZE_PX, Denoise, noise_of_levels
 from tacos_plugins.effects.lens_shading_correction import LensShadingCorrection
 from tacos_plugins.effects.nonlinearity import Nonlinearity
 from tacos_plugins.effects.quantisation import Quantisation
@@ -118,12 +118,25 @@ def test_denoising_is_the_adaptive_wiener_filter():
     frame = ndimage.gaussian_filter(np.random.default_rng(2).normal(100, 40, (60, 80)), 2)
     frame += np.random.default_rng(3).normal(0, 2, frame.shape)
     mean = ndimage.uniform_filter(frame, SIZE_PX)
-    local = ndimage.uniform_filter(frame**2, SIZE_PX) - mean**2
-    noise = 0.7 * np.median(local[::SIZE_PX, ::SIZE_PX])
+    noise = 0.7 * noise_of_levels(frame[..., None], mean[..., None])[..., 0]
     expected = signal.wiener(frame, SIZE_PX, noise=noise)
     seen = run(make(Denoise, strength=0.7), frame[None, ..., None])[0, ..., 0]
     inside = np.s_[3:-3, 3:-3]  # SciPy takes zeros for what lies beyond the edges
     np.testing.assert_allclose(seen[inside], expected[inside], rtol=1e-8)
+
+
+def test_the_noise_of_a_level_is_found_beside_edges_and_texture():
+    rng = np.random.default_rng(5)
+    rows, columns = np.mgrid[:200, :200]
+    signal_dn = np.where((rows // 25 + columns // 25) % 2, 40.0, 200.0)
+    signal_dn += 10 * np.sin(columns / 4)  # texture far above the noise
+    variance = 0.25 * signal_dn + 2
+    frame = (signal_dn + rng.normal(0, np.sqrt(variance)))[..., None]
+    mean = ndimage.uniform_filter(signal_dn, SIZE_PX)[..., None]
+    found = noise_of_levels(frame, mean)[..., 0]
+    for dark in (True, False):
+        here = (signal_dn < 60) == dark
+        assert np.median(found[here]) == pytest.approx(np.median(variance[here]), rel=0.2)
 
 
 def test_denoising_takes_noise_from_flats_and_leaves_it_correlated_while_edges_stay():

@@ -61,7 +61,7 @@ class SoftLens(Flaw):
         """Blend of a stack, along variance, in which Gaussians add."""
         wanted = (self.sigma_px * (1 + self.growth * shot.camera.squared_radius(pad))) ** 2
         levels = np.linspace(wanted.min(), wanted.max(), 9 if self.growth else 1)
-        stack = np.stack([ndimage.gaussian_filter(light, (np.sqrt(s), np.sqrt(s), 0)) for s in levels])
+        stack = np.stack([_gaussian(light, float(np.sqrt(s))) for s in levels])
         if len(levels) == 1:
             return stack[0]
         place = (wanted - levels[0]) / (levels[1] - levels[0])
@@ -69,6 +69,14 @@ class SoftLens(Flaw):
         part = (place - below)[..., None]
         rows, columns = np.indices(below.shape)
         return np.asarray(stack[below, rows, columns] * (1 - part) + stack[below + 1, rows, columns] * part)
+
+
+def _gaussian(light: Image, sigma_px: float) -> Image:
+    """By its transfer function: a kernel sampled at whole pixels is narrower than half a pixel asks for."""
+    height, width = light.shape[:2]
+    spectrum = fft.rfft2(light, axes=(0, 1))
+    filtered = ndimage.fourier_gaussian(spectrum, (sigma_px, sigma_px, 0), n=width, axis=1)
+    return np.asarray(fft.irfft2(filtered, s=(height, width), axes=(0, 1))).clip(0)
 
 
 @dataclass(frozen=True)
