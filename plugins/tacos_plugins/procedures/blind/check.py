@@ -32,6 +32,9 @@ from tacos_plugins.procedures.blind.solving import Diagnosing, Judging, Worker
 from tacos_plugins.procedures.blind.tiers import Counts, orders
 from tacos_plugins.procedures.diagnose import candidate_effects
 
+COMPARED = ("T0", "T1", "T2")
+"""Tiers on which simpler ways are tried too."""
+
 CASES, SEALS = "cases.jsonl", "seals.jsonl"
 
 
@@ -134,12 +137,13 @@ class GapBlindCheck:
         made = out / "made"
         removed = {each.case: each.removed for each in batch if isinstance(each, Order)}
         timed = {each.case for each in batch if isinstance(each, Order) and each.tier == "speed"}
+        compared = {each.case for each in batch if isinstance(each, Order) and each.tier in COMPARED}
         jobs = [
             Diagnosing(
                 s.case,
                 made / s.case / CAPTURES,
                 removed.get(s.case, ()),
-                self.config.baselines and s.case not in timed,
+                self.config.baselines and s.case in compared,
                 threads=2 if s.case in timed else 1,
             )
             for s in seals
