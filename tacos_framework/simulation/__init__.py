@@ -1,0 +1,37 @@
+"""Evaluating candidates: from design variables through the graph to scores.
+
+==================  ========================================================================================
+``simulation``      a plan brought to life, candidate by candidate
+``trial``           one candidate on its way through the graph: episodes, frames, the time they take
+``scores``          what the tasks report of an episode
+``training``        frames for tasks that learn, and their states
+``acting_effects``  the effects of the recipe, bound to a camera
+``episodes``        which episode is meant, and its parts
+``evaluation``      what came out for a candidate
+``clock``           seconds by name
+``jobs``            what other processes are asked to do
+``evaluator``       does jobs, in whatever process it is unpickled
+==================  ========================================================================================
+"""
+
+from __future__ import annotations
+
+from tacos_framework.simulation.acting_effects import ActingEffects
+from tacos_framework.simulation.episodes import EpisodeSpec
+from tacos_framework.simulation.evaluation import Evaluation, judged
+from tacos_framework.simulation.evaluator import Evaluator
+from tacos_framework.simulation.jobs import SampleJob, ScoreJob
+from tacos_framework.simulation.simulation import Simulation
+from tacos_framework.simulation.training import state_key
+
+__all__ = [
+    "ActingEffects",
+    "EpisodeSpec",
+    "Evaluation",
+    "Evaluator",
+    "SampleJob",
+    "ScoreJob",
+    "Simulation",
+    "judged",
+    "state_key",
+]

@@ -1,0 +1,51 @@
+"""Which episode is meant, and its parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.values import Episode
+
+
+@dataclass(frozen=True)
+class EpisodeSpec:
+    """Names an episode: the same spec gives the same world, path and noise, in any process.
+
+    Parameters
+    ----------
+    seed
+        Seed of the study or of its test scenes.
+    name
+        What the episode is for, e.g. ``("design", 3, 0)``.
+    frames
+        Number of frames; None leaves it to the scene.
+    block
+        Which part of the episode to score by itself, counted from 0, of how many equal parts.
+    """
+
+    seed: int
+    name: tuple[str | int, ...]
+    frames: int | None = None
+    block: tuple[int, int] = (0, 1)
+
+
+def block_of(episode: Episode, index: int, count: int) -> Episode:
+    """One of `count` nearly equal parts of an episode, counted from 0.
+
+    Raises
+    ------
+    UserError
+        When there are fewer frames than parts.
+    """
+    if count > len(episode):
+        raise UserError(
+            Fault(
+                "study.blocks",
+                f"an episode of {len(episode)} frames cannot be cut into {count} blocks",
+                f"at most {len(episode)} blocks",
+                "Set fewer blocks, or more frames.",
+            )
+        )
+    start, stop = (len(episode) * i // count for i in (index, index + 1))
+    return episode[start:stop] if count > 1 else episode

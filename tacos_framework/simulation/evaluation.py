@@ -1,0 +1,82 @@
+"""What came out for a candidate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from tacos_framework.contracts import Scores, State
+from tacos_framework.fitness import Fitness, mean_scores
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What came out for one candidate.
+
+    Parameters
+    ----------
+    values
+        Plain values of all variables that were set.
+    derived
+        The rig's derived quantities.
+    scores
+        ``{"node.score": value}``, means over the episodes; empty when it failed.
+    fitness
+        Weighted sum; None when it failed.
+    terms
+        What each score contributes to the fitness.
+    failed
+        Why there are no scores, in a sentence.
+    episodes
+        Scores and fitness of each episode by itself, so that cameras can be compared episode by episode.
+    images
+        Images rendered.
+    seconds
+        Time spent in each node [s].
+    states
+        States of the trainable tasks after training on this candidate.
+    cached
+        Taken from an earlier, equal evaluation.
+    dropped
+        Why it was not scored on all episodes, in a sentence; its fitness is then what its place in the race
+        stands for, not the sum of `terms`, which are of the episodes it saw.
+    """
+
+    values: Mapping[str, Any]
+    derived: Mapping[str, float] = field(default_factory=dict)
+    scores: Scores = field(default_factory=dict)
+    fitness: float | None = None
+    terms: Mapping[str, float] = field(default_factory=dict)
+    failed: str | None = None
+    episodes: tuple[Mapping[str, float], ...] = ()
+    images: int = 0
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    states: Mapping[str, State] = field(default_factory=dict)
+    cached: bool = False
+    dropped: str | None = None
+
+
+def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+    """An evaluation with scores, fitness and terms from the scores of its episodes.
+
+    Raises
+    ------
+    CandidateFailed
+        When no episode reports a score that the fitness takes.
+    """
+    scores = mean_scores(evaluation.episodes)
+    return replace(
+        evaluation,
+        scores=scores,
+        fitness=fitness.value(scores),
+        terms=fitness.terms(scores),
+        episodes=tuple(_with_fitness(episode, fitness) for episode in evaluation.episodes),
+    )
+
+
+def _with_fitness(scores: Scores, fitness: Fitness) -> dict[str, float]:
+    """An episode's scores, and its fitness where it has every score that takes."""
+    if any(term.score not in scores for term in fitness.terms_of):
+        return dict(scores)
+    return {**scores, "fitness": fitness.value(scores)}

@@ -1,0 +1,57 @@
+"""Does jobs in a simulation of its own, in whatever process it is unpickled."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any, TypeVar
+
+from tacos_framework.plan import make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe
+from tacos_framework.simulation.jobs import Job
+from tacos_framework.simulation.simulation import Simulation
+
+Result = TypeVar("Result")
+
+
+class Evaluator:
+    """Runs jobs in a simulation of its own. Can be pickled; the simulation is built where it is first used.
+
+    Parameters
+    ----------
+    recipe
+        What to simulate.
+    plugins
+        The host's plugins; None discovers the installed ones. Other processes discover them anew and
+        register the modules that were registered by hand.
+    """
+
+    def __init__(self, recipe: Recipe, plugins: Plugins | None = None):
+        self.recipe = recipe
+        self._plugins = plugins
+        self._modules = plugins.modules if plugins else ()
+        self._simulation: Simulation | None = None
+
+    def __call__(self, job: Job[Result]) -> Result:
+        """Run a job."""
+        return job.run(self.simulation)
+
+    def lost(self, job: Job[Result], reason: str) -> Result:
+        """What an executor gives for a job whose worker died or hung each time it was tried."""
+        return job.lost(reason)
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation of this process."""
+        if self._simulation is None:
+            self._simulation = Simulation(make_plan(self.recipe, self._plugins or self._discover()))
+        return self._simulation
+
+    def _discover(self) -> Plugins:
+        plugins = Plugins.discover()
+        for name in self._modules:
+            plugins.register(import_module(name))
+        return plugins
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_plugins": None, "_simulation": None}

@@ -1,0 +1,72 @@
+"""What other processes are asked to do with a simulation. Jobs are plain data, and can be pickled."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeVar
+
+from tacos_framework.contracts import State
+from tacos_framework.simulation.episodes import EpisodeSpec
+from tacos_framework.simulation.evaluation import Evaluation
+from tacos_framework.simulation.simulation import Simulation
+from tacos_framework.values import FrameBatch
+
+log = logging.getLogger(__name__)
+
+Result = TypeVar("Result", covariant=True)
+
+
+class Job(Protocol[Result]):
+    """Something to do with a simulation, in whatever process it lives."""
+
+    def run(self, simulation: Simulation) -> Result:
+        """Do it."""
+        ...
+
+    def lost(self, reason: str) -> Result:
+        """What stands for the result where the process that runs it dies or hangs, again and again."""
+        ...
+
+
+@dataclass(frozen=True)
+class ScoreJob:
+    """Train the trainable tasks on a candidate's frames, then score it on other frames.
+
+    Where the episodes are but a part of those it is to be judged by (``partial``), the fitness is left open.
+    """
+
+    values: Mapping[str, Any]
+    episodes: tuple[EpisodeSpec, ...]
+    states: Mapping[str, State] = field(default_factory=dict)
+    training: EpisodeSpec | None = None
+    partial: bool = False
+
+    def run(self, simulation: Simulation) -> Evaluation:
+        """See `Simulation.evaluate`."""
+        return simulation.evaluate(
+            self.values, self.episodes, states=self.states, training=self.training, partial=self.partial
+        )
+
+    def lost(self, reason: str) -> Evaluation:
+        """The candidate failed."""
+        return Evaluation(values=self.values, failed=reason)
+
+
+@dataclass(frozen=True)
+class SampleJob:
+    """Take sample frames with a camera, to look at."""
+
+    values: Mapping[str, Any]
+    episode: EpisodeSpec
+    at: tuple[float, ...]
+
+    def run(self, simulation: Simulation) -> list[FrameBatch]:
+        """One batch of one frame for each position in 0..1 along the episode."""
+        return [simulation.sample(self.values, self.episode, position) for position in self.at]
+
+    def lost(self, reason: str) -> list[FrameBatch]:
+        """No pictures."""
+        log.warning("no sample frames of %s: %s", dict(self.values), reason)
+        return []

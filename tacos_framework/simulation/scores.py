@@ -1,0 +1,47 @@
+"""What the tasks report of an episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from tacos_framework.contracts import Scorer, Scores, State
+from tacos_framework.simulation.episodes import EpisodeSpec
+from tacos_framework.simulation.trial import Trial
+
+
+def score(trial: Trial, spec: EpisodeSpec, states: Mapping[str, State]) -> tuple[Scores, int]:
+    """Show an episode to all tasks.
+
+    Parameters
+    ----------
+    trial
+        The candidate.
+    spec
+        The episode, of every scene of the graph.
+    states
+        States of the tasks that learn.
+
+    Returns
+    -------
+    ``{"node.score": value}``, and how many images were rendered.
+    """
+    graph = trial.plan.graph
+    scores: dict[str, float] = {}
+    images = 0
+    for scene in graph.of_kind("scene"):
+        tasks = [task for task in graph.of_kind("task") if graph.scene_of(task) == scene]
+        scorers: dict[str, Scorer] = {
+            task: trial.components[task].begin(state=states.get(task)) for task in tasks
+        }
+        with trial.clock.of(scene):
+            episode = trial.episode(scene, spec)
+        images += len(episode) * len(trial.rig.cameras)
+        for inputs in trial.stream(scene, episode, spec, tasks):
+            for task in tasks:
+                with trial.at_work(task):
+                    scorers[task].update(**inputs[task])
+        for task in tasks:
+            with trial.at_work(task):
+                reported = scorers[task].scores()
+            scores.update({f"{task}.{name}": float(value) for name, value in reported.items()})
+    return scores, images
