@@ -1,0 +1,89 @@
+"""What is found out about a recipe: its components by name, and every fault with its place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.plan.parts import Part
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe, Use
+from tacos_framework.settings import Path, Settings, check, with_paths_from
+
+
+@dataclass(frozen=True)
+class Findings:
+    """A recipe under examination. Nothing raises: every fault is kept, and the examination goes on.
+
+    Parameters
+    ----------
+    recipe
+        The recipe.
+    plugins
+        The installed plugins.
+    faults
+        What is wrong, in the order it was found.
+    """
+
+    recipe: Recipe
+    plugins: Plugins
+    faults: list[Fault]
+
+    def in_order(self) -> list[Fault]:
+        """The faults of each file by line and column."""
+        return sorted(self.faults, key=_place)
+
+    def add(self, path: Path, what: str, expected: str = "", remedy: str = "") -> None:
+        """Keep a fault at a place in the recipe."""
+        self.faults.append(Fault(self.recipe.where(path), what, expected, remedy))
+
+    def adopt(self, path: Path, error: UserError) -> None:
+        """Keep the faults of a part of the recipe that was read elsewhere, with its place in the recipe."""
+        place = self.recipe.where(path)
+        for fault in error.faults:
+            self.faults.append(Fault(f"{place}: {fault.where}", fault.what, fault.expected, fault.remedy))
+
+    def checked(self, kind: type[Settings], settings: Mapping[str, Any], path: Path) -> Settings | None:
+        """Settings at a place in the recipe; None where they are at fault."""
+        config, faults, _ = check(kind, settings, lambda below: self.recipe.where((*path, *below)))
+        self.faults.extend(faults)
+        return config
+
+    def component(self, use: str, kind: str, path: Path) -> type[Any] | None:
+        """The class of a component; None where there is no such component of that kind."""
+        try:
+            return self.plugins.resolve(use, kind, where=self.recipe.where((*path, "use")))
+        except UserError as error:
+            self.faults.extend(error.faults)
+            return None
+
+    def part(self, use: Use, kind: str, path: Path) -> Part | None:
+        """A component with its settings; None where either is at fault."""
+        cls = self.component(use.use, kind, path)
+        return None if cls is None else self.configured(cls, use.use, use.settings, path)
+
+    def configured(self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path) -> Part | None:
+        """A component class with its settings; None where they, or what they lead to, are at fault."""
+        if self.recipe.folder is not None:
+            settings = with_paths_from(self.recipe.folder, cls.Config, settings)
+        config = self.checked(cls.Config, dict(settings), path)
+        if config is None:
+            return None
+        part = Part(use, cls, config)
+        if use.partition(".")[0] in ("optimizer", "executor"):  # these are built by the study, for good
+            return part
+        try:
+            part.make()  # what a component refuses, such as a file that is not there, shows now
+        except UserError as error:
+            self.adopt(path, error)
+            return None
+        return part
+
+
+def _place(fault: Fault) -> tuple[str, int, int]:
+    """Sort key: faults of a file by line and column."""
+    found = re.match(r"(.*?):(\d+):(\d+)", fault.where)
+    return (found[1], int(found[2]), int(found[3])) if found else (fault.where, 0, 0)

@@ -1,0 +1,67 @@
+"""What designs are judged by: constraints, fitness, and the cameras off the shelf beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from tacos_framework.catalog import OffTheShelf, load_cameras
+from tacos_framework.errors import UserError, did_you_mean
+from tacos_framework.plan.findings import Findings
+from tacos_framework.plan.parts import Part
+from tacos_framework.recipe import Recipe, Weighted
+
+
+def check_constraints(findings: Findings, rig: Part | None) -> None:
+    """Constraints bound what the rig derives, and can be met."""
+    for name, bounds in findings.recipe.constraints.items():
+        path = ("constraints", name)
+        if rig is not None and name not in (known := rig.cls.derived_quantities):
+            findings.add(path, f"{rig.use} derives no {name!r}", "", did_you_mean(name, known))
+        if bounds.min is None and bounds.max is None:
+            findings.add(path, f"{name!r} has no bound", "min, max, or both")
+        elif bounds.min is not None and bounds.max is not None and bounds.min > bounds.max:
+            findings.add(path, f"min {bounds.min:g} is above max {bounds.max:g}")
+
+
+def check_scores(findings: Findings, nodes: Mapping[str, Part]) -> None:
+    """The fitness takes scores that tasks report, each once."""
+    recipe = findings.recipe
+    scores = {f"{name}.{score}" for name, part in nodes.items() for score in getattr(part.cls, "scores", ())}
+    seen: set[str] = set()
+    for i, term in enumerate(recipe.fitness):
+        path = ("fitness", i, "score")
+        if term.score in seen:
+            findings.add(path, f"{term.score} stands twice", "each score once")
+        seen.add(term.score)
+        if term.score not in scores and _could_exist(term, recipe, nodes):
+            remedy = did_you_mean(term.score, scores)
+            findings.add(path, f"no task reports {term.score!r}", "node.score", remedy)
+
+
+def _could_exist(term: Weighted, recipe: Recipe, nodes: Mapping[str, Part]) -> bool:
+    """False where the score's node is at fault already."""
+    node = term.score.partition(".")[0]
+    return node in nodes or node not in recipe.nodes
+
+
+def find_cameras(findings: Findings, rig: Part | None) -> tuple[OffTheShelf, ...]:
+    """The cameras off the shelf that the design is compared with."""
+    compare = findings.recipe.compare
+    if compare is None or rig is None:
+        return ()
+    path = ("compare", "cameras")
+    try:
+        cameras = load_cameras(compare.cameras, compare.catalog, folder=findings.recipe.folder)
+    except UserError as error:
+        findings.adopt(path, error)
+        return ()
+    for camera in cameras:
+        for name in camera.fixes:
+            if name not in rig.cls.Variables.model_fields:
+                findings.add(
+                    path,
+                    f"camera {camera.name!r} fixes {name!r}, which {rig.use} does not have",
+                    "",
+                    "Compare cameras made for this rig.",
+                )
+    return tuple(cameras)

@@ -1,0 +1,79 @@
+"""Makes the plan of a recipe, section by section."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tacos_framework.contracts import formation_order
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.fitness import Constraint, Fitness, Term
+from tacos_framework.plan.design import find_space
+from tacos_framework.plan.findings import Findings
+from tacos_framework.plan.judging import check_constraints, check_scores, find_cameras
+from tacos_framework.plan.nodes import find_nodes
+from tacos_framework.plan.parts import Part
+from tacos_framework.plan.plan import Plan
+from tacos_framework.plan.rig import find_rig
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe
+
+
+def make_plan(recipe: Recipe, plugins: Plugins, faults: Sequence[Fault] = ()) -> Plan:
+    """Check a recipe against the installed plugins.
+
+    Parameters
+    ----------
+    recipe
+        The recipe; may be a draft when `faults` says so.
+    plugins
+        The installed plugins.
+    faults
+        Faults found while reading it.
+
+    Raises
+    ------
+    UserError
+        With those faults and all that are found here.
+    """
+    findings = Findings(recipe, plugins, list(faults))
+    plan = _plan(findings)
+    if findings.faults or plan is None:
+        raise UserError(findings.in_order())
+    return plan
+
+
+def _plan(findings: Findings) -> Plan | None:
+    recipe = findings.recipe
+    nodes, graph = find_nodes(findings)
+    rig, fixed = find_rig(findings)
+    space = find_space(findings, rig, fixed, nodes)
+    check_constraints(findings, rig)
+    check_scores(findings, nodes)
+    effects = _effects(findings)
+    optimizer = findings.part(recipe.optimizer, "optimizer", ("optimizer",)) if recipe.optimizer else None
+    executor = findings.part(recipe.executor, "executor", ("executor",))
+    cameras = find_cameras(findings, rig)
+    if findings.faults or not (graph and rig and space and optimizer and executor):
+        return None
+    return Plan(
+        recipe=recipe,
+        graph=graph,
+        nodes=nodes,
+        rig=rig,
+        fixed=fixed,
+        space=space,
+        fitness=Fitness(tuple(Term(term.score, term.weight) for term in recipe.fitness)),
+        constraints=tuple(Constraint(name, b.min, b.max) for name, b in recipe.constraints.items()),
+        effects=effects,
+        optimizer=optimizer,
+        executor=executor,
+        cameras=cameras,
+    )
+
+
+def _effects(findings: Findings) -> tuple[Part, ...]:
+    """The effects in the order of image formation."""
+    uses = enumerate(findings.recipe.effects)
+    parts = [findings.part(use, "effect", ("effects", i)) for i, use in uses]
+    found = [part for part in parts if part is not None]
+    return tuple(sorted(found, key=lambda part: formation_order(part.cls)))

@@ -1,0 +1,69 @@
+"""What a plan is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tacos_framework.catalog import OffTheShelf
+from tacos_framework.contracts import learns
+from tacos_framework.design_space import DesignSpace
+from tacos_framework.fitness import Constraint, Fitness
+from tacos_framework.graph import Graph
+from tacos_framework.plan.parts import Part
+from tacos_framework.recipe import Recipe
+from tacos_framework.settings import Settings
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A recipe with everything found and checked.
+
+    Parameters
+    ----------
+    recipe
+        The recipe.
+    graph
+        The wired graph.
+    nodes
+        The component of each node.
+    rig
+        The component that builds the rig.
+    fixed
+        Variables of the rig that the recipe fixes.
+    space
+        The variables it designs.
+    effects
+        Effects in the order of image formation.
+    """
+
+    recipe: Recipe
+    graph: Graph
+    nodes: Mapping[str, Part]
+    rig: Part
+    fixed: Mapping[str, Any]
+    space: DesignSpace
+    fitness: Fitness
+    constraints: tuple[Constraint, ...]
+    effects: tuple[Part, ...]
+    optimizer: Part
+    executor: Part
+    cameras: tuple[OffTheShelf, ...] = ()
+
+    @property
+    def trainable(self) -> tuple[str, ...]:
+        """Task nodes that learn."""
+        return tuple(n for n in self.graph.of_kind("task") if learns(self.nodes[n].cls))
+
+    def rig_variables(self, values: Mapping[str, Any]) -> Settings:
+        """The rig's variables for plain values of the design variables.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            When the rig refuses a value.
+        """
+        own = {name: value for name, value in values.items() if "." not in name}
+        return self.rig.cls.Variables.model_validate_json(json.dumps({**self.fixed, **own}))
