@@ -2,7 +2,7 @@
 
 Charts are drawn in the light colours; `tinted` swaps each for a CSS variable, so that one drawing serves both
 modes.
-Camera hues are those of Okabe and Ito, "Color Universal Design" (2008).
+Camera hues are those of Okabe and Ito, "Color Universal Design" (2008), and a violet.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ _CAMERAS = (  # (light, dark); the first is the designed camera's
     ("#009e73", "#3fcfa4"),
     ("#b85f93", "#e6a3c9"),
     ("#8a6d00", "#f0c948"),
-    ("#4f7cac", "#9fc6ee"),
+    ("#3d3d3d", "#c4c9d0"),
+    ("#6a3fa0", "#b79be0"),
 )
 _NEUTRALS = {
     "ink": ("#1c2128", "#e8ecf1"),

@@ -96,6 +96,7 @@ def test_the_target_is_the_reference_after_its_rounds(compared):
 def test_the_report_is_one_file_that_fetches_nothing(compared):
     result, out = compared
     page = (out / "report.html").read_text()
+    assert "mathdefault" not in page  # numbers at the axes, not the markup of matplotlib
     assert page.count("<svg") == 4  # two schemes, images and seconds
     assert "Images to the target" in page
     assert 'src="http' not in page

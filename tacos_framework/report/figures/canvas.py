@@ -12,6 +12,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from tacos_framework.report.palette import INK, MUTED, PAPER, RULE, tinted
 
@@ -73,6 +74,18 @@ def light_grid(axes: Axes, axis: Literal["x", "y"]) -> None:
     """Faint lines along one axis, no tick marks."""
     axes.grid(axis=axis)
     axes.tick_params(length=0)
+
+
+def logarithmic(axes: Axes, axis: Literal["x", "y"]) -> None:
+    """Plain numbers along a logarithmic axis; matplotlib's own are in a markup that is switched off here."""
+    if axis == "x":
+        axes.set_xscale("log")
+    else:
+        axes.set_yscale("log")
+    along = axes.xaxis if axis == "x" else axes.yaxis
+    along.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    along.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    along.set_minor_locator(NullLocator())
 
 
 def _inline(document: str, description: str) -> str:
