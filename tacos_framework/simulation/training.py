@@ -42,7 +42,7 @@ def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[Sta
         episode = trial.episode(scene, spec)
     frames = TrainingFrames(trial, scene, episode, spec, task)
     rng = generator(spec.seed, *spec.name, task, "fit")
-    with trial.at_work(task):
+    with trial.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
         return trial.components[task].fit(frames, state=state, budget=budget, rng=rng), frames.images
 

@@ -111,9 +111,9 @@ class Trial:
         return acting.files(self.components[node.name].expose(**inputs, **wanted))
 
     @contextmanager
-    def at_work(self, name: str) -> Iterator[None]:
-        """Count the time inside for a node, and say so where an error arose there; it stays what it is."""
-        with self.clock.of(name):
+    def at_work(self, name: str, doing: str = "") -> Iterator[None]:
+        """Count the time inside for a node, or for one thing it does; say so where an error arose there."""
+        with self.clock.of(f"{name}, {doing}" if doing else name):
             try:
                 yield
             except Exception as error:

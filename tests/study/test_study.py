@@ -191,4 +191,6 @@ def test_images_of_every_camera_and_of_training_are_counted(toys):
         states,
         training=EpisodeSpec(3, ("train", 0, 0)),
     )
-    assert evaluate(job).images == 6 + 6 + 4
+    evaluation = evaluate(job)
+    assert evaluation.images == 6 + 6 + 4
+    assert {"learner", "learner, training"} <= set(evaluation.seconds)  # scoring, and what it takes to learn
