@@ -1,7 +1,6 @@
 """Which effects: forward selection with removals, scored on held-out conditions.
 
-Every effect is first tried at the severities it names, once. What those trials change is kept as directions,
-so that later rounds are screened without simulating anew; only the most promising are fitted.
+Of the effects that were screened only the most promising are fitted, round by round.
 """
 
 from __future__ import annotations
@@ -12,13 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework.gap.evidence import Judged
-from tacos_framework.gap.fit import Fitted, finished, fit, rescored, theta_of
+from tacos_framework.gap.fit import Fitted, finished, fit, rescored
 from tacos_framework.gap.parameters import Term
 from tacos_framework.gap.problem import Hypothesis, Problem, bent
-from tacos_framework.gap.starts import terms_for
+from tacos_framework.gap.pruning import pruned
+from tacos_framework.gap.screening import Trials, in_units, promise, try_all
 from tacos_framework.gap.unknown import block_index, unexplained
 
 LARGEST = 3
@@ -47,14 +46,6 @@ _FORETOLD = 0.25
 """Share of its price that the trials of an effect must promise for it to be fitted beside others."""
 
 Notify = Callable[[str], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """An effect at a start: what it changes in the residuals."""
-
-    term: Term
-    change: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +101,7 @@ class Search:
         self._workers = workers
         self._effects = effects
         self._fits: dict[tuple[str, ...], Fitted] = {}
-        self.trials: dict[str, list[Trial]] = {}
+        self._trials: Trials = {}
 
     def run(self) -> Attribution:
         """Search, and compare what was found with its rivals."""
@@ -125,13 +116,15 @@ class Search:
                 enough = len(best.hypothesis) == LARGEST
                 if enough or not unexplained(self.problem, judged).stands_out:
                     break
-                self.trials = self.trials or self._try_all()  # where nothing stands out, nothing is tried
+                # where nothing stands out, nothing is tried
+                self._trials = self._trials or try_all(self.problem, self._effects, pool.map)
                 better = self._extended(best)
                 if better is None:
                     break
                 best = self._thinned(better)
                 self._notify(" + ".join(best.names))
-            best = self._pruned(best)
+            best = pruned(self.problem, best, least=self._price(best) / 3)
+            self._fits[tuple(sorted(best.names))] = best
             null = self._fits[()]
             slots = {name: self._rivals(best, name) for name in best.names}
             found = self._settled(best, null, slots)
@@ -153,85 +146,18 @@ class Search:
         before = self.problem.scale
         self.problem = self.problem.reweighted(np.maximum(judged.scale, 1.0))
         self._fits = {k: rescored(self.problem, fitted, before) for k, fitted in self._fits.items()}
-        factor = before / self.problem.scale
-        self.trials = {
-            name: [Trial(trial.term, trial.change * factor) for trial in trials]
-            for name, trials in self.trials.items()
-        }
+        self._trials = in_units(self._trials, before / self.problem.scale)
         return self._fits[tuple(sorted(best.names))]
 
     def _begun_anew(self, best: Fitted) -> Fitted:
         """The explanation with its last effect fitted again, in the units of now, from each of its trials."""
         self.problem = self.problem.averaging(AVERAGED)
         *rest, last = best.hypothesis
-        starts = [(*rest, trial.term) for trial in self.trials[last.name]]
+        starts = [(*rest, trial.term) for trial in self._trials[last.name]]
         fits = [f for f in self._pool.map(lambda h: fit(self.problem, h), starts) if f is not None]
         best = max([best, *fits], key=lambda fitted: fitted.score)
         self._fits[tuple(sorted(best.names))] = best
         return best
-
-    # trials -----------------------------------------------------------------------------------------------
-
-    def _try_all(self) -> dict[str, list[Trial]]:
-        terms = [
-            term
-            for name, cls in self._effects.items()
-            for term in terms_for(name, cls, self.problem.evidence)
-        ]
-        residuals = self._pool.map(lambda term: self.problem.residual((term,)), terms)
-        trials: dict[str, list[Trial]] = {}
-        for term, z in zip(terms, residuals, strict=True):
-            if z is not None and not np.array_equal(z, self.problem.null):
-                trials.setdefault(term.name, []).append(Trial(term, z - self.problem.null))
-        return trials
-
-    def _promise(self, name: str, base: NDArray[np.float64]) -> tuple[float, Term]:
-        """How much an effect could gain on top of `base`, and where its fit should begin.
-
-        Each trial is scaled along its own direction; trials whose free parameters differ are also combined.
-        """
-        cost = float(np.sum(bent(base) ** 2))
-        best = (-np.inf, self.trials[name][0].term)
-        for trial in self.trials[name]:
-            for scale in _scales(trial):
-                gain = cost - float(np.sum(bent(base + scale * trial.change) ** 2))
-                if gain > best[0]:
-                    best = (gain, _scaled(trial.term, scale))
-        combined = self._combined(name, base)
-        if combined is not None and (gain := cost - combined[0]) > best[0]:
-            best = (gain, combined[1])
-        return best
-
-    def _combined(self, name: str, base: NDArray[np.float64]) -> tuple[float, Term] | None:
-        """Trials of one free parameter each, combined by least squares."""
-        single = {next(iter(t.term.free)): t for t in self.trials[name] if len(t.term.free) == 1}
-        if len(single) < 2 or len(single) < len(self.trials[name]) / 2:
-            return None
-        directions = np.stack([t.change for t in single.values()], axis=1)
-        weights = 1 / (1 + (base / 10) ** 2) ** 0.5
-        normal = (directions * weights[:, None]).T @ directions
-        ridge = 1e-4 * float(np.trace(normal)) / len(normal)
-        scales = -np.linalg.solve(normal + ridge * np.eye(len(normal)), directions.T @ (weights * base))
-        scales = np.clip(scales, -4, 4)
-        values: dict[str, Any] = {}
-        free: dict[str, float] = {}
-        for (key, trial), scale in zip(single.items(), scales, strict=True):
-            values |= {**trial.term.values, key: _scaled(trial.term, float(scale)).values[key]}
-            free[key] = trial.term.free[key]
-        term = replace(trial.term, values=values, free=free)
-        if term.make() is None:
-            return None
-        return float(np.sum(bent(base + directions @ scales) ** 2)), term
-
-    def _pruned(self, best: Fitted) -> Fitted:
-        """Without parameters that are not needed, so that the others mean what they say."""
-        while True:
-            fewer = [fit(self.problem, h) for h in _with_one_less(best)[:2]]
-            kept = [f for f in fewer if f is not None and f.score > best.score - self._price(best) / 3]
-            if not kept:
-                return best
-            best = max(kept, key=lambda fitted: fitted.score)
-            self._fits[tuple(sorted(best.names))] = best
 
     # rounds -----------------------------------------------------------------------------------------------
 
@@ -264,13 +190,13 @@ class Search:
         self, base: Fitted, count: int, without: Sequence[str] = (), least: float = 0.0
     ) -> list[Term]:
         """Starts of the effects that promise most on top of `base`, and more than `least` [nat]."""
-        free = [name for name in self.trials if name not in base.names and name not in without]
-        promises = sorted((self._promise(name, base.z) for name in free), key=lambda p: -p[0])
+        free = [name for name in self._trials if name not in base.names and name not in without]
+        promises = sorted((promise(self._trials[name], base.z) for name in free), key=lambda p: -p.gain)
         worth = 0.5 * self.problem.weight
-        return [start for gain, start in promises[:count] if worth * gain > least]
+        return [each.start for each in promises[:count] if worth * each.gain > least]
 
     def _thinned(self, fitted: Fitted) -> Fitted:
-        """Without effects that another made superfluous, and with each replaced by a better rival."""
+        """Without effects that another made superfluous."""
         for name in fitted.names:
             fewer = self._fitted([tuple(t for t in fitted.hypothesis if t.name != name)])
             if fewer and fewer[0].score > fitted.score - self._price(fitted):
@@ -300,54 +226,10 @@ class Search:
         return Attribution(best, null, slots, self._fits, self.problem)
 
     def _fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
-        """Fit them, in parallel; each set of effects is fitted once, but begun anew where it got stuck."""
+        """Fit them, in parallel; each set of effects once."""
         wanted = [h for h in hypotheses if tuple(sorted(t.name for t in h)) not in self._fits]
         for fitted in self._pool.map(lambda h: fit(self.problem, h), wanted):
             if fitted is not None:
                 self._fits[tuple(sorted(fitted.names))] = fitted
         keys = [tuple(sorted(t.name for t in h)) for h in hypotheses]
         return [self._fits[key] for key in keys if key in self._fits]
-
-
-def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
-    """The hypothesis with one parameter at neutral for good, the least missed first (to first order)."""
-    found: list[tuple[float, Hypothesis]] = []
-    column = 0
-    straight = bent(fitted.z)
-    for position, term in enumerate(fitted.hypothesis):
-        for name in term.free:
-            k, column = column, column + 1
-            neutral = term.cls.neutral.get(name)
-            movable = [n for n in term.free if isinstance(term.cls.neutral.get(n), float)]
-            if not isinstance(neutral, float) or len(movable) < 2:
-                continue
-            others = np.delete(fitted.jacobian, k, axis=1)
-            moved = straight + fitted.jacobian[:, k] * (neutral - term.values[name]) / fitted.steps[k]
-            moved = moved - others @ np.linalg.lstsq(others, moved, rcond=None)[0]
-            values = {**term.values, name: neutral}
-            free = {n: step for n, step in term.free.items() if n != name}
-            fewer = list(fitted.hypothesis)
-            fewer[position] = replace(term, values=values, free=free)
-            found.append((float(np.sum(moved**2)), tuple(fewer)))
-    return [hypothesis for _, hypothesis in sorted(found, key=lambda pair: pair[0])]
-
-
-def _scales(trial: Trial) -> tuple[float, ...]:
-    """Multiples of a trial's change to look at; discrete effects are there or not."""
-    if not trial.term.free:
-        return (1.0,)
-    return (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
-
-
-def _scaled(term: Term, scale: float) -> Term:
-    """A term with its free parameters moved to `scale` times their distance from neutral."""
-    if not term.free or scale == 1.0:
-        return term
-    neutral = {key: float(value) for key, value in term.cls.neutral.items() if isinstance(value, float)}
-    theta = theta_of((term,))
-    moved = []
-    for key, value in zip(term.free, theta, strict=True):
-        at = 0.0 if key.startswith("matrix.") else neutral.get(key)
-        moved.append(value if at is None else at + scale * (value - at))
-    changed = term.with_free(moved)
-    return changed if changed.make() is not None else term

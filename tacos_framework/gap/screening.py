@@ -1,0 +1,122 @@
+"""Which effects look promising: every effect tried once at the severities it names.
+
+What a trial changes in the residuals is kept as a direction: rounds are screened without simulating anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.gap.fit import theta_of
+from tacos_framework.gap.parameters import Term
+from tacos_framework.gap.problem import Problem, bent
+from tacos_framework.gap.starts import terms_for
+
+SHARES = (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
+"""Multiples of a trial's change that are looked at."""
+
+Map = Callable[[Callable[[Term], Any], Iterable[Term]], Iterable[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """An effect at a start: what it changes in the residuals."""
+
+    term: Term
+    change: NDArray[np.float64]
+
+
+Trials = Mapping[str, Sequence[Trial]]
+"""The trials of each effect by its name; effects that change nothing are left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """How much an effect could gain, to first order.
+
+    Parameters
+    ----------
+    gain
+        Fall of the sum of bent squares.
+    start
+        Where its fit should begin.
+    """
+
+    gain: float
+    start: Term
+
+
+def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> Trials:
+    """Simulate each effect at each of its starts; `each` is a map that may work in parallel."""
+    terms = [term for name, cls in effects.items() for term in terms_for(name, cls, problem.evidence)]
+    found: dict[str, list[Trial]] = {}
+    for term, z in zip(terms, each(lambda term: problem.residual((term,)), terms), strict=True):
+        if z is not None and not np.array_equal(z, problem.null):
+            found.setdefault(term.name, []).append(Trial(term, z - problem.null))
+    return found
+
+
+def in_units(trials: Trials, factor: NDArray[np.float64]) -> Trials:
+    """The trials with residuals multiplied by (K,) `factor`."""
+    return {
+        name: [Trial(trial.term, trial.change * factor) for trial in of_effect]
+        for name, of_effect in trials.items()
+    }
+
+
+def promise(trials: Sequence[Trial], base: NDArray[np.float64]) -> Promise:
+    """What an effect could gain on top of (K,) residuals.
+
+    Each trial is scaled along its own direction; trials whose free parameters differ are also combined.
+    """
+    cost = float(np.sum(bent(base) ** 2))
+    best = Promise(-np.inf, trials[0].term)
+    for trial in trials:
+        for share in SHARES if trial.term.free else (1.0,):  # discrete effects are there or not
+            gain = cost - float(np.sum(bent(base + share * trial.change) ** 2))
+            if gain > best.gain:
+                best = Promise(gain, _scaled(trial.term, share))
+    combined = _combined(trials, base)
+    return combined if combined is not None and combined.gain > best.gain else best
+
+
+def _combined(trials: Sequence[Trial], base: NDArray[np.float64]) -> Promise | None:
+    """Trials of one free parameter each, combined by least squares."""
+    single = {next(iter(t.term.free)): t for t in trials if len(t.term.free) == 1}
+    if len(single) < 2 or len(single) < len(trials) / 2:
+        return None
+    directions = np.stack([t.change for t in single.values()], axis=1)
+    weights = 1 / (1 + (base / 10) ** 2) ** 0.5
+    normal = (directions * weights[:, None]).T @ directions
+    ridge = 1e-4 * float(np.trace(normal)) / len(normal)
+    shares = -np.linalg.solve(normal + ridge * np.eye(len(normal)), directions.T @ (weights * base))
+    shares = np.clip(shares, -4, 4)
+    values: dict[str, Any] = {}
+    free: dict[str, float] = {}
+    for (key, trial), share in zip(single.items(), shares, strict=True):
+        values |= {**trial.term.values, key: _scaled(trial.term, float(share)).values[key]}
+        free[key] = trial.term.free[key]
+    term = replace(trials[0].term, values=values, free=free)
+    if term.make() is None:
+        return None
+    gain = float(np.sum(bent(base) ** 2)) - float(np.sum(bent(base + directions @ shares) ** 2))
+    return Promise(gain, term)
+
+
+def _scaled(term: Term, scale: float) -> Term:
+    """A term with its free parameters moved to `scale` times their distance from neutral."""
+    if not term.free or scale == 1.0:
+        return term
+    neutral = {key: float(value) for key, value in term.cls.neutral.items() if isinstance(value, float)}
+    theta = theta_of((term,))
+    moved = []
+    for key, value in zip(term.free, theta, strict=True):
+        at = 0.0 if key.startswith("matrix.") else neutral.get(key)
+        moved.append(value if at is None else at + scale * (value - at))
+    changed = term.with_free(moved)
+    return changed if changed.make() is not None else term
