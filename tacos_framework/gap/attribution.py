@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from tacos_framework.gap.fit import Fitted, finished, fit, rescored
 from tacos_framework.gap.parameters import Term
 from tacos_framework.gap.problem import Hypothesis, Problem, bent
 from tacos_framework.gap.pruning import pruned
-from tacos_framework.gap.screening import Trials, in_units, promise, try_all
+from tacos_framework.gap.screening import Trials, in_units, promise, starts_of_all, try_all
 from tacos_framework.gap.unknown import block_index, unexplained
 
 LARGEST = 3
@@ -38,6 +38,9 @@ TRIED = 4
 WIDER = 3.0
 """Where an explanation spreads so much more than the simulator, as lamps do whose phase nobody knows, it was
 judged in units too narrow and by the luck of one simulation: its fit begins anew."""
+
+MANY = 0.05
+"""Share of the numbers that must be so much wider."""
 
 AVERAGED = 3
 """Simulations whose mean stands for such an explanation."""
@@ -123,19 +126,22 @@ class Search:
                     break
                 best = self._thinned(better)
                 self._notify(" + ".join(best.names))
-            best = pruned(self.problem, best, least=self._price(best) / 3)
-            self._fits[tuple(sorted(best.names))] = best
-            null = self._fits[()]
-            slots = {name: self._rivals(best, name) for name in best.names}
-            found = self._settled(best, null, slots)
-            return replace(found, best=finished(self.problem, found.best))
+            for _ in range(LARGEST):
+                best = self._cleaned(best)
+                slots = {name: self._rivals(best, name) for name in best.names}
+                better = self._better_rival(best, slots)
+                if better is None:
+                    break
+                best = better
+            best = finished(self.problem, best)
+            return Attribution(best, self._fits[()], slots, self._fits, self.problem)
 
     def _in_its_units(self, best: Fitted) -> tuple[Fitted, Judged]:
         """An explanation in units of its own floor, and how it fares there."""
         before = self.problem.scale
         judged = self.problem.judged(best.hypothesis)
         best = self._in_units_of(judged, best)
-        if best.hypothesis and np.any(self.problem.scale > WIDER * before):
+        if best.hypothesis and np.mean(self.problem.scale > WIDER * before) > MANY:
             best = self._begun_anew(best)
             judged = self.problem.judged(best.hypothesis)
             best = self._in_units_of(judged, best)
@@ -153,11 +159,14 @@ class Search:
         """The explanation with its last effect fitted again, in the units of now, from each of its trials."""
         self.problem = self.problem.averaging(AVERAGED)
         *rest, last = best.hypothesis
-        starts = [(*rest, trial.term) for trial in self._trials[last.name]]
-        fits = [f for f in self._pool.map(lambda h: fit(self.problem, h), starts) if f is not None]
-        best = max([best, *fits], key=lambda fitted: fitted.score)
-        self._fits[tuple(sorted(best.names))] = best
-        return best
+        starts = [last, *starts_of_all(self._trials[last.name])]
+        fits = self._pool.map(lambda start: fit(self.problem, (*rest, start)), starts)
+        return self._kept(max((f for f in fits if f is not None), key=lambda fitted: fitted.score))
+
+    def _kept(self, fitted: Fitted) -> Fitted:
+        """The fit, which from now on stands for its set of effects."""
+        self._fits[tuple(sorted(fitted.names))] = fitted
+        return fitted
 
     # rounds -----------------------------------------------------------------------------------------------
 
@@ -195,6 +204,11 @@ class Search:
         worth = 0.5 * self.problem.weight
         return [each.start for each in promises[:count] if worth * each.gain > least]
 
+    def _cleaned(self, fitted: Fitted) -> Fitted:
+        """A fit led to its end, without parameters and effects that it does not need there."""
+        ended = self._kept(finished(self.problem, fitted))
+        return self._thinned(self._kept(pruned(self.problem, ended, least=self._price(ended) / 3)))
+
     def _thinned(self, fitted: Fitted) -> Fitted:
         """Without effects that another made superfluous."""
         for name in fitted.names:
@@ -213,17 +227,14 @@ class Search:
             scores[rival.names[-1]] = rival.score
         return scores
 
-    def _settled(self, best: Fitted, null: Fitted, slots: dict[str, dict[str, float]]) -> Attribution:
-        """Where a rival turned out better, it takes the place."""
+    def _better_rival(self, best: Fitted, slots: Mapping[str, Mapping[str, float]]) -> Fitted | None:
+        """The explanation with another effect in the first place where one turned out better."""
         for name, scores in slots.items():
             rival = max(scores, key=lambda key: scores[key])
             if rival not in ("", name) and rival not in best.names and scores[rival] > scores[name] + 1e-9:
-                names = tuple(rival if other == name else other for other in best.names)
-                key = tuple(sorted(names))
-                if key in self._fits:
-                    renamed = {(rival if k == name else k): v for k, v in slots.items()}
-                    return Attribution(self._fits[key], null, renamed, self._fits, self.problem)
-        return Attribution(best, null, slots, self._fits, self.problem)
+                key = tuple(sorted(rival if other == name else other for other in best.names))
+                return self._fits.get(key)
+        return None
 
     def _fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
         """Fit them, in parallel; each set of effects once."""

@@ -72,24 +72,50 @@ def in_units(trials: Trials, factor: NDArray[np.float64]) -> Trials:
 def promise(trials: Sequence[Trial], base: NDArray[np.float64]) -> Promise:
     """What an effect could gain on top of (K,) residuals.
 
-    Each trial is scaled along its own direction; trials whose free parameters differ are also combined.
+    Each trial is scaled along its own direction; trials of one parameter each are also combined, and a fit
+    that begins at one of them has them all free.
     """
     cost = float(np.sum(bent(base) ** 2))
     best = Promise(-np.inf, trials[0].term)
+    single = _of_one_parameter(trials)
     for trial in trials:
         for share in SHARES if trial.term.free else (1.0,):  # discrete effects are there or not
             gain = cost - float(np.sum(bent(base + share * trial.change) ** 2))
             if gain > best.gain:
                 best = Promise(gain, _scaled(trial.term, share))
-    combined = _combined(trials, base)
-    return combined if combined is not None and combined.gain > best.gain else best
+    if not single:
+        return best
+    combined = _combined(single, base)
+    if combined is not None and combined.gain > best.gain:
+        return combined
+    return replace(best, start=_with_all_free(best.start, single))
 
 
-def _combined(trials: Sequence[Trial], base: NDArray[np.float64]) -> Promise | None:
+def starts_of_all(trials: Sequence[Trial]) -> list[Term]:
+    """Where fits of an effect can begin, one for each trial."""
+    single = _of_one_parameter(trials)
+    return [_with_all_free(trial.term, single) for trial in trials]
+
+
+def _of_one_parameter(trials: Sequence[Trial]) -> Mapping[str, Trial]:
+    """Trials with one free parameter, by its name; none where there are not several, or they are few."""
+    single = {next(iter(trial.term.free)): trial for trial in trials if len(trial.term.free) == 1}
+    return {} if len(single) < 2 or len(single) < len(trials) / 2 else single
+
+
+def _with_all_free(term: Term, single: Mapping[str, Trial]) -> Term:
+    """The term with the parameters of other trials free too, from neutral on."""
+    if len(term.free) != 1 or not single:
+        return term
+    values = {name: _scaled(trial.term, 0.0).values[name] for name, trial in single.items()}
+    steps = {name: trial.term.free[name] for name, trial in single.items()}
+    wider = replace(term, values={**values, **term.values}, free={**steps, **term.free})
+    return wider if wider.make() is not None else term
+
+
+def _combined(single: Mapping[str, Trial], base: NDArray[np.float64]) -> Promise | None:
     """Trials of one free parameter each, combined by least squares."""
-    single = {next(iter(t.term.free)): t for t in trials if len(t.term.free) == 1}
-    if len(single) < 2 or len(single) < len(trials) / 2:
-        return None
+    trials = list(single.values())
     directions = np.stack([t.change for t in single.values()], axis=1)
     weights = 1 / (1 + (base / 10) ** 2) ** 0.5
     normal = (directions * weights[:, None]).T @ directions

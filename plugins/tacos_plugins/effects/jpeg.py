@@ -51,6 +51,10 @@ class Jpeg:
         {"quality": 70, "subsampling": "4:2:0"},
         {"quality": 50, "subsampling": "4:2:0"},
         {"quality": 30, "subsampling": "4:2:0"},
+        {"quality": 99, "subsampling": "4:4:4"},
+        {"quality": 96, "subsampling": "4:4:4"},
+        {"quality": 88, "subsampling": "4:4:4"},
+        {"quality": 70, "subsampling": "4:4:4"},
     )
 
     def __init__(self, config: Config) -> None:

@@ -32,7 +32,8 @@ vec2 octahedral(vec3 d) {
     return d.z >= 0.0 ? p : folded;
 }
 
-vec3 mirrored(vec3 texel, vec3 n, float unshadowed) {
+// What is mirrored, and in `left` the share of light that gets beneath the coat to be scattered there.
+vec3 mirrored(vec3 texel, vec3 n, float unshadowed, out vec3 left) {
     float roughness = base_roughness.w, metallic = emission_metallic.w;
     vec3 ray = gl_FragCoord.x * ray_x.xyz + gl_FragCoord.y * ray_y.xyz + ray_origin.xyz;
     vec3 position = eye + ray / gl_FragCoord.w;
@@ -55,5 +56,6 @@ vec3 mirrored(vec3 texel, vec3 n, float unshadowed) {
     float strength = max(sheen, metallic);
     vec3 f0 = mix(vec3(DIELECTRIC * sheen), base_roughness.rgb * texel, metallic);
     vec3 returned = f0 * scale_and_bias.x + strength * scale_and_bias.y;
+    left = 1.0 - returned;
     return returned * around * mix(HIDDEN, 1.0, clamp(unshadowed, 0.0, 1.0)) + emission_metallic.rgb;
 }

@@ -59,7 +59,9 @@ void main() {
 #else
     vec3 facing = normalize(normal);
 #endif
-    reflected += mirrored(texel, facing, share);
+    vec3 left;
+    vec3 mirror = mirrored(texel, facing, share, left);
+    reflected = reflected * left + mirror;
 #endif
     luminance = vec4(reflected, 1.0);
 }
