@@ -2,8 +2,9 @@
 
 The rasterizer adds two parts: Lambertian reflection by ``base (1 - metallic)`` of what the coat lets through
 towards the eye, and a GGX reflection whose reflectance at normal incidence is ``0.04 sheen (1 - metallic) +
-base metallic``, where sheen falls from 1 at roughness 0.4 to 0 at 0.8. The same here is a blend of a diffuse surface, a rough plastic (diffuse under a GGX
-coat of index 1.5, which is 0.04 at normal incidence) and a rough mirror in the base colour.
+base metallic``, where sheen falls from 1 at roughness 0.4 to 0 at 0.8. The same here is a blend of a diffuse
+surface, a rough plastic (diffuse under a GGX coat of index 1.5, which is 0.04 at normal incidence) and a
+rough mirror in the base colour.
 """
 
 from __future__ import annotations
