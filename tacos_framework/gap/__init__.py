@@ -5,11 +5,19 @@
 ``formation``      the simulator itself on plain arrays: effects, noise, rounding
 ``statistics``     what images are compared by, family by family
 ``evidence``       captures turned into numbers, with the floor below which differences mean nothing
-``hypothesis``     effects with parameters, and the fit of the parameters
-``attribution``    which effects: forward selection on held-out conditions
-``ambiguity``      what captures cannot tell apart, and the capture that would
+``boards``         the same for chessboards, by their corners
+``problem``        all evidence together, and how a hypothesis fares on it
+``locate``         where a gap lies
+``parameters``     effects as hypotheses, and where the search for each begins, with ``starts``
+``fit``            parameters that explain the evidence best
+``screening``      which effects look promising
+``attribution``    which effects: forward selection on held-out conditions, with ``pruning`` of parameters
+``intervals``      how well the captures settle the parameters
 ``unknown``        whether what is left fits no effect
+``ambiguity``      what captures cannot tell apart, and with ``next_capture`` the one that would
 ``closure``        how much of the gap each effect removes
-``diagnosis``      all of it in order, and ``diagnosis.json``
+``causes``         from the best explanation to causes, with ``findings`` as they are written
+``bench``          captures from our own simulator, to rehearse with
+``diagnosis``      all of it in order
 =================  ==========================================================================================
 """
