@@ -140,6 +140,9 @@ class Effect(Protocol[Image]):
         Severities met in the field, where a diagnosis begins its search; parameters given as floats are then
         fitted. An effect without is tried a little to either side of neutral, one with ``()`` only where the
         captures point to it.
+    ``plausible: bool``
+        False for settings that no camera has, as a lens that brightens its corners. Recipes may have them, a
+        diagnosis does not propose them.
     ``source(geometry)``
         For an effect that only moves pixels: (H, W) columns and rows where each pixel of the image looks in
         the image without it.

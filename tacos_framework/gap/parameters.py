@@ -33,11 +33,12 @@ class Term:
     free: Mapping[str, float]
 
     def make(self) -> Any | None:
-        """The component; None where its settings refuse the values."""
+        """The component; None where its settings refuse the values, or no camera has them."""
         try:
-            return self.cls(self.cls.Config(**_nested(self.values)))
+            effect = self.cls(self.cls.Config(**_nested(self.values)))
         except (ValidationError, ValueError):
             return None
+        return effect if getattr(effect, "plausible", True) else None
 
     def with_free(self, theta: Sequence[float]) -> Term:
         """With other values of the free parameters."""

@@ -223,3 +223,10 @@ def test_files_are_rounded_and_clipped_and_keep_their_depth():
     assert seen.images[0].dtype == np.uint16
     np.testing.assert_array_equal(seen.images[0][..., 0], np.minimum(images[0][..., 0] * 3, 4095))
     assert seen.capture is deep.capture
+
+
+def test_a_gain_map_that_darkens_corners_is_drawn_but_not_proposed():
+    lifting, darkening = make(LensShadingCorrection, k1=0.5, k2=-0.2), make(LensShadingCorrection, k1=-0.5)
+    assert lifting.plausible
+    assert not darkening.plausible
+    assert run(darkening, SCENE_DN).mean() < SCENE_DN.mean()

@@ -70,6 +70,13 @@ def test_a_single_effect_is_named_with_its_parameter(effects, name, settings):
     assert found.patch[0]["use"] == f"effect.{name}"
 
 
+def test_corners_that_are_brighter_than_expected_are_no_vignetting(effects):
+    lifting = Plugins.discover().resolve("effect.lens-shading-correction")
+    found = run(taken(bench(), [lifting(lifting.Config(k1=0.5))]), effects)
+    assert "vignetting" not in found.cause_set
+    assert found.verdict in ("unknown", "partly_explained")
+
+
 def test_two_effects_share_the_gap(effects):
     both = [make(effects, "vignetting", k1=-0.3), make(effects, "read-noise", sigma_dn=2.0)]
     found = run(taken(bench(), both), effects)

@@ -14,6 +14,9 @@ from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeom
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.samples import with_files_changed
 
+_FIELD = np.linspace(0, 1, 21)  # of r
+_AS_GOOD_AS_LEVEL = 0.01  # what a polynomial may fall while it is fitted
+
 
 class LensShadingCorrection:
     """Multiplies the signal by ``1 + k1 r^2 + k2 r^4``, with r over the half diagonal of the sensor.
@@ -43,6 +46,12 @@ class LensShadingCorrection:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @property
+    def plausible(self) -> bool:
+        """Whether the gain rises from the centre, or at least does not fall: it makes up for dark corners."""
+        r2 = _FIELD**2
+        return bool(np.min(r2 * (self.config.k1 + r2 * self.config.k2)) >= -_AS_GOOD_AS_LEVEL)
 
     def _gain(self, geometry: ImageGeometry) -> NDArray[np.float64]:
         """(H, W, 1) gain, never below 0 [1]."""

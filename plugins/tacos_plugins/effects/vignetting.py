@@ -13,6 +13,9 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
 from tacos_plugins.effects.light import with_light_changed
 
+_FIELD = np.linspace(0, 1, 21)  # of r
+_AS_GOOD_AS_LEVEL = 0.01  # what a polynomial may rise while it is fitted
+
 
 class Vignetting:
     """Multiplies the light by ``1 + k1 r^2 + k2 r^4 + k3 r^6``, with r over half the sensor's diagonal.
@@ -44,6 +47,13 @@ class Vignetting:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @property
+    def plausible(self) -> bool:
+        """Whether light falls off, or at least does not rise: no lens brightens its corners."""
+        r2 = _FIELD**2
+        c = self.config
+        return bool(np.max(r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3))) <= _AS_GOOD_AS_LEVEL)
 
     def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
         """The capture with the fall-off in every view; the capture itself where the effect is off."""
