@@ -23,6 +23,7 @@ from tacos_framework.testing import (
     TaskConformance,
 )
 from tacos_framework.testing.samples import sample_frames
+from tacos_framework.values import FrameBatch
 from tacos_plugins.effects.auto_exposure import AutoExposure
 from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.colour_matrix import ColourMatrix
@@ -295,6 +296,13 @@ class TestDemosaic(EffectConformance):
 class TestDenoise(EffectConformance):
     component = Denoise
     config = {"strength": 1.0}
+
+    def sample(self) -> FrameBatch:
+        """Frames with noise, as there is none to take away from others."""
+        frames = super().sample()
+        rng = np.random.default_rng(2)
+        noisy = [np.clip(np.rint(rng.normal(i, 3.0)), 0, 255).astype(np.uint8) for i in frames.images]
+        return replace(frames, images=tuple(noisy))
 
 
 class TestDsnu(EffectConformance):
