@@ -11,7 +11,7 @@ from tacos_framework.gap.ambiguity import NextCapture, confused_with
 from tacos_framework.gap.attribution import Attribution
 from tacos_framework.gap.captures import Capture
 from tacos_framework.gap.closure import bootstrap_interval, closure, shapley
-from tacos_framework.gap.findings import Cause, Parameter, short
+from tacos_framework.gap.findings import Cause, Parameter, as_fine_as, short
 from tacos_framework.gap.fit import Fitted
 from tacos_framework.gap.intervals import half_widths
 from tacos_framework.gap.parameters import Term, unit_of
@@ -98,8 +98,9 @@ def _parameters(term: Term, half_width: Any) -> dict[str, Parameter]:
     reach = dict(zip(term.free, half_width, strict=True))
     for name, value in settings.items():
         if name in reach:
-            interval = (float(value) - float(reach[name]), float(value) + float(reach[name]))
-            found[name] = Parameter(short(value), interval, unit_of(term.cls, name))
+            half = float(reach[name])
+            ends = (as_fine_as(half, value - half), as_fine_as(half, value + half))
+            found[name] = Parameter(as_fine_as(half, value), ends, unit_of(term.cls, name))
         elif name == "matrix":
             rows = [[short(v) for v in row] for row in value]
             found[name] = Parameter(rows, None, unit_of(term.cls, name))

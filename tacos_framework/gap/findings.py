@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -113,7 +114,7 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
         "parameters": {
             name: {
                 "value": parameter.value,
-                **({"ci": [short(end) for end in parameter.interval]} if parameter.interval else {}),
+                **({"ci": list(parameter.interval)} if parameter.interval else {}),
                 "unit": parameter.unit,
             }
             for name, parameter in cause.parameters.items()
@@ -137,3 +138,16 @@ def _round(value: float) -> float:
 def short(value: float) -> float:
     """Five significant digits."""
     return float(f"{value:.5g}")
+
+
+def as_fine_as(width: float, value: float) -> float:
+    """A value to three digits of a width.
+
+    Examples
+    --------
+    >>> as_fine_as(0.00004812, 1.003212345)
+    1.0032123
+    """
+    if not (math.isfinite(width) and width > 0):
+        return short(value)
+    return round(float(value), 2 - math.floor(math.log10(width)))
