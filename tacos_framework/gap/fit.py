@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.gap.parameters import Term
-from tacos_framework.gap.problem import BEND, Hypothesis, Problem, bent
+from tacos_framework.gap.problem import BEND, Hypothesis, Problem, bent, slope
 
 ITERATIONS = 5
 STEP = 0.25
@@ -105,8 +105,7 @@ def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> F
     """A fit in the units of a reweighted problem, to first order; `before` is the scale it was made with."""
     factor = before / problem.scale
     z = fitted.z * factor
-    slope = np.sqrt(1 + (fitted.z / BEND) ** 2) / np.sqrt(1 + (z / BEND) ** 2)
-    jacobian = fitted.jacobian * (factor * slope)[:, None]
+    jacobian = fitted.jacobian * (factor * slope(z) / slope(fitted.z))[:, None]
     return _fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps)
 
 

@@ -15,7 +15,7 @@ from scipy.special import stdtrit
 from tacos_framework.gap.evidence import SPREAD_OF_ONE
 from tacos_framework.gap.fit import Fitted, jacobian_of
 from tacos_framework.gap.parameters import Term, starts_of
-from tacos_framework.gap.problem import BEND, Hypothesis, Problem, bent
+from tacos_framework.gap.problem import Hypothesis, Problem, bent, slope
 
 
 def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> NDArray[np.float64]:
@@ -52,8 +52,7 @@ def noise_variance(
 ) -> tuple[NDArray[np.float64], int]:
     """(P,) variance of the estimates over replicates of the hypothesis, and how many there are [step^2]."""
     judged = problem.judged(fitted.hypothesis)
-    slope = 1 / np.sqrt(1 + (fitted.z / BEND) ** 2)
-    floor = judged.floor * (judged.scale / problem.scale) * slope
+    floor = judged.floor * (judged.scale / problem.scale) * slope(fitted.z)
     moves = floor @ _estimator(jacobian).T
     return SPREAD_OF_ONE * (moves**2).sum(axis=0) / (len(floor) - 1), len(floor)
 

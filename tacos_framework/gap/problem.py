@@ -26,6 +26,11 @@ def bent(z: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(BEND * np.arcsinh(z / BEND))
 
 
+def slope(z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How much bent residuals move per unit of these: the derivative of `bent`."""
+    return np.asarray(1 / np.sqrt(1 + (z / BEND) ** 2))
+
+
 def _joined(floors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Floors of captures side by side, as many replicates as the least has."""
     count = min((len(floor) for floor in floors), default=0)

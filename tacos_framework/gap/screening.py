@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.gap.fit import theta_of
 from tacos_framework.gap.parameters import Term
-from tacos_framework.gap.problem import Problem, bent
+from tacos_framework.gap.problem import Problem, bent, slope
 from tacos_framework.gap.starts import terms_for
 
 SHARES = (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
@@ -116,8 +116,8 @@ def _with_all_free(term: Term, single: Mapping[str, Trial]) -> Term:
 def _combined(single: Mapping[str, Trial], base: NDArray[np.float64]) -> Promise | None:
     """Trials of one free parameter each, combined by least squares."""
     trials = list(single.values())
-    directions = np.stack([t.change for t in single.values()], axis=1)
-    weights = 1 / (1 + (base / 10) ** 2) ** 0.5
+    directions = np.stack([trial.change for trial in trials], axis=1)
+    weights = slope(base)
     normal = (directions * weights[:, None]).T @ directions
     ridge = 1e-4 * float(np.trace(normal)) / len(normal)
     shares = -np.linalg.solve(normal + ridge * np.eye(len(normal)), directions.T @ (weights * base))

@@ -76,16 +76,12 @@ def light_grid(axes: Axes, axis: Literal["x", "y"]) -> None:
     axes.tick_params(length=0)
 
 
-def logarithmic(axes: Axes, axis: Literal["x", "y"]) -> None:
-    """Plain numbers along a logarithmic axis; matplotlib's own are in a markup that is switched off here."""
-    if axis == "x":
-        axes.set_xscale("log")
-    else:
-        axes.set_yscale("log")
-    along = axes.xaxis if axis == "x" else axes.yaxis
-    along.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    along.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    along.set_minor_locator(NullLocator())
+def logarithmic_height(axes: Axes) -> None:
+    """A logarithmic y axis with plain numbers; matplotlib's own are in a markup that is switched off here."""
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_locator(NullLocator())
 
 
 def _inline(document: str, description: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid, logarithmic
+from tacos_framework.report.figures.canvas import draw, light_grid, logarithmic_height
 from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings
 from tacos_framework.report.palette import MUTED, camera_colour
 from tacos_plugins.procedures.optimizers_compared.contest import Run
@@ -174,7 +174,7 @@ def _drawing(comparison: Comparison, scheme: str, unit: str) -> Drawing:
         axes.axhline(max(goal, floor), color=MUTED, linewidth=1, linestyle="--")
         if unit == "images":
             axes.axvline(comparison.target_images / 10, color=MUTED, linewidth=1, linestyle=":")
-        logarithmic(axes, "y")
+        logarithmic_height(axes)
         axes.set_xlim(0, most)
         axes.set_xlabel("images rendered" if unit == "images" else "seconds, optimizer included")
         axes.set_ylabel("regret")
