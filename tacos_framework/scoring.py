@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tacos_framework.contracts import Executor
-from tacos_framework.errors import CandidateFailed
 from tacos_framework.fitness import Fitness
 from tacos_framework.racing import Race
 from tacos_framework.recipe import RaceSettings
-from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, judged
+from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, joined
 
 
 def score_in_a_race(
@@ -73,7 +72,7 @@ def _outcomes(
     found: Mapping[str, Sequence[Evaluation]], race: Race, rivals: Mapping[str, Evaluation]
 ) -> list[Evaluation]:
     """One evaluation for each candidate, of all blocks it saw."""
-    whole = {key: _judged(_joined(parts), race.fitness) for key, parts in found.items()}
+    whole = {key: joined(parts, race.fitness) for key, parts in found.items()}
     complete = {key: e.fitness for key, e in whole.items() if key not in race.dropped}
     complete |= {key: e.fitness for key, e in rivals.items()}
     told = race.told({key: fitness for key, fitness in complete.items() if fitness is not None})
@@ -83,26 +82,3 @@ def _outcomes(
         else e
         for key, e in whole.items()
     ]
-
-
-def _joined(parts: Sequence[Evaluation]) -> Evaluation:
-    """The evaluation of the blocks of all parts; a part that failed fails it."""
-    seconds: dict[str, float] = {}
-    for part in parts:
-        for node, spent in part.seconds.items():
-            seconds[node] = seconds.get(node, 0.0) + spent
-    images = sum(part.images for part in parts)
-    if parts[-1].failed:
-        return replace(parts[-1], images=images, seconds=seconds)
-    episodes = tuple(episode for part in parts for episode in part.episodes)
-    return replace(parts[0], episodes=episodes, images=images, seconds=seconds)
-
-
-def _judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
-    """With its fitness; failed where the blocks do not give every score it takes."""
-    if evaluation.failed:
-        return evaluation
-    try:
-        return judged(evaluation, fitness)
-    except CandidateFailed as error:
-        return replace(evaluation, failed=str(error), episodes=())

@@ -11,6 +11,7 @@ from tacos_framework.contracts import Evaluated, Executor, State
 from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
+from tacos_framework.relay import score_in_a_relay
 from tacos_framework.scoring import score_in_a_race
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
 
@@ -152,9 +153,9 @@ class Search:
         training = replace(self._episodes("train")[0], block=(0, 1)) if self._training else None
         episodes = self._episodes("design")
         if training is not None and self._weights == "shared":
+            jobs = [ScoreJob(values, episodes, self.states, training) for values in wanted]
             evaluations, states = [], dict(self.states)
-            for values in wanted:  # each candidate goes on from the weights the one before left
-                (evaluation,) = executor.map(evaluate, [ScoreJob(values, episodes, states, training)])
+            for evaluation in score_in_a_relay(jobs, self.plan.fitness, executor, evaluate):
                 states.update(evaluation.states)
                 evaluations.append(evaluation)
                 on_evaluated(evaluation)

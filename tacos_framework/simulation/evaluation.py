@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tacos_framework.contracts import Scores, State
+from tacos_framework.errors import CandidateFailed
 from tacos_framework.fitness import Fitness, mean_scores
 
 
@@ -80,3 +81,29 @@ def _with_fitness(scores: Scores, fitness: Fitness) -> dict[str, float]:
     if any(term.score not in scores for term in fitness.terms_of):
         return dict(scores)
     return {**scores, "fitness": fitness.value(scores)}
+
+
+def joined(parts: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
+    """One evaluation of what was done for a candidate in parts, in their order.
+
+    Parameters
+    ----------
+    parts
+        Training, or scores of some episodes, with the fitness left open. A part that failed fails the whole,
+        as do episodes that together do not give every score the fitness takes.
+    fitness
+        The weighted sum of scores.
+    """
+    seconds: dict[str, float] = {}
+    for part in parts:
+        for node, spent in part.seconds.items():
+            seconds[node] = seconds.get(node, 0.0) + spent
+    images = sum(part.images for part in parts)
+    if parts[-1].failed:
+        return replace(parts[-1], images=images, seconds=seconds)
+    episodes = tuple(episode for part in parts for episode in part.episodes)
+    whole = replace(parts[0], episodes=episodes, images=images, seconds=seconds)
+    try:
+        return judged(whole, fitness)
+    except CandidateFailed as error:
+        return replace(whole, failed=str(error), episodes=())

@@ -14,6 +14,9 @@ from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.trial import Trial
 from tacos_framework.values import Episode, FrameBatch
 
+KEPT_BYTES = 512 * 2**20
+"""Memory that frames may take between the passes of training over them [bytes]."""
+
 
 def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[State, int]:
     """Train a task on frames of a candidate.
@@ -44,30 +47,43 @@ def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[Sta
     rng = generator(spec.seed, *spec.name, task, "fit")
     with trial.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
-        return trial.components[task].fit(frames, state=state, budget=budget, rng=rng), frames.images
+        learnt = trial.components[task].fit(frames, state=state, budget=budget, rng=rng)
+    return learnt, frames.images
 
 
-@dataclass(frozen=True)
+@dataclass
 class TrainingFrames:
-    """What a task of one port learns from; each iteration renders it anew, so that memory stays flat."""
+    """What a task of one port learns from, the same in each iteration.
+
+    The first batches stay for the passes to come, as many as fit into `KEPT_BYTES`; the rest are rendered
+    anew, so that memory stays flat however long the episode is.
+    """
 
     trial: Trial
     scene: str
     episode: Episode
     spec: EpisodeSpec
     task: str
-    rendered: list[int] = field(default_factory=list)
-
-    @property
-    def images(self) -> int:
-        """Images rendered by all iterations so far."""
-        return sum(self.rendered)
+    images: int = 0
+    _kept: list[FrameBatch] = field(default_factory=list)
 
     def __iter__(self) -> Iterator[FrameBatch]:
-        for inputs in self.trial.stream(self.scene, self.episode, self.spec, [self.task]):
+        yield from self._kept
+        for inputs in self.trial.stream(self.scene, self.episode[self._begun :], self.spec, [self.task]):
             (batch,) = inputs[self.task].values()
-            self.rendered.append(len(batch.episode) * len(batch.images))
+            self.images += len(batch.episode) * len(batch.images)
+            self._keep(batch)
             yield batch
+
+    @property
+    def _begun(self) -> int:
+        """How many frames, counted from the first, are kept."""
+        return sum(len(batch.episode) for batch in self._kept)
+
+    def _keep(self, batch: FrameBatch) -> None:
+        follows = batch.episode.first_frame == self.episode.first_frame + self._begun
+        if follows and sum(kept.nbytes for kept in (*self._kept, batch)) <= KEPT_BYTES:
+            self._kept.append(batch)
 
 
 def state_key(states: Mapping[str, State]) -> str:

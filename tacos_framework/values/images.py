@@ -120,3 +120,10 @@ class FrameBatch:
     def episode(self) -> Episode:
         """The batch's frames in the world."""
         return self.capture.episode
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the images and of the truth behind them [bytes]."""
+        truth = ("luminance_cd_m2", "depth_m", "object_id")
+        arrays = [getattr(view, name) for view in self.capture.views for name in truth]
+        return sum(array.nbytes for array in (*self.images, *arrays))

@@ -1,0 +1,81 @@
+"""Weights that candidates share: one trains while the last is scored, as if each had been done alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+from toy_study import LEARNER, merged, toy_recipe
+
+from tacos_framework.relay import score_in_a_relay
+from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
+from tacos_framework.testing.fingerprint import fingerprint
+
+FOCAL_LENGTHS_MM = (1.0, 0.6, 3.0, 1.5)
+
+
+class Recorder:
+    """An executor that notes which jobs it was given together."""
+
+    def __init__(self):
+        self.rounds = []
+
+    def map(self, evaluate, jobs):
+        self.rounds.append(["training" if job.training else "scoring" for job in jobs])
+        return map(evaluate, jobs)
+
+
+def jobs_of(evaluate: Evaluator) -> list[ScoreJob]:
+    states = evaluate.simulation.initial_states()
+    episodes, lesson = (EpisodeSpec(3, ("design", 0, 0)),), EpisodeSpec(3, ("train", 0, 0))
+    return [
+        ScoreJob({"focal_length_mm": f, "pitch_deg": 0.0}, episodes, states, training=lesson)
+        for f in FOCAL_LENGTHS_MM
+    ]
+
+
+def one_by_one(evaluate: Evaluator, jobs: list[ScoreJob]):
+    """What a relay has to come to: each job alone, from the states that the last left."""
+    states: Mapping = jobs[0].states
+    for job in jobs:
+        evaluation = evaluate(replace(job, states=states))
+        states = {**states, **evaluation.states}
+        yield evaluation
+
+
+def without_times(evaluation):
+    return fingerprint(replace(evaluation, seconds={}))
+
+
+def test_a_relay_comes_to_what_each_candidate_alone_comes_to(toys):
+    evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
+    jobs = jobs_of(evaluate)
+    relayed = list(score_in_a_relay(jobs, evaluate.simulation.plan.fitness, executor, evaluate))
+    assert [without_times(e) for e in relayed] == [without_times(e) for e in one_by_one(evaluate, jobs)]
+    assert all("learner, training" in e.seconds and "width" in e.seconds for e in relayed)
+
+
+def test_a_candidate_is_scored_while_the_next_one_trains(toys):
+    evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
+    list(score_in_a_relay(jobs_of(evaluate), evaluate.simulation.plan.fitness, executor, evaluate))
+    both = ["training", "scoring"]
+    assert executor.rounds == [["training"], both, both, both, ["scoring"]]
+
+
+@pytest.mark.parametrize(
+    ("sections", "trains"),
+    [
+        ({"constraints": {"hfov_deg": {"max": 100}}}, False),  # refused before it is trained on
+        ({"nodes": {"width": {"fail_above_deg": 100}}}, True),  # trained on, then refused by a scorer
+    ],
+)
+def test_the_relay_goes_on_after_a_candidate_that_fails(toys, sections, trains):
+    evaluate = Evaluator(toy_recipe(**merged(LEARNER, sections)), toys)
+    fitness = evaluate.simulation.plan.fitness
+    first, failed, third, _ = score_in_a_relay(jobs_of(evaluate), fitness, Recorder(), evaluate)
+    assert failed.failed
+    assert failed.fitness is None
+    assert bool(failed.states) is trains
+    steps = [int(e.states["learner"]["steps"][0]) for e in (first, third)]
+    assert steps == [1, 3 if trains else 2]
