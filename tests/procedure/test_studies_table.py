@@ -12,7 +12,7 @@ import pytest
 import toy_plugin
 import yaml
 
-from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
+from tacos_framework import ProcedureRecipe, Recipe, UserError, load_recipe, run
 from tacos_framework.plugins import Plugins
 from tacos_framework.progress import Silent
 from tacos_framework.recipe import Use
@@ -237,6 +237,18 @@ def test_shipped_tables_name_studies_cameras_and_scores_there_are(name):
     for study in planned:
         nodes = study.plan.nodes
         assert wanted <= {f"{name}.{s}" for name in nodes for s in getattr(nodes[name].cls, "scores", ())}
+
+
+def test_the_second_table_s_nights_are_those_of_headset_night():
+    recipe = load_recipe("headset_compared")
+    assert isinstance(recipe, ProcedureRecipe)
+    table = StudiesTable(StudiesTable.Config.model_validate(recipe.settings))
+    planned, _ = table.plan(Plugins.discover())
+    (night,) = (study.recipe for study in planned if study.name == "night_quantized_joint")
+    alone = load_recipe("headset_night")
+    assert isinstance(alone, Recipe)
+    differing = {key for key, value in night.as_data().items() if value != alone.as_data()[key]}
+    assert differing == {"name"}
 
 
 class TestStudiesTable(ProcedureConformance):
