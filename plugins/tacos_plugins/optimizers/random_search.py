@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from tacos_framework.contracts import Evaluated
 from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.settings import Settings, setting
+from tacos_plugins.optimizers.draws import Draws
 
 
-class RandomSearch:
+class RandomSearch(Draws):
     """Draws every candidate afresh from the whole design space: the baseline any search must beat.
 
     Examples
     --------
+    >>> from tacos_framework.contracts import Evaluated
     >>> from tacos_framework.design_space import Continuous
     >>> space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg")])
     >>> config = RandomSearch.Config(evaluations=5, batch=2)
@@ -38,28 +38,7 @@ class RandomSearch:
         self.config = config
         self._space = space
         self._rng = rng
-        self._evaluated = 0
-        self._asked = self._draw()
-
-    @property
-    def expected_candidates(self) -> int:
-        """All evaluations."""
-        return self.config.evaluations
-
-    def ask(self) -> list[Candidate]:
-        """The next batch; the same one until it is told."""
-        return list(self._asked)
-
-    def tell(self, evaluated: Sequence[Evaluated]) -> None:
-        """Count the batch; what it scored changes nothing."""
-        self._evaluated += len(evaluated)
-        self._asked = self._draw()
-
-    def stop(self) -> str | None:
-        """A reason once all evaluations are told."""
-        if self._evaluated < self.config.evaluations:
-            return None
-        return f"all {self.config.evaluations} candidates were evaluated"
+        super().__init__(evaluations=config.evaluations, batch=config.batch)
 
     def state(self) -> dict[str, Any]:
         """Progress, the batch in flight and the generator, as JSON values."""
@@ -75,6 +54,5 @@ class RandomSearch:
         self._asked = [self._space.decode(genes) for genes in state["asked"]]
         self._rng.bit_generator.state = state["rng"]
 
-    def _draw(self) -> list[Candidate]:
-        count = min(self.config.batch, self.config.evaluations - self._evaluated)
+    def _draw(self, count: int) -> list[Candidate]:
         return [self._space.sample(self._rng) for _ in range(count)]

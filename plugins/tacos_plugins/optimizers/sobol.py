@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
 
-from tacos_framework.contracts import Evaluated
 from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.settings import Settings, setting
+from tacos_plugins.optimizers.draws import Draws
 from tacos_plugins.optimizers.unit_cube import UnitCube
 
 
-class Sobol:
+class Sobol(Draws):
     """Fills the design space evenly with a scrambled Sobol sequence, whatever the fitness says.
 
     In every coordinate and every pair of coordinates the points are spread more evenly than random ones. The
@@ -44,33 +43,12 @@ class Sobol:
     def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:
         self.config = config
         self._cube = UnitCube(space)
-        self._begin(int(rng.integers(2**63)))
+        self._scramble(int(rng.integers(2**63)))
+        super().__init__(evaluations=config.evaluations, batch=config.batch)
 
-    def _begin(self, scrambling: int) -> None:
+    def _scramble(self, scrambling: int) -> None:
         self._scrambling = scrambling
         self._sequence = qmc.Sobol(max(self._cube.dimension, 1), seed=np.random.default_rng(scrambling))
-        self._evaluated = 0
-        self._asked = self._draw()
-
-    @property
-    def expected_candidates(self) -> int:
-        """All evaluations."""
-        return self.config.evaluations
-
-    def ask(self) -> list[Candidate]:
-        """The next batch; the same one until it is told."""
-        return list(self._asked)
-
-    def tell(self, evaluated: Sequence[Evaluated]) -> None:
-        """Count the batch; what it scored changes nothing."""
-        self._evaluated += len(evaluated)
-        self._asked = self._draw()
-
-    def stop(self) -> str | None:
-        """A reason once all evaluations are told."""
-        if self._evaluated < self.config.evaluations:
-            return None
-        return f"all {self.config.evaluations} candidates were evaluated"
 
     def state(self) -> dict[str, Any]:
         """The scrambling and how far the sequence was told, as JSON values."""
@@ -78,13 +56,13 @@ class Sobol:
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a `state`."""
-        self._begin(state["scrambling"])
+        self._scramble(state["scrambling"])
+        self._begin()
         while self._evaluated < state["evaluated"]:
             self._evaluated += len(self._asked)
-            self._asked = self._draw()
+            self._asked = self._next()
 
-    def _draw(self) -> list[Candidate]:
-        count = min(self.config.batch, self.config.evaluations - self._evaluated)
+    def _draw(self, count: int) -> list[Candidate]:
         if count == 0:
             return []
         with warnings.catch_warnings():

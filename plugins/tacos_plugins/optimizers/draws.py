@@ -1,0 +1,58 @@
+"""Optimizers that learn nothing: so many candidates, drawn batch by batch."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from tacos_framework.contracts import Evaluated
+from tacos_framework.design_space import Candidate
+
+
+class Draws(ABC):
+    """Asks for so many candidates whatever they score; how each is drawn is the subclass' business.
+
+    Parameters
+    ----------
+    evaluations
+        Candidates drawn in all.
+    batch
+        Candidates asked at a time; the last batch may be smaller.
+    """
+
+    def __init__(self, *, evaluations: int, batch: int) -> None:
+        self._evaluations = evaluations
+        self._batch = batch
+        self._begin()
+
+    def _begin(self) -> None:
+        """Draw the first batch."""
+        self._evaluated = 0
+        self._asked = self._next()
+
+    def _next(self) -> list[Candidate]:
+        return self._draw(min(self._batch, self._evaluations - self._evaluated))
+
+    @abstractmethod
+    def _draw(self, count: int) -> list[Candidate]:
+        """The next `count` candidates; count may be 0."""
+
+    @property
+    def expected_candidates(self) -> int:
+        """All evaluations."""
+        return self._evaluations
+
+    def ask(self) -> list[Candidate]:
+        """The next batch; the same one until it is told."""
+        return list(self._asked)
+
+    def tell(self, evaluated: Sequence[Evaluated]) -> None:
+        """Count the batch; what it scored changes nothing."""
+        self._evaluated += len(evaluated)
+        self._asked = self._next()
+
+    def stop(self) -> str | None:
+        """A reason once all evaluations are told."""
+        if self._evaluated < self._evaluations:
+            return None
+        return f"all {self._evaluations} candidates were evaluated"
