@@ -53,6 +53,13 @@ def test_lambertian_plane_under_a_rectangle(renderer):
 
 
 @pytest.mark.parametrize("renderer", BOTH)
+def test_a_lamp_that_all_but_touches_a_surface_leaves_light_finite(renderer):
+    seen = luminance(renderer, world([FLOOR], [matte(0.6)], [bulb(0.0, 0.0, 0.021, flux_lm=1e5)]))
+    assert np.isfinite(seen).all()
+    assert seen[24, 32].min() > seen[24, 60].max()
+
+
+@pytest.mark.parametrize("renderer", BOTH)
 def test_indirect_light_is_reflected_as_irradiance(renderer):
     seen = luminance(renderer, world([FLOOR], [matte(0.5)], indirect_lux=40.0))
     np.testing.assert_allclose(seen[24, 32], 0.5 * 40.0 / np.pi, rtol=0.005)

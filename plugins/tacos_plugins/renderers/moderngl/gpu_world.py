@@ -37,6 +37,9 @@ GLOSS_VERTEX = np.dtype(
 )
 TRUTH_VERTEX = np.dtype([("in_position", "f4", 3), ("in_surface", "i4")])
 
+BRIGHTEST = float(np.finfo(np.float16).max)
+"""What textures of light hold at most; the skin of a lamp may be brighter, and would turn to infinity."""
+
 
 class GpuWorld:
     """Buffers and textures of one world.
@@ -187,7 +190,8 @@ def _table(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Tex
 
 def _map(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Texture:
     rows, columns, channels = data.shape
-    texture = context.texture((columns, rows), channels, data.astype(np.float16).tobytes(), dtype="f2")
+    halves = data.clip(max=BRIGHTEST).astype(np.float16)
+    texture = context.texture((columns, rows), channels, halves.tobytes(), dtype="f2")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     texture.repeat_x = texture.repeat_y = False
     return texture
