@@ -1,6 +1,6 @@
 """Draws the picture of `docs/explanation/effects.md`: one frame of a room, once for each effect.
 
-python benchmarks/effects_contact_sheet.py docs/explanation/effects.jpg
+python benchmarks/effects_contact_sheet.py docs/explanation/images/effects.jpg
 """
 
 from __future__ import annotations
