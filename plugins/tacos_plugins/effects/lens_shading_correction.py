@@ -12,10 +12,8 @@ from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.radial import darkens, even_polynomial
 from tacos_plugins.effects.samples import with_files_changed
-
-_FIELD = np.linspace(0, 1, 21)  # of r
-_AS_GOOD_AS_LEVEL = 0.01  # what a polynomial may fall while it is fitted
 
 
 class LensShadingCorrection:
@@ -50,13 +48,11 @@ class LensShadingCorrection:
     @property
     def plausible(self) -> bool:
         """Whether the gain rises from the centre, or at least does not fall: it makes up for dark corners."""
-        r2 = _FIELD**2
-        return bool(np.min(r2 * (self.config.k1 + r2 * self.config.k2)) >= -_AS_GOOD_AS_LEVEL)
+        return not darkens(self.config.k1, self.config.k2)
 
     def _gain(self, geometry: ImageGeometry) -> NDArray[np.float64]:
         """(H, W, 1) gain, never below 0 [1]."""
-        r2 = geometry.radius[..., None] ** 2
-        return np.maximum(1 + r2 * (self.config.k1 + r2 * self.config.k2), 0.0)
+        return even_polynomial(geometry.radius, self.config.k1, self.config.k2)[..., None]
 
     def apply(
         self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator

@@ -12,9 +12,7 @@ from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
 from tacos_plugins.effects.light import with_light_changed
-
-_FIELD = np.linspace(0, 1, 21)  # of r
-_AS_GOOD_AS_LEVEL = 0.01  # what a polynomial may rise while it is fitted
+from tacos_plugins.effects.radial import brightens, even_polynomial
 
 
 class Vignetting:
@@ -51,9 +49,7 @@ class Vignetting:
     @property
     def plausible(self) -> bool:
         """Whether light falls off, or at least does not rise: no lens brightens its corners."""
-        r2 = _FIELD**2
-        c = self.config
-        return bool(np.max(r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3))) <= _AS_GOOD_AS_LEVEL)
+        return not brightens(self.config.k1, self.config.k2, self.config.k3)
 
     def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
         """The capture with the fall-off in every view; the capture itself where the effect is off."""
@@ -71,30 +67,5 @@ class Vignetting:
         k1, k2, k3 = self.config.k1, self.config.k2, self.config.k3
         if not any((k1, k2, k3)):
             return signal
-        field = relative_illumination(geometry, k1, k2, k3)
-        return signal * field.astype(signal.dtype)[..., None]
-
-
-def relative_illumination(geometry: ImageGeometry, k1: float, k2: float, k3: float) -> NDArray[np.float64]:
-    """Light at each pixel over light at the principal point.
-
-    Parameters
-    ----------
-    geometry
-        The image; its principal point is the centre.
-    k1, k2, k3
-        Coefficients of r^2, r^4 and r^6 [1].
-
-    Returns
-    -------
-    NDArray
-        (H, W) float64, never below 0 [1].
-
-    Examples
-    --------
-    >>> geometry = ImageGeometry(3, 3, focal_length_px=4.0, centre_px=(1.0, 1.0), pixel_um=3)
-    >>> relative_illumination(geometry, k1=-0.45, k2=0, k3=0).round(3).tolist()
-    [[0.8, 0.9, 0.8], [0.9, 1.0, 0.9], [0.8, 0.9, 0.8]]
-    """
-    r2 = geometry.radius**2
-    return np.maximum(1 + r2 * (k1 + r2 * (k2 + r2 * k3)), 0.0)
+        relative_illumination = even_polynomial(geometry.radius, k1, k2, k3)
+        return signal * relative_illumination.astype(signal.dtype)[..., None]
