@@ -18,6 +18,7 @@ from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import Executor, State
 from tacos_framework.environment import describe_environment
 from tacos_framework.fitness import standard_errors
+from tacos_framework.parts import score_in_parts
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.progress import Progress, Silent
@@ -176,7 +177,8 @@ class Study:
         self._progress.phase("Testing on unseen scenes", len(missing))
         episodes = tuple(EpisodeSpec(test.seed, ("test", i), test.frames) for i in range(test.episodes))
         jobs = [ScoreJob(s.best.values, episodes, s.states) for s in missing.values() if s.best is not None]
-        for name, evaluation in zip(missing, self._executor.map(self._evaluate, jobs), strict=True):
+        scored = score_in_parts(jobs, self.plan.fitness, self._executor, self._evaluate)
+        for name, evaluation in zip(missing, scored, strict=True):
             self._count(evaluation)
             self._test[name] = evaluation
         if not self.plan.graph.of_kind("sensor"):

@@ -99,8 +99,9 @@ def joined(parts: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
         for node, spent in part.seconds.items():
             seconds[node] = seconds.get(node, 0.0) + spent
     images = sum(part.images for part in parts)
-    if parts[-1].failed:
-        return replace(parts[-1], images=images, seconds=seconds)
+    failed = next((part for part in parts if part.failed), None)
+    if failed is not None:
+        return replace(failed, images=images, seconds=seconds)
     episodes = tuple(episode for part in parts for episode in part.episodes)
     whole = replace(parts[0], episodes=episodes, images=images, seconds=seconds)
     try:
