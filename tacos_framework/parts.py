@@ -41,7 +41,4 @@ def _parts(job: ScoreJob, count: int) -> list[ScoreJob]:
     """The job in at most `count` nearly equal runs of episodes."""
     count = min(count, len(job.episodes))
     ends = [len(job.episodes) * i // count for i in range(count + 1)]
-    return [
-        replace(job, episodes=job.episodes[start:stop], partial=True)
-        for start, stop in pairwise(ends)
-    ]
+    return [replace(job, episodes=job.episodes[start:stop], partial=True) for start, stop in pairwise(ends)]
