@@ -123,7 +123,7 @@ class HastySearch(RandomSearch):
     """Draws anew at every call of ask."""
 
     def ask(self):
-        self._asked = self._draw()
+        self._asked = self._next()
         return super().ask()
 
     def state(self):

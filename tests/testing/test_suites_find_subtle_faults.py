@@ -149,7 +149,7 @@ class CameraByCameraSensor(AffineNoise):
 
 class RestlessSearch(RandomSearch):
     def ask(self):
-        return self._draw()
+        return self._next()
 
 
 class LiveSearch(RandomSearch):

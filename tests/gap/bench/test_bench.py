@@ -13,7 +13,7 @@ from tacos_framework.gap.bench import Bench, BenchSettings, recipe_renderer
 from tacos_framework.gap.captures import read_captures, write_captures
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
-from tacos_plugins.effects.vignetting import relative_illumination
+from tacos_plugins.effects.radial import even_polynomial
 
 WIDTH, HEIGHT = 64, 48
 RIG = {
@@ -125,7 +125,7 @@ def test_effects_are_in_the_frames_and_not_in_what_is_expected(plugins):
     (flat,) = taken(plugins, entry, effects=effects).values()
     assert np.ptp(flat.expected_dn) == pytest.approx(0, abs=1e-3)
     fall_off = (flat.real_dn.mean(axis=(0, 3)) - 16) / (flat.expected_dn.mean() - 16)
-    np.testing.assert_allclose(fall_off, relative_illumination(flat.geometry, -0.4, 0, 0), atol=0.02)
+    np.testing.assert_allclose(fall_off, even_polynomial(flat.geometry.radius, -0.4), atol=0.02)
 
 
 def test_electrons_bring_their_dark_signal_along(plugins):

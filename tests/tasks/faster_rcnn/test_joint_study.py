@@ -102,7 +102,8 @@ def test_a_joint_study_killed_in_the_middle_goes_on_bit_for_bit(plugins, tmp_pat
     recipe = joint_recipe("shared")
     whole = run(recipe, plugins, tmp_path / "whole")
     with pytest.raises(Killed):
-        run(recipe, plugins, tmp_path / "killed", executor=DiesAfter(3))
+        # two candidates trained and scored, two only trained
+        run(recipe, plugins, tmp_path / "killed", executor=DiesAfter(6))
     checkpoint = json.loads((tmp_path / "killed" / "checkpoint.json").read_text())
     assert checkpoint["searches"]["designed"]["generation"] == 1
     resumed = run(recipe, plugins, tmp_path / "killed", resume=True)
