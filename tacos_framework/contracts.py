@@ -349,7 +349,13 @@ Result = TypeVar("Result")
 
 
 class Executor(Protocol):
-    """Runs evaluations, here or elsewhere."""
+    """Runs evaluations, here or elsewhere.
+
+    A further member is optional:
+
+    ``workers: int``
+        How many jobs it runs at a time; work is cut into as many parts. 1 where it does not say.
+    """
 
     Config: ClassVar[type[Settings]]
 

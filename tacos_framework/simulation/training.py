@@ -43,7 +43,8 @@ def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[Sta
     spec = replace(spec, frames=settings.frames)
     with trial.clock.of(scene):
         episode = trial.episode(scene, spec)
-    frames = TrainingFrames(trial, scene, episode, spec, task)
+    room = KEPT_BYTES if settings.epochs > 1 else 0  # nothing is kept for a pass that never comes
+    frames = TrainingFrames(trial, scene, episode, spec, task, room)
     rng = generator(spec.seed, *spec.name, task, "fit")
     with trial.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
@@ -55,7 +56,7 @@ def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[Sta
 class TrainingFrames:
     """What a task of one port learns from, the same in each iteration.
 
-    The first batches stay for the passes to come, as many as fit into `KEPT_BYTES`; the rest are rendered
+    The first batches stay for the passes to come, as many as fit into `room_bytes`; the rest are rendered
     anew, so that memory stays flat however long the episode is.
     """
 
@@ -64,6 +65,7 @@ class TrainingFrames:
     episode: Episode
     spec: EpisodeSpec
     task: str
+    room_bytes: int
     images: int = 0
     _kept: list[FrameBatch] = field(default_factory=list)
 
@@ -82,7 +84,7 @@ class TrainingFrames:
 
     def _keep(self, batch: FrameBatch) -> None:
         follows = batch.episode.first_frame == self.episode.first_frame + self._begun
-        if follows and sum(kept.nbytes for kept in (*self._kept, batch)) <= KEPT_BYTES:
+        if follows and sum(kept.nbytes for kept in (*self._kept, batch)) <= self.room_bytes:
             self._kept.append(batch)
 
 

@@ -39,3 +39,21 @@ def test_what_fits_is_rendered_once_and_the_rest_in_each_pass(
     assert some.images == images
     assert fingerprint(some.states) == fingerprint(everything.states)
     assert int(some.states["learner"]["steps"][0]) == PASSES * FRAMES / 2
+
+
+def test_nothing_is_kept_for_a_single_pass(toys, monkeypatch, small_batches):
+    kept = []
+    monkeypatch.setattr(
+        training.TrainingFrames, "_keep", lambda frames, batch: kept.append(frames.room_bytes)
+    )
+    evaluate = Evaluator(toy_recipe(**LEARNER), toys)
+    states = evaluate.simulation.initial_states()
+    job = ScoreJob(
+        {"focal_length_mm": 1.0, "pitch_deg": 0.0},
+        (),
+        states,
+        training=EpisodeSpec(3, ("train", 0, 0)),
+        partial=True,
+    )
+    evaluate(job)
+    assert set(kept) == {0}
