@@ -148,6 +148,14 @@ class StudySettings(Settings):
     renew_episodes: Literal["never", "each_generation"] = setting(
         "each_generation", help="Whether each generation sees new worlds."
     )
+    renew_training: Literal["never", "each_generation", "each_candidate"] | None = setting(
+        None, help="Whether tasks that learn are shown new worlds; by default as renew_episodes."
+    )
+    train_best: int = setting(
+        0,
+        help="Trainings on the best camera before the test, each in a new world; not with frozen weights.",
+        ge=0,
+    )
     common_random_numbers: bool = setting(
         True, help="Candidates of a generation see the same episodes and noise."
     )

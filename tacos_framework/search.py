@@ -65,6 +65,7 @@ class Search:
     images: int = 0
     stopped: str | None = None
     decided: bool = False
+    trained_best: int = 0
     best: Evaluation | None = None
     contenders: dict[str, Contender] = field(default_factory=dict)
     cache: dict[str, Evaluation] = field(default_factory=dict)
@@ -97,6 +98,19 @@ class Search:
             for block in range(study.blocks)  # every world early: those that race are compared in all
             for i in range(study.episodes)
         )
+
+    def _lesson(self, candidate: int) -> EpisodeSpec | None:
+        """What a candidate, counted in its generation, trains on; None where nothing learns."""
+        if not self._training:
+            return None
+        study, seed = self.plan.recipe.study, self.plan.recipe.seed
+        match study.renew_training or study.renew_episodes:
+            case "never":
+                return EpisodeSpec(seed, ("train", 0, 0))
+            case "each_generation":
+                return EpisodeSpec(seed, ("train", self.generation, 0))
+            case "each_candidate":
+                return EpisodeSpec(seed, ("train", self.generation, candidate))
 
     @property
     def comparable(self) -> bool:
@@ -150,40 +164,32 @@ class Search:
         evaluate: Evaluator,
         on_evaluated: Callable[[Evaluation], None],
     ) -> tuple[list[Evaluation], dict[str, State]]:
-        training = replace(self._episodes("train")[0], block=(0, 1)) if self._training else None
         episodes = self._episodes("design")
-        if training is not None and self._weights == "shared":
-            jobs = [ScoreJob(values, episodes, self.states, training) for values in wanted]
+        jobs = [ScoreJob(v, episodes, self.states, self._lesson(i)) for i, v in enumerate(wanted)]
+        if self._training and self._weights == "shared":
             evaluations, states = [], dict(self.states)
             for evaluation in score_in_a_relay(jobs, self.plan.fitness, executor, evaluate):
                 states.update(evaluation.states)
                 evaluations.append(evaluation)
                 on_evaluated(evaluation)
             return evaluations, states
-        evaluations = self._cached_map(wanted, episodes, training, executor, evaluate, on_evaluated)
+        evaluations = self._cached_map(jobs, executor, evaluate, on_evaluated)
         states = dict(self.states)
-        if training is not None and (scored := [e for e in evaluations if e.fitness is not None]):
+        if self._training and (scored := [e for e in evaluations if e.fitness is not None]):
             states.update(max(scored, key=_fitness).states)
         return evaluations, states
 
     def _cached_map(
         self,
-        wanted: Sequence[dict[str, Any]],
-        episodes: tuple[EpisodeSpec, ...],
-        training: EpisodeSpec | None,
+        wanted: Sequence[ScoreJob],
         executor: Executor,
         evaluate: Evaluator,
         on_evaluated: Callable[[Evaluation], None],
     ) -> list[Evaluation]:
         """Evaluate what has not been evaluated before in exactly this way, each thing once."""
         weights = state_key(self.states)
-        specs = [asdict(spec) for spec in episodes]
-        keys = [content_key(v, specs, weights, training and asdict(training)) for v in wanted]
-        jobs = {
-            key: ScoreJob(values, episodes, self.states, training)
-            for key, values in zip(keys, wanted, strict=True)
-            if key not in self.cache
-        }
+        keys = [_key(job, weights) for job in wanted]
+        jobs = {key: job for key, job in zip(keys, wanted, strict=True) if key not in self.cache}
         fresh: dict[str, Evaluation] = {}
         for key, evaluation in zip(jobs, self._scored(jobs, keys, executor, evaluate), strict=True):
             fresh[key] = evaluation
@@ -250,6 +256,26 @@ class Search:
             self.best = max(scored, key=_fitness)
         return evaluations
 
+    # the network of the camera that was chosen ------------------------------------------------------------
+
+    @property
+    def rounds(self) -> int:
+        """How often the states may have changed: generations, and trainings on the best."""
+        return self.generation + self.trained_best
+
+    def lesson_on_best(self) -> ScoreJob | None:
+        """The next training on the best camera, if one is left."""
+        if self.best is None or not self._training or self.trained_best >= self.plan.recipe.study.train_best:
+            return None
+        lesson = EpisodeSpec(self.plan.recipe.seed, ("train_best", self.trained_best))
+        return ScoreJob(self.best.values, (), self.states, lesson, partial=True)
+
+    def learn(self, evaluation: Evaluation) -> None:
+        """Go on with the states a lesson led to; one that failed leaves them as they are."""
+        self.states = {**self.states, **evaluation.states}
+        self.images += evaluation.images
+        self.trained_best += 1
+
     # checkpoint -------------------------------------------------------------------------------------------
 
     def state(self) -> dict[str, Any]:
@@ -261,6 +287,7 @@ class Search:
             "images": self.images,
             "stopped": self.stopped,
             "decided": self.decided,
+            "trained_best": self.trained_best,
             "best": self.best and as_data(self.best),
             "contenders": {key: asdict(contender) for key, contender in self.contenders.items()},
             "cache": {key: as_data(evaluation) for key, evaluation in self.cache.items()},
@@ -275,12 +302,19 @@ class Search:
         self.images = state["images"]
         self.stopped = state["stopped"]
         self.decided = state["decided"]
+        self.trained_best = state["trained_best"]
         self.best = Evaluation(**state["best"]) if state["best"] else None
         self.contenders = {key: Contender(**contender) for key, contender in state["contenders"].items()}
         self.cache = {key: Evaluation(**evaluation) for key, evaluation in state["cache"].items()}
         self.states = states
         if self.optimizer:
             self.optimizer.restore(state["optimizer"])
+
+
+def _key(job: ScoreJob, weights: str) -> str:
+    """Content key of a job that starts with weights of a given key."""
+    specs = [asdict(spec) for spec in job.episodes]
+    return content_key(job.values, specs, weights, job.training and asdict(job.training))
 
 
 def as_data(evaluation: Evaluation) -> dict[str, Any]:

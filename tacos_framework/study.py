@@ -126,6 +126,7 @@ class Study:
         self._hook.tacos_study_started(recipe=self.plan.recipe, out=self.results.folder)
         for search in self.searches:
             self._search(search)
+        self._train_best()
         self._judge()
 
     def _search(self, search: Search) -> None:
@@ -145,13 +146,30 @@ class Study:
         self._checkpoint()
         log.info("%s: %s; best fitness %s", search.name, search.stopped, search.best and search.best.fitness)
 
+    def _train_best(self) -> None:
+        """Train each camera's network further on that camera; the cameras at the same time."""
+        lessons = self.plan.recipe.study.train_best
+        if any(search.lesson_on_best() for search in self.searches):
+            self._progress.phase("Training on the best", lessons * len(self.searches))
+        while pupils := [(s, job) for s in self.searches if (job := s.lesson_on_best()) is not None]:
+            trained = self._executor.map(self._evaluate, [job for _, job in pupils])
+            for (search, _), evaluation in zip(pupils, trained, strict=True):
+                self._account(evaluation)
+                self._progress.step()
+                search.learn(evaluation)
+            self._checkpoint()
+
     def _count(self, evaluation: Evaluation) -> None:
+        self._account(evaluation)
+        self._progress.evaluated(evaluation)
+
+    def _account(self, evaluation: Evaluation) -> None:
+        """The time an evaluation took, and why it failed."""
         for node, seconds in evaluation.seconds.items():
             self._seconds_by_node[node] = self._seconds_by_node.get(node, 0.0) + seconds
         if evaluation.failed and not evaluation.cached:
             log.info("failed: %s: %s", dict(evaluation.values), evaluation.failed)
             self._hook.tacos_candidate_failed(candidate=evaluation.values, reason=evaluation.failed)
-        self._progress.evaluated(evaluation)
 
     def _record_generation(self, search: Search, evaluations: list[Evaluation], seconds: float) -> None:
         number = search.generation - 1
@@ -202,7 +220,7 @@ class Study:
         weights: dict[str, str] = {}
         for search in self.searches:
             for task, state in search.states.items():
-                name = f"{search.name}.{task}.{search.generation}"
+                name = f"{search.name}.{task}.{search.rounds}"
                 weights[f"{search.name}.{task}"] = name
                 if not (self.results.folder / "weights" / f"{name}.safetensors").exists():
                     self.results.write_state(name, state)

@@ -45,6 +45,7 @@ def study(out: Path) -> None:
         compare={"cameras": ["flea3"], "evaluations": 2},
         rig={"binning": 200},
         test={"frames": 2, "episodes": 1},
+        study={"renew_training": "each_candidate", "train_best": 2},
     )
     run(recipe, plugins, out, resume=out.exists())
 
