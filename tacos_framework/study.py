@@ -310,6 +310,8 @@ class Study:
                 f"photosites, and its noise is that of the average. Resolutions compare with one another, "
                 f"but scores are not those of the full pixel counts."
             )
+        if lessons := max(search.trained_best for search in self.searches):
+            yield f"Before the test, what learns was trained {lessons} times more on each camera."
         for variable in self.plan.space.as_data():
             if left_out := variable.get("left_out"):
                 yield (

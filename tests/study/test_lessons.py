@@ -80,6 +80,8 @@ def test_training_on_the_best_changes_no_camera_and_is_what_the_test_sees(toys, 
     searched, trained = results[0], results[3]
     assert steps[3] == steps[0] + 3  # one batch of frames per training
     assert trained["best"] == searched["best"]
+    assert any("trained 3 times more on each camera" in note for note in trained["notes"])
+    assert not any("times more" in note for note in searched["notes"])
     assert trained["frames_rendered"] == searched["frames_rendered"] + 2 * 3 * FRAMES
     for camera in ("designed", "flea3"):
         before, after = (r["test"][camera] for r in (searched, trained))
