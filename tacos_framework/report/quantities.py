@@ -13,6 +13,7 @@ _WORDS = {
     "dfov_deg": "Diagonal field of view",
     "megapixels": "Pixel count",
     "pixel_um": "Pixel size",
+    "pixels_per_deg": "Angular resolution",
     "fitness": "Fitness",
 }
 _NARROW_SPACE = "\u202f"

@@ -87,6 +87,16 @@ def test_differences_are_those_of_twins(compared):
     assert "joint is better in" in result["summary"]
 
 
+def test_what_the_fitness_takes_comes_first_and_is_all_that_is_drawn(compared):
+    result, out = compared
+    scores = [each["score"] for each in result["differences"]]
+    assert scores[:3] == ["fitness", "width.closeness", "learner.knowledge"]
+    assert "width.brightness" in scores[3:]
+    drawing = (out / "report.html").read_text().partition("<svg")[2].partition("</svg>")[0]
+    assert "width: closeness" in drawing
+    assert "brightness" not in drawing
+
+
 def test_studies_that_are_done_are_kept_and_a_broken_one_goes_on(
     compared, study, toys, tmp_path, monkeypatch
 ):

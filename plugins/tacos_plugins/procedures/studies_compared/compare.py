@@ -77,7 +77,8 @@ class CompareStudies:
             outcome = _outcome(variant, seed, _with_design(result, folder))
             outcomes.append(outcome)
             progress.step(f"{variant}, seed {seed}: {outcome.scores['fitness']:.3f}")
-        compared = Compared(self.config.study, self.config.reference, tuple(outcomes))
+        counted = tuple(dict.fromkeys(term.score for _, _, recipe in studies for term in recipe.fitness))
+        compared = Compared(self.config.study, self.config.reference, tuple(outcomes), counted)
         write_page(out / "report.html", page(compared))
         Results(out).write_text("studies.csv", lines(outcomes))
         return {**compared.as_data(), "summary": summary(compared)}

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.page import Drawing, Page, Section, Table
-from tacos_framework.report.palette import camera_colour
+from tacos_framework.report.palette import MUTED, camera_colour
 from tacos_framework.report.quantities import number, words
 from tacos_plugins.procedures.studies_compared.pairs import (
     FITNESS,
@@ -22,6 +22,9 @@ from tacos_plugins.procedures.studies_compared.pairs import (
     spread,
 )
 
+MOST_DRAWN = 5
+"""Scores that stand beside one another in a drawing and can still be read."""
+
 
 @dataclass(frozen=True, eq=False)
 class Compared:
@@ -30,6 +33,19 @@ class Compared:
     study: str
     reference: str
     outcomes: tuple[Outcome, ...]
+    counted: tuple[str, ...]
+    """Scores that a fitness takes."""
+
+    @property
+    def scores(self) -> list[str]:
+        """All that every study reports: the fitness, what it takes, and the rest."""
+        known = scores_of(self.outcomes)
+        return list(dict.fromkeys([FITNESS, *(name for name in self.counted if name in known), *known]))
+
+    @property
+    def headline_scores(self) -> list[str]:
+        """The fitness and what it takes."""
+        return [name for name in self.scores if name in (FITNESS, *self.counted)]
 
     @property
     def variants(self) -> list[str]:
@@ -43,7 +59,7 @@ class Compared:
             difference(self.outcomes, variant, self.reference, score)
             for variant in self.variants
             if variant != self.reference
-            for score in scores_of(self.outcomes)
+            for score in self.scores
         ]
 
     def of(self, variant: str) -> list[Outcome]:
@@ -94,7 +110,7 @@ def page(compared: Compared) -> Page:
 
 
 def _drawing(compared: Compared) -> Drawing:
-    scores = scores_of(compared.outcomes)[:4]
+    scores = compared.headline_scores[:MOST_DRAWN]
     variants = compared.variants
 
     def paint(figure: Figure) -> None:
@@ -110,14 +126,15 @@ def _drawing(compared: Compared) -> Drawing:
             axes.margins(x=0.2, y=0.15)
             axes.set_title(words(score))
             light_grid(axes, "y")
-        figure.axes[0].legend()
+        handles, labels = figure.axes[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), labelcolor=MUTED)
 
     described = f"Scores of {', '.join(variants)} on unseen scenes, a line for each seed."
-    return Drawing(draw("studies", (9.2, 3.4), described, paint), "A line for each seed.")
+    return Drawing(draw("studies", (9.2, 3.6), described, paint), "A line for each seed.")
 
 
 def _means(compared: Compared) -> Table:
-    scores = scores_of(compared.outcomes)
+    scores = compared.headline_scores
     rows = tuple(
         (variant, *(_plus_minus(spread([o.scores[score] for o in compared.of(variant)])) for score in scores))
         for variant in compared.variants
@@ -139,7 +156,7 @@ def _differences(compared: Compared) -> Table:
 
 
 def _every(compared: Compared) -> Table:
-    scores = scores_of(compared.outcomes)
+    scores = compared.headline_scores
     rows = tuple(
         (
             outcome.variant,
