@@ -49,11 +49,19 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Detailed:
+    """A cell with a detail in small print below its text."""
+
+    text: str
+    detail: str
+
+
+@dataclass(frozen=True)
 class Table:
     """Rows of text under a heading."""
 
     heads: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    rows: tuple[tuple[str | Detailed, ...], ...]
     caption: str = ""
     kind: Literal["table"] = "table"
 

@@ -18,7 +18,8 @@ from tacos_framework.progress import Silent
 from tacos_framework.recipe import Use
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_plugins.procedures.studies_table.findings import StudyRun, findings, look_up
+from tacos_plugins.procedures.studies_table.findings import Cell, Finding, StudyRun, findings, look_up
+from tacos_plugins.procedures.studies_table.pages import Outcome, summary
 from tacos_plugins.procedures.studies_table.settings import Column, TableRow
 from tacos_plugins.procedures.studies_table.table import StudiesTable
 
@@ -122,11 +123,11 @@ def test_the_report_says_what_differs_and_what_was_left_out(tabled):
     for said in ("a paper, Table 7", "The toys are not the paper", "ghost was left out", "IMX172", "(best)"):
         assert said in page
     assert "Haunted" not in page
-    assert page.count('<th scope="col">published') == 3  # only beside columns that have such figures
+    for figure in ("3.6", "IMX172", "0.9"):
+        assert f"<small>{figure}</small></td>" in page  # published, below ours, and nowhere else
+    assert page.count("<small>") == 3
     assert 'src="http' not in page
-    assert result["summary"].startswith(
-        ("Ours has the best closeness", "Random has the best closeness", "Flea3")
-    )
+    assert result["summary"].startswith("3 cameras side by side")  # Random finds what Ours does
     assert any(note.startswith("ghost was left out") for note in result["comparison_notes"])
 
 
@@ -213,6 +214,33 @@ def test_names_go_on_inside_parts():
     assert look_up(result_of(0.5), "other", "test.w.c") is None
 
 
+def test_the_headline_names_a_camera_that_alone_is_best():
+    config = StudiesTable.Config.model_validate(
+        {
+            **SETTINGS,
+            "problem": "toy",
+            "columns": [
+                {"head": "Seen", "value": "test.seen", "better": "higher"},
+                {"head": "Error", "value": "test.error", "better": "lower"},
+            ],
+            "rows": [{"title": title, "study": "genetic"} for title in ("One", "Other")],
+        }
+    )
+
+    def rows(*errors: float) -> tuple[Finding, ...]:
+        best = min(errors)
+        return tuple(
+            Finding(row.title, (Cell((1.0,), None, best=True), Cell((error,), None, best=error == best)), 1)
+            for row, error in zip(config.rows, errors, strict=True)
+        )
+
+    def headline(*errors: float) -> str:
+        return summary(Outcome(config, rows(*errors), (), ())).splitlines()[0]
+
+    assert headline(0.5, 0.25) == "Other has the best error: 0.25"
+    assert headline(0.5, 0.5) == "2 cameras side by side"
+
+
 def test_curves_are_the_best_so_far_over_images():
     lines = [
         {"frames": 10, "best": None},
@@ -236,7 +264,8 @@ def test_shipped_tables_name_studies_cameras_and_scores_there_are(name):
     assert planned
     for study in planned:
         nodes = study.plan.nodes
-        assert wanted <= {f"{name}.{s}" for name in nodes for s in getattr(nodes[name].cls, "scores", ())}
+        scores = {f"{name}.{s}" for name in nodes for s in getattr(nodes[name].cls, "scores", ())}
+        assert wanted <= {"fitness", *scores}
 
 
 def test_the_second_table_s_nights_are_those_of_headset_night():

@@ -10,7 +10,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_framework.report.page import Detailed, Drawing, Page, Paragraph, Section, Table, Warnings
 from tacos_framework.report.palette import MUTED, camera_colour
 from tacos_framework.report.quantities import duration, number
 from tacos_plugins.procedures.studies_table.findings import Cell, Finding, StudyRun
@@ -132,38 +132,31 @@ def _plain(cell: Cell) -> float | str | None:
 
 
 def _headline(outcome: Outcome) -> str:
+    """Which row is best, by the first column in which one alone is."""
     for number_, column in enumerate(outcome.config.columns):
         best = [row for row in outcome.rows if row.cells[number_].best]
-        if best:
-            return (
-                f"{best[0].title} has the best {column.head.lower()}: {shown(best[0].cells[number_], column)}"
-            )
+        if len(best) == 1:
+            figure = shown(best[0].cells[number_], column)
+            return f"{best[0].title} has the best {column.head.lower()}: {figure}"
     return f"{len(outcome.rows)} cameras side by side"
 
 
 def _table(outcome: Outcome) -> Table:
     columns = outcome.config.columns
-    published = [
-        any(row.cells[number].published is not None for row in outcome.rows) for number in range(len(columns))
-    ]
-    heads = ["Camera"]
-    for column, beside in zip(columns, published, strict=True):
-        mark = {"lower": " ↓", "higher": " ↑", None: ""}[column.better]
-        heads.append(f"{column.head}{f' [{column.unit}]' if column.unit else ''}{mark}")
-        heads += ["published"] * beside
-    rows = []
-    for row in outcome.rows:
-        words = [row.title]
-        for column, cell, beside in zip(columns, row.cells, published, strict=True):
-            words.append(f"{shown(cell, column)}{' (best)' if cell.best else ''}")
-            words += ["" if cell.published is None else _published(cell.published, column)] * beside
-        rows.append(tuple(words))
-    where = (
-        f" Published: {outcome.config.published_in}."
-        if outcome.config.published_in and any(published)
-        else ""
+    marks = {"lower": " ↓", "higher": " ↑", None: ""}
+    heads = [f"{c.head}{f' [{c.unit}]' if c.unit else ''}{marks[c.better]}" for c in columns]
+    rows = tuple(
+        (row.title, *(_cell(cell, column) for cell, column in zip(row.cells, columns, strict=True)))
+        for row in outcome.rows
     )
-    return Table(tuple(heads), tuple(rows), f"Cameras on unseen scenes.{where}")
+    compared = any(cell.published is not None for row in outcome.rows for cell in row.cells)
+    below = f" In small print: {outcome.config.published_in or 'published figures'}." if compared else ""
+    return Table(("Camera", *heads), rows, f"Cameras on unseen scenes.{below}")
+
+
+def _cell(cell: Cell, column: Column) -> str | Detailed:
+    text = f"{shown(cell, column)}{' (best)' if cell.best else ''}"
+    return text if cell.published is None else Detailed(text, _published(cell.published, column))
 
 
 def _published(value: float | str, column: Column) -> str:
