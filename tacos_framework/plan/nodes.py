@@ -35,6 +35,7 @@ def find_nodes(findings: Findings) -> tuple[dict[str, Part], Graph | None]:
             parts[name] = part
     if len(nodes) < len(recipe.nodes):
         return parts, None
+    _check_lessons(findings)
     wiring = wiring_faults(nodes, lambda path: recipe.where(("nodes", *path)))
     findings.faults.extend(wiring)
     return parts, None if wiring or not nodes else Graph(nodes)
@@ -48,3 +49,18 @@ def _check_training(findings: Findings, name: str, use: NodeUse, cls: type[Any])
         findings.add(path, f"{use.use} does not learn", "", "Remove train:.")
     elif (kind := getattr(cls, "Training", None)) is not None:
         findings.checked(kind, use.train.settings, path)
+
+
+def _check_lessons(findings: Findings) -> None:
+    """Whether there is anybody to teach where the study says how."""
+    recipe = findings.recipe
+    if any(use.train is not None for use in recipe.nodes.values()):
+        return
+    for key in ("renew_training", "train_best"):
+        if getattr(recipe.study, key):
+            findings.add(
+                ("study", key),
+                "nothing learns in this study",
+                "a task with train:",
+                "Give one, or remove it.",
+            )

@@ -108,6 +108,8 @@ WRONG = [
         "in: {frames: frames}, train: {weights: some}",
         "'shared', 'branched' or 'frozen'",
     ),
+    ("seed: 7", "study: {train_best: 3}\nseed: 7", "r.yaml:3:9: nothing learns in this study"),
+    ("seed: 7", "study: {renew_training: each_candidate}\nseed: 7", "nothing learns in this study"),
     ("use: task.orb-features", "use: effect.vignetting", "List it under effects:."),
     ("use: task.orb-features", "use: task.nothing-here", "install that package"),
     ("calibration: flea3_imx172", "calibration: flea4", "r.yaml:15:3"),
