@@ -110,12 +110,15 @@ def against_best(study: StudyData) -> str:
 
 
 def per_score(study: StudyData) -> str:
-    """What the difference consists of, score by score."""
+    """What the difference consists of: each score that the fitness takes; the table has the others."""
     other = best_of(study.others)
     if study.designed is None or other is None:
         return ""
     parts = []
-    for score, change in score_changes(study, other).items():
+    changes = score_changes(study, other)
+    for score, change in changes.items():
+        if score not in (score_weights(study) or changes):
+            continue
         if change.outcome == "undecided" and change.error:
             amount = "no clear difference"
         elif change.value == 0:

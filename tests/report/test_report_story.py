@@ -83,6 +83,16 @@ def test_scores_are_told_one_by_one() -> None:
     )
 
 
+def test_only_scores_that_the_fitness_takes_are_told() -> None:
+    data = study(
+        camera("designed", 1.2, **{"features.inliers": 150.0, "detect.ap50_sofa": 0.9}),
+        camera("a", 1.0, **{"features.inliers": 100.0, "detect.ap50_sofa": 0.1}),
+        fitness=[{"score": "features.inliers", "weight": 1}],
+    )
+    assert "inliers +50" in story.per_score(data)
+    assert "sofa" not in story.per_score(data)
+
+
 def test_a_score_of_negative_weight_is_better_when_lower() -> None:
     ours, theirs = camera("designed", 1.0, **{"depth.error": 0.1}), camera("a", 1.0, **{"depth.error": 0.2})
     change = difference(ours, theirs, "depth.error", higher_is_better=False)
