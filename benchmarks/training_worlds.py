@@ -44,7 +44,7 @@ class School:
         self.others = [self._lesson(c, ("other", i), TRAINING_FRAMES) for i, c in self._cameras(worlds)]
         self._exams = [self._lesson(chosen, ("exam", i), TEST_FRAMES) for i in range(exams)]
         self.state: State = self._simulation.initial_states()[TASK]
-        self._before = self._examined()
+        self._before = self._examined(self.state)
 
     def _lesson(self, values: Mapping[str, Any], name: tuple[Any, ...], frames: int) -> Lesson:
         spec = EpisodeSpec(self._plan.recipe.seed, name, frames)
@@ -70,11 +70,11 @@ class School:
                 state = self._task.fit(lesson, state=state, budget=budget, rng=rng)
         return state
 
-    def _examined(self, state: State | None = None) -> np.ndarray:
+    def _examined(self, state: State) -> np.ndarray:
         """Average precision in each unseen world; nan where nothing is to be seen."""
         precisions = []
         for exam in self._exams:
-            scorer = self._task.begin(state=self.state if state is None else state)
+            scorer = self._task.begin(state=state)
             for frames in exam:
                 scorer.update(frames)
             precisions.append(scorer.scores().get("ap50", math.nan))

@@ -116,9 +116,9 @@ def per_score(study: StudyData) -> str:
         return ""
     parts = []
     changes = score_changes(study, other)
-    for score, change in changes.items():
-        if score not in (score_weights(study) or changes):
-            continue
+    counted = score_weights(study) or changes
+    for score in (score for score in changes if score in counted):
+        change = changes[score]
         if change.outcome == "undecided" and change.error:
             amount = "no clear difference"
         elif change.value == 0:
