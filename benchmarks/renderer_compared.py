@@ -25,7 +25,7 @@ from tacos_framework.camera.geometry import agent_from_camera, world_from_camera
 from tacos_framework.values import Camera, Exposure, Rig, World
 from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
-from tacos_plugins.scenes.indoor.scene import IndoorScene
+from tacos_worlds.indoor.scene import IndoorScene
 
 os.environ["PYOPENGL_PLATFORM"] = "egl"
 if not hasattr(np, "infty"):

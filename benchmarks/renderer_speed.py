@@ -19,7 +19,7 @@ from tacos_framework.camera.geometry import agent_from_camera
 from tacos_framework.values import Camera, Exposure, Rig
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
-from tacos_plugins.scenes.indoor.scene import IndoorScene
+from tacos_worlds.indoor.scene import IndoorScene
 
 
 def main() -> None:

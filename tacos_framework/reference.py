@@ -18,8 +18,8 @@ from pydantic import BaseModel
 from tacos_framework import hookspecs
 from tacos_framework.components import Component
 from tacos_framework.contracts import acts_after_noise, formation_order
-from tacos_framework.gap.captures.entries import FolderEntry
-from tacos_framework.gap.captures.reader import MAX_FRAMES
+from tacos_gap.captures.entries import FolderEntry
+from tacos_gap.captures.reader import MAX_FRAMES
 from tacos_framework.graph import signature_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe

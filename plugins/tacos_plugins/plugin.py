@@ -8,45 +8,6 @@ from tacos_framework.components import Component
 from tacos_framework.environment import Finding
 from tacos_framework.hookspecs import hookimpl
 
-SCENES = {
-    "indoor": (
-        "indoor.scene:IndoorScene",
-        "Procedural furnished rooms with thresholds at the doors and an agent walking through.",
-    ),
-    "street": (
-        "street.scene:StreetScene",
-        "A procedural town in sun and sky light, and a car driving through its streets.",
-    ),
-    "grey-bars": (
-        "bench.grey_bars:GreyBars",
-        "A test target of grey bars from black to white, to measure noise with.",
-    ),
-    "light-box": (
-        "bench.light_box:LightBox",
-        "An even white surface across the view, for flats and exposure series.",
-    ),
-    "slanted-edges": (
-        "bench.slanted_edges:SlantedEdges",
-        "Dark squares on white, a little turned: edges all over the field.",
-    ),
-    "chessboard": (
-        "bench.chessboard:Chessboard",
-        "A calibration board, tilted and turned.",
-    ),
-    "colour-chart": (
-        "bench.colour_chart:ColourChart",
-        "The 24 patches of a ColorChecker, by their reference values.",
-    ),
-    "textured-target": (
-        "bench.textured_target:TexturedTarget",
-        "A sheet full of detail of all sizes, standing still or passing by.",
-    ),
-    "relief-target": (
-        "bench.relief_target:ReliefTarget",
-        "Blocks of detail at several depths before a plain wall, passed sideways.",
-    ),
-}
-
 RIGS = {
     "monocular": (
         "monocular:MonocularRig",
@@ -294,50 +255,13 @@ EXECUTORS = {
 }
 
 PROCEDURES = {
-    "simulate-captures": (
-        "simulate_captures:SimulateCaptures",
-        "A folder of captures from our own simulator, to rehearse a diagnosis without a camera.",
-    ),
-    "diagnose": (
-        "diagnose:Diagnose",
-        "Where a simulation and real captures part, which effect causes it, and how far adding it helps.",
-    ),
-    "gap-blind-check": (
-        "blind.check:GapBlindCheck",
-        "The diagnosis, checked blind on effects withheld from it, beside simpler ways.",
-    ),
-    "compare-optimizers": (
-        "optimizers_compared.compare:CompareOptimizers",
-        "Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",
-    ),
-    "compare-studies": (
-        "studies_compared.compare:CompareStudies",
-        "Variants of a study, such as joint and frozen, over several seeds: designs on unseen scenes.",
-    ),
-    "studies-table": (
-        "studies_table.table:StudiesTable",
-        "Several studies and the cameras they compare with in one table, published figures beside.",
-    ),
     "pretrain": (
         "pretraining.pretrain:Pretrain",
         "A task that learns, trained on images of our own scenes: weights for studies to start with.",
     ),
-    "calibrate-noise": (
-        "noise.calibrate:CalibrateNoise",
-        "From frames of grey bars to an affine noise calibration with confidence intervals.",
-    ),
-    "validate-noise": (
-        "noise.validate:ValidateNoise",
-        "The paper's first check: noise of rendered grey bars against the model, at other gains and times.",
-    ),
-    "validate-task": (
-        "task_validation.validate:ValidateTask",
-        "The paper's second check: whether a simulator ranks cameras at a task as a reference does.",
-    ),
 }
 
 FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
-    "scene": SCENES,
     "rig": RIGS,
     "renderer": RENDERERS,
     "effect": EFFECTS,
@@ -345,7 +269,6 @@ FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "task": TASKS,
     "optimizer": OPTIMIZERS,
     "executor": EXECUTORS,
-    "procedure": PROCEDURES,
 }
 """Kind -> name -> module and class within the family's folder, summary, and packages it needs."""
 
@@ -360,6 +283,8 @@ def _components() -> Iterator[Component]:
     for kind, family in FAMILIES.items():
         for name, (target, summary, *requires) in family.items():
             yield Component(kind, name, f"tacos_plugins.{kind}s.{target}", summary, tuple(requires))
+    for name, (target, summary) in PROCEDURES.items():
+        yield Component("procedure", name, f"tacos_plugins.{target}", summary)
 
 
 @hookimpl

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tacos_framework.cli.captures import add_commands, captures
+from tacos_gap.commands import add_commands, captures
 from tacos_framework.cli.completion import SHELLS
 from tacos_framework.cli.exits import DONE, exit_status
 from tacos_framework.components import KINDS

@@ -7,8 +7,8 @@ import json
 import pytest
 
 from tacos_framework.cli import tacos_main
-from tacos_framework.gap.captures import read_captures
-from tacos_framework.gap.captures.coverage import NEEDS, untold
+from tacos_gap.captures import read_captures
+from tacos_gap.captures.coverage import NEEDS, untold
 from tacos_framework.plugins import Plugins
 
 RECIPE = """\

@@ -13,7 +13,7 @@ import numpy as np
 
 from tacos_framework.catalog import camera_names, find_catalog, load_calibration
 from tacos_framework.errors import UserError
-from tacos_framework.gap.captures import read_captures
+from tacos_gap.captures import read_captures
 from tacos_framework.loading import read_any_recipe
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins

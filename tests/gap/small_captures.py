@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.gap.captures import Capture, Noise
-from tacos_framework.gap.formation import simulate
+from tacos_gap.captures import Capture, Noise
+from tacos_gap.formation import simulate
 from tacos_framework.values import ImageContext, ImageGeometry
 
 WIDTH, HEIGHT = 160, 120

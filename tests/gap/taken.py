@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.gap.captures import Board, Capture, Noise
-from tacos_framework.gap.formation import simulate
+from tacos_gap.captures import Board, Capture, Noise
+from tacos_gap.formation import simulate
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext, ImageGeometry
 

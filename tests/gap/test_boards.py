@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
-from tacos_framework.gap.boards import BoardEvidence, find_corners
-from tacos_framework.gap.captures import Board, Capture, CaptureFolder
-from tacos_framework.gap.diagnosis import diagnose
+from tacos_gap.boards import BoardEvidence, find_corners
+from tacos_gap.captures import Board, Capture, CaptureFolder
+from tacos_gap.diagnosis import diagnose
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageGeometry
 from tests.gap.small_captures import capture
@@ -93,7 +93,7 @@ def test_tilted_views_name_the_lens(monkeypatch):
         f"view {i}": seen(tilt, distance, k1=-0.3) + rng.normal(0, 0.1, (54, 2))
         for i, (tilt, distance) in enumerate(VIEWS)
     }
-    monkeypatch.setattr("tacos_framework.gap.diagnosis.find_corners", lambda each: corners[each.id])
+    monkeypatch.setattr("tacos_gap.diagnosis.find_corners", lambda each: corners[each.id])
     plugins = Plugins.discover()
     names = ("lens-distortion", "focal-length-error", "pose-error", "rolling-shutter")
     effects = {name: plugins.resolve(f"effect.{name}") for name in names}

@@ -14,7 +14,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.progress import Silent
 from tacos_framework.simulation import Evaluation
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_plugins.procedures.diagnosis.decision import Question, decide, sentence
+from tacos_gap.procedures.decision import Question, decide, sentence
 
 STUDY: dict[str, Any] = {
     **FROM_CATALOG,

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from tacos_framework.gap.captures import CaptureFolder
-from tacos_framework.gap.diagnosis import diagnose
-from tacos_framework.gap.findings import Diagnosis
+from tacos_gap.captures import CaptureFolder
+from tacos_gap.diagnosis import diagnose
+from tacos_gap.findings import Diagnosis
 from tacos_framework.plugins import Plugins
 from tests.gap.small_captures import bench, capture, taken
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_framework.gap.evidence import Judged, Label
-from tacos_framework.gap.locate import locate
-from tacos_framework.gap.problem import Problem
-from tacos_framework.gap.unknown import unexplained
+from tacos_gap.evidence import Judged, Label
+from tacos_gap.locate import locate
+from tacos_gap.problem import Problem
+from tacos_gap.unknown import unexplained
 
 STATISTICS = [f"statistic {k}" for k in range(20)]
 NUMBERS = 12

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import pytest
 
-from tacos_framework.gap.captures import Capture, Noise
-from tacos_framework.gap.statistics import Block, Sample, measure
+from tacos_gap.captures import Capture, Noise
+from tacos_gap.statistics import Block, Sample, measure
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, squares
 
 LEVEL = 100.0

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from tacos_framework.lighting import (
+from tacos_plugins.lighting import (
     emitter_luminance_cd_m2,
     irradiance_at,
     photopic,
@@ -69,5 +69,5 @@ def test_luminance_of_a_lambertian_emitter() -> None:
 
 
 def test_importing_the_package_leaves_colour_science_alone() -> None:
-    code = "import sys, tacos_framework.lighting; sys.exit('colour' in sys.modules)"
+    code = "import sys, tacos_plugins.lighting; sys.exit('colour' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

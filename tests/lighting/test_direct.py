@@ -10,7 +10,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.lighting import LightTransport, irradiance_at
+from tacos_plugins.lighting import LightTransport, irradiance_at
 from tacos_framework.values import Light
 from tests.lighting.boxes import panel_light, world_of
 

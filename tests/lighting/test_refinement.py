@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from small_worlds import matte, quad, room, world
 
-from tacos_framework.lighting import LightTransport
-from tacos_framework.lighting.refinement import refined
+from tacos_plugins.lighting import LightTransport
+from tacos_plugins.lighting.refinement import refined
 from tacos_framework.values import Light
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from small_worlds import matte, world
 
-from tacos_framework.lighting import bake_indirect
+from tacos_plugins.lighting import bake_indirect
 from tacos_framework.values import Part
 
 

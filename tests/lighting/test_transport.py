@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from tacos_framework.lighting import LightTransport, bake_indirect, irradiance_at
-from tacos_framework.lighting.transport import aligned_with, cosine_fan
+from tacos_plugins.lighting import LightTransport, bake_indirect, irradiance_at
+from tacos_plugins.lighting.transport import aligned_with, cosine_fan
 from tacos_framework.values import Light, Material
 from tests.lighting.boxes import ceiling, panel_light, world_of
 

@@ -13,8 +13,8 @@ from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.progress import Silent
 from tacos_framework.yaml_reader import read_yaml
-from tacos_plugins.procedures.noise.calibrate import CalibrateNoise
-from tacos_plugins.procedures.noise.validate import ValidateNoise
+from tacos_validation.noise.calibrate import CalibrateNoise
+from tacos_validation.noise.validate import ValidateNoise
 from tacos_plugins.sensors.affine_noise import AffineNoise
 
 PHOTON, THERMAL = np.array([0.24, 0.12, 0.29]), np.array([1.82, 0.91, 3.2])

@@ -20,9 +20,9 @@ from tacos_framework.progress import Silent
 from tacos_framework.recipe import Use
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_plugins.procedures.optimizers_compared.compare import CompareOptimizers
-from tacos_plugins.procedures.optimizers_compared.contest import Moment, Run
-from tacos_plugins.procedures.optimizers_compared.standings import (
+from tacos_validation.optimizers_compared.compare import CompareOptimizers
+from tacos_validation.optimizers_compared.contest import Moment, Run
+from tacos_validation.optimizers_compared.standings import (
     best_after,
     curve,
     middle,

@@ -23,8 +23,8 @@ from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.fingerprint import fingerprint
 from tacos_framework.testing.procedure import InThisProcess
 from tacos_framework.testing.samples import sample_rig
-from tacos_plugins.procedures.pretraining import pretrain as pretrain_module
-from tacos_plugins.procedures.pretraining.kept_frames import read_frames, write_frames
+from tacos_plugins.pretraining import pretrain as pretrain_module
+from tacos_plugins.pretraining.kept_frames import read_frames, write_frames
 
 pytest.importorskip("torchvision", reason="the extra perception is not installed")
 

@@ -17,9 +17,9 @@ from tacos_framework.progress import Silent
 from tacos_framework.recipe import Use
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_plugins.procedures import kept_studies
-from tacos_plugins.procedures.studies_compared.compare import CompareStudies
-from tacos_plugins.procedures.studies_compared.pairs import Outcome, difference, scores_of, spread
+from tacos_validation import kept_studies
+from tacos_validation.studies_compared.compare import CompareStudies
+from tacos_validation.studies_compared.pairs import Outcome, difference, scores_of, spread
 
 VARIANTS = {"joint": {}, "frozen": {"nodes.learner.train.weights": "frozen"}}
 

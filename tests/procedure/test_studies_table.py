@@ -18,10 +18,10 @@ from tacos_framework.progress import Silent
 from tacos_framework.recipe import Use
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_plugins.procedures.studies_table.findings import Cell, Finding, StudyRun, findings, look_up
-from tacos_plugins.procedures.studies_table.pages import Outcome, summary
-from tacos_plugins.procedures.studies_table.settings import Column, TableRow
-from tacos_plugins.procedures.studies_table.table import StudiesTable
+from tacos_validation.studies_table.findings import Cell, Finding, StudyRun, findings, look_up
+from tacos_validation.studies_table.pages import Outcome, summary
+from tacos_validation.studies_table.settings import Column, TableRow
+from tacos_validation.studies_table.table import StudiesTable
 
 PROBLEM = {
     "tacos": 1,

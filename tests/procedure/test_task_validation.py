@@ -17,14 +17,14 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.progress import Silent
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig, View
-from tacos_plugins.procedures.task_validation.agreement import (
+from tacos_validation.task_validation.agreement import (
     level_agreement,
     over_seeds,
     rank_agreement,
     separations,
     within,
 )
-from tacos_plugins.procedures.task_validation.validate import ValidateTask
+from tacos_validation.task_validation.validate import ValidateTask
 
 
 class Glow:

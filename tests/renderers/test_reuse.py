@@ -11,7 +11,7 @@ from tacos_framework.values import Exposure, FrameBatch, Light
 from tacos_plugins.renderers.moderngl.panorama import Face, FaceStore
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.renderers.moderngl.resample import fineness
-from tacos_plugins.scenes.indoor.scene import IndoorScene
+from tacos_worlds.indoor.scene import IndoorScene
 from tacos_plugins.tasks.orb_features import OrbFeatures
 
 DIRECT = ModernglRenderer(ModernglRenderer.Config(light_texel_m=0.2))

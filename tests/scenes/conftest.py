@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tacos_framework.values import Episode
-from tacos_plugins.scenes.indoor.building import Building, draw_building
-from tacos_plugins.scenes.indoor.furnishing.catalogue import Catalogue
-from tacos_plugins.scenes.indoor.scene import IndoorScene
+from tacos_worlds.indoor.building import Building, draw_building
+from tacos_worlds.indoor.furnishing.catalogue import Catalogue
+from tacos_worlds.indoor.scene import IndoorScene
 
 LUX = 20.0
 

@@ -9,12 +9,12 @@ import pytest
 from tacos_framework.camera.colour import linear_from_srgb
 from tacos_framework.values import Exposure
 from tacos_plugins.renderers.analytic import AnalyticRenderer
-from tacos_plugins.scenes.bench.chessboard import Chessboard
-from tacos_plugins.scenes.bench.colour_chart import ColourChart, reflectances
-from tacos_plugins.scenes.bench.grey_bars import GreyBars
-from tacos_plugins.scenes.bench.light_box import LightBox
-from tacos_plugins.scenes.bench.slanted_edges import SlantedEdges
-from tacos_plugins.scenes.bench.textured_target import TexturedTarget, dead_leaves
+from tacos_worlds.bench.chessboard import Chessboard
+from tacos_worlds.bench.colour_chart import ColourChart, reflectances
+from tacos_worlds.bench.grey_bars import GreyBars
+from tacos_worlds.bench.light_box import LightBox
+from tacos_worlds.bench.slanted_edges import SlantedEdges
+from tacos_worlds.bench.textured_target import TexturedTarget, dead_leaves
 from tests.small_worlds import camera, rig
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.scenes.indoor.floor_plan import MAX_ROOMS, FloorPlan, draw_floor_plan
+from tacos_worlds.indoor.floor_plan import MAX_ROOMS, FloorPlan, draw_floor_plan
 
 seeds = st.integers(0, 10_000)
 sizes = st.tuples(st.floats(5.0, 24.0), st.floats(5.0, 24.0))

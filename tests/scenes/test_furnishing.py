@@ -7,10 +7,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tacos_plugins.scenes.indoor.building import MAX_LIGHTS, Building, draw_building
-from tacos_plugins.scenes.indoor.furnishing.arrangement import Arrangement, Member
-from tacos_plugins.scenes.indoor.furnishing.catalogue import FURNITURE_CLASSES, Catalogue
-from tacos_plugins.scenes.indoor.furnishing.rooms import draw_room_kinds
+from tacos_worlds.indoor.building import MAX_LIGHTS, Building, draw_building
+from tacos_worlds.indoor.furnishing.arrangement import Arrangement, Member
+from tacos_worlds.indoor.furnishing.catalogue import FURNITURE_CLASSES, Catalogue
+from tacos_worlds.indoor.furnishing.rooms import draw_room_kinds
 
 
 def bounds(member: Member) -> tuple[np.ndarray, np.ndarray]:

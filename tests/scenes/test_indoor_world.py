@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tacos_framework.lighting import LightTransport, photopic
+from tacos_plugins.lighting import LightTransport, photopic
 from tacos_framework.values import Episode, World
-from tacos_plugins.scenes.indoor.scene import IndoorScene
+from tacos_worlds.indoor.scene import IndoorScene
 
 SMALL = {"size_m": (10, 5), "frames": 20}
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tacos_framework.lighting import LightTransport
+from tacos_plugins.lighting import LightTransport
 from tacos_framework.values import Exposure
 from tacos_plugins.renderers.analytic import AnalyticRenderer
-from tacos_plugins.scenes.bench.relief_target import ReliefTarget, rectangle
+from tacos_worlds.bench.relief_target import ReliefTarget, rectangle
 from tests.small_worlds import camera, rig
 
 SMALL = {"blocks": 3, "texture_px": 128, "wall_m": 2.0, "size_m": 0.3, "relief_m": 0.09, "distance_m": 0.5}

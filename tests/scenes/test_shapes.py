@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.scenes.indoor.finishes import draw_style
-from tacos_plugins.scenes.indoor.furnishing.catalogue import BUILDERS, FURNITURE_CLASSES
-from tacos_plugins.scenes.indoor.mesh import Mesh
-from tacos_plugins.scenes.indoor.shapes import (
+from tacos_worlds.indoor.finishes import draw_style
+from tacos_worlds.indoor.furnishing.catalogue import BUILDERS, FURNITURE_CLASSES
+from tacos_worlds.indoor.mesh import Mesh
+from tacos_worlds.indoor.shapes import (
     box,
     cushion,
     disc_stack,

@@ -12,8 +12,8 @@ import trimesh
 from PIL import Image
 
 from tacos_framework.errors import UserError
-from tacos_plugins.scenes.indoor.scene import IndoorScene
-from tacos_plugins.scenes.indoor.user_models import MAX_TRIANGLES, load_user_models
+from tacos_worlds.indoor.scene import IndoorScene
+from tacos_worlds.indoor.user_models import MAX_TRIANGLES, load_user_models
 
 
 def save(folder: Path, name: str, mesh: trimesh.Trimesh) -> Path:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tacos_framework.values import Episode
-from tacos_plugins.scenes.indoor.building import Building
-from tacos_plugins.scenes.indoor.scene import IndoorScene
-from tacos_plugins.scenes.indoor.walk.free_space import FreeSpace
-from tacos_plugins.scenes.indoor.walk.motion import MAX_YAW_RATE_DEG_S, draw_walk
-from tacos_plugins.scenes.indoor.walk.route import Route, draw_route
+from tacos_worlds.indoor.building import Building
+from tacos_worlds.indoor.scene import IndoorScene
+from tacos_worlds.indoor.walk.free_space import FreeSpace
+from tacos_worlds.indoor.walk.motion import MAX_YAW_RATE_DEG_S, draw_walk
+from tacos_worlds.indoor.walk.route import Route, draw_route
 
 Routes = list[tuple[Building, FreeSpace, Route]]
 

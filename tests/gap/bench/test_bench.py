@@ -9,8 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from tacos_framework.errors import UserError
-from tacos_framework.gap.bench import Bench, BenchSettings, recipe_renderer
-from tacos_framework.gap.captures import read_captures, write_captures
+from tacos_gap.bench import Bench, BenchSettings, recipe_renderer
+from tacos_gap.captures import read_captures, write_captures
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_plugins.effects.radial import even_polynomial

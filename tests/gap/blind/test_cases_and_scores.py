@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tacos_framework.gap.captures import read_captures
-from tacos_plugins.procedures.blind.cases import Case
-from tacos_plugins.procedures.blind.generators.catalogue import CATALOGUE
-from tacos_plugins.procedures.blind.generators.confounders import PAIRS
-from tacos_plugins.procedures.blind.generators.light_flaws import OtherExposure
-from tacos_plugins.procedures.blind.generators.orders import CAPTURES, KEPT_BACK, Order, make_sealed, opened
-from tacos_plugins.procedures.blind.generators.severity import Floor, calibrated
-from tacos_plugins.procedures.blind.generators.takings import new_camera, smallest
-from tacos_plugins.procedures.blind.pages import page
-from tacos_plugins.procedures.blind.scoring import Figure, figures, interval, ladder
-from tacos_plugins.procedures.blind.tiers import Counts, orders
+from tacos_gap.captures import read_captures
+from tacos_validation.blind.cases import Case
+from tacos_validation.blind.generators.catalogue import CATALOGUE
+from tacos_validation.blind.generators.confounders import PAIRS
+from tacos_validation.blind.generators.light_flaws import OtherExposure
+from tacos_validation.blind.generators.orders import CAPTURES, KEPT_BACK, Order, make_sealed, opened
+from tacos_validation.blind.generators.severity import Floor, calibrated
+from tacos_validation.blind.generators.takings import new_camera, smallest
+from tacos_validation.blind.pages import page
+from tacos_validation.blind.scoring import Figure, figures, interval, ladder
+from tacos_validation.blind.tiers import Counts, orders
 
 
 @pytest.fixture(scope="module")

@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tacos_plugins.procedures.blind.generators import geometric_flaws as geometry
-from tacos_plugins.procedures.blind.generators import light_flaws as light
-from tacos_plugins.procedures.blind.generators import pictures
-from tacos_plugins.procedures.blind.generators import processing_flaws as processing
-from tacos_plugins.procedures.blind.generators import sensor_flaws as sensor
-from tacos_plugins.procedures.blind.generators.camera import Camera, Image, Shot, dark
-from tacos_plugins.procedures.blind.generators.catalogue import CATALOGUE
-from tacos_plugins.procedures.blind.generators.flaw import Flaw
-from tacos_plugins.procedures.blind.generators.independent import VARIANTS, available
-from tacos_plugins.procedures.blind.generators.taking import expected, seen, take
+from tacos_validation.blind.generators import geometric_flaws as geometry
+from tacos_validation.blind.generators import light_flaws as light
+from tacos_validation.blind.generators import pictures
+from tacos_validation.blind.generators import processing_flaws as processing
+from tacos_validation.blind.generators import sensor_flaws as sensor
+from tacos_validation.blind.generators.camera import Camera, Image, Shot, dark
+from tacos_validation.blind.generators.catalogue import CATALOGUE
+from tacos_validation.blind.generators.flaw import Flaw
+from tacos_validation.blind.generators.independent import VARIANTS, available
+from tacos_validation.blind.generators.taking import expected, seen, take
 
 MONO = Camera(96, 72, focal_px=96.0, channels=1)
 COLOUR = Camera(96, 72, focal_px=96.0, channels=3)

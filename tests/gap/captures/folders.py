@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from tacos_framework.errors import UserError
-from tacos_framework.gap.captures import read_captures
+from tacos_gap.captures import read_captures
 
 WIDTH, HEIGHT = 20, 12
 CAMERA = {"width_px": WIDTH, "height_px": HEIGHT}

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.gap.captures import read_captures
-from tacos_framework.gap.captures.reader import MAX_FRAMES
+from tacos_gap.captures import read_captures
+from tacos_gap.captures.reader import MAX_FRAMES
 from tests.gap.captures.folders import (
     CAMERA,
     HEIGHT,

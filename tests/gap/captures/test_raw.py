@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import UserError
-from tacos_framework.gap.captures.images import read_image
+from tacos_gap.captures.images import read_image
 
 BYTE, ASCII, SHORT, LONG, SRATIONAL = 1, 2, 3, 4, 10
 CODES = {BYTE: "B", ASCII: "c", SHORT: "H", LONG: "I", SRATIONAL: "ii"}

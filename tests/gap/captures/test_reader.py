@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tacos_framework.gap.captures import Board, read_captures
-from tacos_framework.gap.captures.entries import FolderEntry
+from tacos_gap.captures import Board, read_captures
+from tacos_gap.captures.entries import FolderEntry
 from tacos_framework.settings import check
 from tacos_framework.yaml_reader import read_yaml
 from tests.docs.pages import ROOT, blocks

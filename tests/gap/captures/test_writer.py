@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.gap.captures import Board, Capture, Noise, read_captures, write_captures
+from tacos_gap.captures import Board, Capture, Noise, read_captures, write_captures
 from tacos_framework.values import ImageContext, ImageGeometry
 
 WIDTH, HEIGHT = 16, 12

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tacos_framework.gap.evidence import ImageEvidence, Label
-from tacos_framework.gap.problem import Problem
-from tacos_framework.report.gap.arrows import of_tiles
-from tacos_framework.report.gap.drawings import is_wide, mapped
-from tacos_framework.report.gap.frames import CROP_PX, compare, to_show
-from tacos_framework.report.gap.image_map import image_map
-from tacos_framework.report.gap.numbers import Numbers, numbers_of
-from tacos_framework.report.gap.overview import MOST, overview
-from tacos_framework.report.gap.profiles import profile
-from tacos_framework.report.gap.views import over, place_words, view_of
+from tacos_gap.evidence import ImageEvidence, Label
+from tacos_gap.problem import Problem
+from tacos_gap.report.arrows import of_tiles
+from tacos_gap.report.drawings import is_wide, mapped
+from tacos_gap.report.frames import CROP_PX, compare, to_show
+from tacos_gap.report.image_map import image_map
+from tacos_gap.report.numbers import Numbers, numbers_of
+from tacos_gap.report.overview import MOST, overview
+from tacos_gap.report.profiles import profile
+from tacos_gap.report.views import over, place_words, view_of
 from tests.gap.taken import HEIGHT, WIDTH, capture, taken
 
 BOX = [0, 0, 20, 20]

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from tacos_framework.gap.ambiguity import NextCapture
-from tacos_framework.gap.findings import Cause, Diagnosis, Parameter
-from tacos_framework.gap.locate import Place
-from tacos_framework.gap.unknown import Unexplained
-from tacos_framework.report.gap import words
+from tacos_gap.ambiguity import NextCapture
+from tacos_gap.findings import Cause, Diagnosis, Parameter
+from tacos_gap.locate import Place
+from tacos_gap.unknown import Unexplained
+from tacos_gap.report import words
 
 NOTHING_LEFT = Unexplained(0.0, 1.0, 1.0, 0.0, None)
 NOT_ASKED: Any = None

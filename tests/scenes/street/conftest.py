@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.values import Episode
-from tacos_plugins.scenes.street.scene import StreetScene
+from tacos_worlds.street.scene import StreetScene
 
 
 @pytest.fixture(scope="session")

@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.values import Trajectory
-from tacos_plugins.scenes.street.city import CARRIAGEWAY_M, CORNER_M, LANE_M, Town, draw_town
-from tacos_plugins.scenes.street.drive import (
+from tacos_worlds.street.city import CARRIAGEWAY_M, CORNER_M, LANE_M, Town, draw_town
+from tacos_worlds.street.drive import (
     BRAKING_M_S2,
     FORWARD_M_S2,
     LATERAL_M_S2,
     draw_way,
     drive,
 )
-from tacos_plugins.scenes.street.traffic import draw_traffic
+from tacos_worlds.street.traffic import draw_traffic
 
 SPEED = 11.0
 

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.scenes.street.assembly import CLASS_NAMES
-from tacos_plugins.scenes.street.city import CARRIAGEWAY_M, LANE_M, PARKING_M, Town, draw_town, kerbs
-from tacos_plugins.scenes.street.ground import pavement
-from tacos_plugins.scenes.street.streetscape import Placed, furnish_town
-from tacos_plugins.scenes.street.things.vehicles import BODIES, car, draw_car
+from tacos_worlds.street.assembly import CLASS_NAMES
+from tacos_worlds.street.city import CARRIAGEWAY_M, LANE_M, PARKING_M, Town, draw_town, kerbs
+from tacos_worlds.street.ground import pavement
+from tacos_worlds.street.streetscape import Placed, furnish_town
+from tacos_worlds.street.things.vehicles import BODIES, car, draw_car
 
 
 def town(seed: int, blocks: int = 3) -> Town:

@@ -101,6 +101,6 @@ def _device_of(context: moderngl.Context) -> Device:
 def _indirect_lux(world: World) -> tuple[NDArray[np.float32], ...]:
     if world.indirect_lux is not None:
         return world.indirect_lux
-    from tacos_framework.lighting import bake_indirect  # traces rays: only where it is needed
+    from tacos_plugins.lighting import bake_indirect  # traces rays: only where it is needed
 
     return bake_indirect(world)

@@ -1,0 +1,7 @@
+"""A simulated measuring bench: captures of any camera of ours, to rehearse a diagnosis with."""
+
+from tacos_gap.bench.rendering import recipe_renderer
+from tacos_gap.bench.settings import BenchCapture, BenchSettings
+from tacos_gap.bench.simulated import Bench
+
+__all__ = ["Bench", "BenchCapture", "BenchSettings", "recipe_renderer"]

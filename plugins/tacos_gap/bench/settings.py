@@ -1,0 +1,120 @@
+"""What is photographed on the bench, with which camera."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from tacos_gap.captures.entries import Kind
+from tacos_framework.recipe import Use
+from tacos_framework.settings import Settings, setting
+
+Positive = Annotated[float, Field(gt=0)]
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One capture to take.
+
+    Parameters
+    ----------
+    id, kind
+        As in ``captures.yaml``.
+    scene
+        What is in front of the camera; None behind the cap.
+    exposure_ms
+        Exposure time [ms].
+    level
+        Signal of the brightest places over full scale at that time [1].
+    frames
+        How many frames.
+    group
+        Name of the series it belongs to, if that varies in the exposure time only.
+    level_uncertainty
+        As in ``captures.yaml`` [1].
+    """
+
+    id: str
+    kind: Kind
+    scene: Use | None
+    exposure_ms: float
+    level: float
+    frames: int
+    group: str | None
+    level_uncertainty: float
+
+
+class BenchCapture(Settings):
+    """A capture, or a series of them."""
+
+    id: str = setting(help="Its name; those of a series have the level or time appended.", min_length=1)
+    kind: Kind = setting(help="What kind of capture it is.")
+    scene: Use | None = setting(None, help="What is in front of the camera; nothing for kind dark.")
+    exposure_ms: Positive | tuple[Positive, ...] = setting(
+        10.0, help="Exposure time; several make a series under the same light.", unit="ms"
+    )
+    level: Positive | tuple[Positive, ...] = setting(
+        0.8,
+        help="Signal of the brightest places over full scale at the longest time, to which the lamp is "
+        "dimmed; several make a series at the same time. Above 1 it saturates.",
+    )
+    frames: int = setting(4, help="Frames.", ge=1, le=1000)
+    level_uncertainty: float = setting(0.0, help="Relative scale within which nobody errs.", ge=0, le=1)
+
+    @model_validator(mode="after")
+    def _one_series(self) -> BenchCapture:
+        if isinstance(self.exposure_ms, tuple) and isinstance(self.level, tuple):
+            raise ValueError("a series varies in exposure_ms or in level, not in both")
+        if (self.scene is None) != (self.kind == "dark"):
+            raise ValueError("every kind but dark needs a scene, and dark has none")
+        return self
+
+    def shots(self) -> Iterator[Shot]:
+        """The captures of the series."""
+        times = self.exposure_ms if isinstance(self.exposure_ms, tuple) else (self.exposure_ms,)
+        levels = self.level if isinstance(self.level, tuple) else (self.level,)
+        for time_ms in times:
+            for level in levels:
+                name = self.id
+                if len(times) > 1:
+                    name += f"_{time_ms:g}ms"
+                if len(levels) > 1:
+                    name += f"_{100 * level:g}"
+                yield Shot(
+                    id=name,
+                    kind=self.kind,
+                    scene=self.scene,
+                    exposure_ms=time_ms,
+                    level=level * time_ms / max(times),
+                    frames=self.frames,
+                    group=self.id if len(times) > 1 else None,
+                    level_uncertainty=self.level_uncertainty,
+                )
+
+
+class BenchSettings(Settings):
+    """A camera, what really happens in it, and what it is pointed at."""
+
+    rig: Use = setting(help="The rig; all its variables are given here, and its first camera is used.")
+    renderer: Use = setting(help="What renders the scenes.")
+    sensor: Use = setting(help="The sensor model.")
+    f_number: float = setting(2.8, help="Focal length over aperture.", gt=0)
+    gain_db: float = setting(0.0, help="Gain.", unit="dB")
+    effects: tuple[Use, ...] = setting((), help="What is real and the simulator does not know.")
+    captures: tuple[BenchCapture, ...] = setting(help="What is photographed.", min_length=1)
+
+    @model_validator(mode="after")
+    def _unique(self) -> BenchSettings:
+        counted = Counter(shot.id for shot in self.shots())
+        if twice := [name for name, count in counted.items() if count > 1]:
+            raise ValueError(f"captures are called {', '.join(twice)} more than once")
+        return self
+
+    def shots(self) -> Iterator[Shot]:
+        """All captures."""
+        for capture in self.captures:
+            yield from capture.shots()

@@ -1,0 +1,237 @@
+"""Captures from our simulator: what it expects, and what a camera with further effects would give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.building import build, build_rig, episode_of, part_of
+from tacos_framework.camera.motion import image_velocity
+from tacos_framework.contracts import formation_order
+from tacos_framework.errors import Fault, UserError
+from tacos_gap.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
+from tacos_gap.bench.response import Response, expected_signal, frames_of, measured_response
+from tacos_gap.bench.settings import BenchSettings, Shot
+from tacos_gap.captures import Board, Capture
+from tacos_framework.plugins import Plugins
+from tacos_framework.randomness import generator
+from tacos_framework.recipe import Use
+from tacos_framework.simulation import ActingEffects
+from tacos_framework.values import Capture as Rendered
+from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig
+
+REFERENCE_LUX = 1000.0
+"""Light that scenes are rendered under before the lamp is dimmed to the level that is asked for [lux]."""
+
+BRIGHTEST_PERCENT = 99.0
+"""Percentile of the signal that is called its brightest places."""
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """What the simulator expects of a shot.
+
+    Parameters
+    ----------
+    light
+        What was rendered, dimmed to the level.
+    signal_dn
+        (1 or N, H, W, C) noise-free values of the file with the pedestal, not clipped [DN].
+    black_level_dn, white_level_dn
+        Levels of the files [DN].
+    """
+
+    light: Rendered
+    signal_dn: NDArray[np.float32]
+    black_level_dn: float
+    white_level_dn: float
+
+
+class Bench:
+    """A camera on a bench.
+
+    Parameters
+    ----------
+    settings
+        Camera, effects and captures.
+    plugins
+        Resolve the components.
+    seed
+        Strews textures and draws noise.
+
+    Raises
+    ------
+    UserError
+        When a component is not there or its settings are wrong.
+    """
+
+    def __init__(self, settings: BenchSettings, plugins: Plugins, seed: int = 0):
+        self.settings = settings
+        self.shots = {shot.id: shot for shot in settings.shots()}
+        self._plugins = plugins
+        self._seed = seed
+        self._camera = build_rig(settings.rig, plugins).cameras[0]
+        self._rig = Rig((self._camera,))
+        self._renderer = build(settings.renderer, "renderer", plugins)
+        self._sensor = build(settings.sensor, "sensor", plugins)
+        effects = [part_of(use, "effect", plugins) for use in settings.effects]
+        ordered = sorted(effects, key=lambda part: formation_order(part.cls))
+        self._effects = [(part, part.make()) for part in ordered]
+        self._rendered: dict[str, Rendered] = {}
+        self._dark: dict[float, NDArray[np.float64]] = {}
+
+    def captures(self) -> Iterator[Capture]:
+        """Every capture, one after another."""
+        for shot in self.shots.values():
+            yield self.capture(shot)
+
+    def capture(self, shot: Shot) -> Capture:
+        """What a camera with the effects gives for a shot, beside what is expected."""
+        expected = self.expected(shot)
+        light = expected.light if shot.kind == "sequence" else repeated(expected.light, shot.frames)
+        names = ("bench", shot.id)
+        exposure = self._exposure(shot)
+        acting = ActingEffects(self._effects, self._rig, exposure, generator(self._seed, *names, "effects"))
+        batch = acting.files(
+            frames_of(
+                self._sensor,
+                acting.light(light),
+                self._rig,
+                exposure,
+                generator(self._seed, *names, "noise"),
+                acting,
+            )
+        )
+        return Capture(
+            id=shot.id,
+            kind=shot.kind,
+            real_dn=batch.images[0].astype(np.float32),
+            expected_dn=None if shot.kind == "board" else expected.signal_dn,
+            valid=np.ones(expected.signal_dn.shape[1:3], bool),
+            geometry=ImageGeometry.of_camera(self._camera),
+            context=self._context(shot, expected),
+            noise=self._response.noise,
+            group=shot.group,
+            level_uncertainty=shot.level_uncertainty,
+            board=self._board(shot) if shot.kind == "board" else None,
+            edge_angle_deg=self._edge_angle_deg(shot) if shot.kind == "edge" else None,
+            patches=patches_of(expected.light, expected.signal_dn) if shot.kind == "chart" else None,
+        )
+
+    def expected(self, shot: Shot) -> Expected:
+        """What the simulator without the effects expects."""
+        exposure = self._exposure(shot)
+        light = self._light(shot)
+        signal = expected_signal(self._sensor, light, self._rig, exposure)
+        black, white = signal.black_level_dn, signal.white_level_dn
+        above = signal.samples_dn - np.float32(black)
+        factor = 0.0
+        if shot.scene is not None:
+            brightest = float(np.percentile(above, BRIGHTEST_PERCENT))
+            if brightest <= 0:
+                raise UserError(Fault(shot.id, f"{shot.scene.use} is black", "a scene that reflects light"))
+            factor = shot.level * (white - black) / brightest
+        samples = above * np.float32(factor) + (black + self._dark_dn(exposure)).astype(np.float32)
+        return Expected(dimmed(light, factor), samples, black, white)
+
+    # one shot ---------------------------------------------------------------------------------------------
+
+    def _exposure(self, shot: Shot) -> Exposure:
+        return Exposure(shot.exposure_ms * 1e-3, self.settings.f_number, self.settings.gain_db)
+
+    @cached_property
+    def _response(self) -> Response:
+        """Of the sensor at the shortest time: what dark current adds to the noise is least there."""
+        shortest = min(self.shots.values(), key=lambda shot: shot.exposure_ms)
+        rng = generator(self._seed, "bench", "response")
+        return measured_response(self._sensor, self._camera, self._exposure(shortest), rng)
+
+    def _dark_dn(self, exposure: Exposure) -> NDArray[np.float64]:
+        """What the sensor gives without light, above the pedestal; there is none if there is none at last."""
+        longest_s = max(shot.exposure_ms for shot in self.shots.values()) * 1e-3
+        for time_s in (longest_s, exposure.time_s):
+            if time_s not in self._dark:
+                rng = generator(self._seed, "bench", "dark signal")
+                at = replace(exposure, time_s=time_s)
+                self._dark[time_s] = measured_response(self._sensor, self._camera, at, rng).dark_dn
+            if not self._dark[time_s].any():
+                break
+        return self._dark[time_s]
+
+    def _light(self, shot: Shot) -> Rendered:
+        """The scene under the reference light; rendered anew only where it differs from the last."""
+        if shot.scene is None:
+            size = (1, self._camera.height_px, self._camera.width_px, 3)
+            return without_world(self._camera, np.zeros(size, np.float32))
+        frames = shot.frames if shot.kind == "sequence" else 1
+        key = f"{shot.scene!r} {frames} {shot.exposure_ms if self._renderer_reads_time else 0}"
+        if key not in self._rendered:
+            self._rendered = {key: self._render(shot, frames)}
+        return self._rendered[key]
+
+    @property
+    def _renderer_reads_time(self) -> bool:
+        return "time_s" in self._renderer.reads
+
+    def _render(self, shot: Shot, frames: int) -> Rendered:
+        assert shot.scene is not None
+        use = shot.scene
+        if shot.kind == "sequence":
+            use = Use(use=use.use, **{**use.settings, "frames": frames})
+        scene = build(use, "scene", self._plugins)
+        episode = episode_of(
+            scene, rng=generator(self._seed, "bench", use.use), illumination_lux=REFERENCE_LUX
+        )
+        if len(episode) < frames:
+            raise UserError(
+                Fault(shot.id, f"{use.use} gives {len(episode)} frames", f"at least {frames}, as asked")
+            )
+        rendered: Rendered = self._renderer.capture(
+            episode[:frames], rig=self._rig, exposure=self._exposure(shot)
+        )
+        return rendered
+
+    def _context(self, shot: Shot, expected: Expected) -> ImageContext:
+        view = expected.light.views[0]
+        exposure = self._exposure(shot)
+        context = ImageContext(
+            exposure_s=exposure.time_s,
+            gain_db=exposure.gain_db,
+            f_number=exposure.f_number,
+            black_level_dn=expected.black_level_dn,
+            white_level_dn=expected.white_level_dn,
+        )
+        if shot.kind in ("edge", "chart", "scene", "sequence"):
+            context = replace(context, depth_m=view.depth_m[0])
+        if shot.kind == "sequence":
+            times_s = expected.light.episode.time_s
+            context = replace(
+                context,
+                velocity_px_s=velocity_of(image_velocity(view, expected.light.episode)),
+                frame_interval_s=float(np.diff(times_s).mean()) if len(times_s) > 1 else None,
+                reference_row=(self._camera.height_px - 1) / 2,
+            )
+        return context
+
+    def _board(self, shot: Shot) -> Board:
+        config = self._scene_config(shot)
+        try:
+            return Board(tuple(config.inner_corners), float(config.square_mm))
+        except AttributeError:
+            assert shot.scene is not None
+            raise UserError(
+                Fault(shot.id, f"{shot.scene.use} is no board", "a scene with inner_corners and square_mm")
+            ) from None
+
+    def _edge_angle_deg(self, shot: Shot) -> float | None:
+        angle = getattr(self._scene_config(shot), "angle_deg", None)
+        return None if angle is None else float(angle)
+
+    def _scene_config(self, shot: Shot) -> Any:
+        assert shot.scene is not None
+        return part_of(shot.scene, "scene", self._plugins).config

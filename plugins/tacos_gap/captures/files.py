@@ -1,0 +1,186 @@
+"""The files a capture names, each with what is wrong with it."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.errors import Fault, UserError
+from tacos_gap.captures.images import read_array, read_image
+from tacos_framework.yaml_reader import Document
+
+PATCH_COLUMNS = ("x", "y", "width", "height", "r", "g", "b")
+"""Columns of a chart's table besides ``id``."""
+
+
+class CaptureFiles:
+    """Reads the files of captures and keeps every fault.
+
+    Parameters
+    ----------
+    folder
+        Where relative paths start.
+    document
+        ``captures.yaml``, which knows where each file is named.
+    channels
+        Channels of the camera.
+    """
+
+    def __init__(self, folder: Path, document: Document, channels: int):
+        self.folder = folder
+        self.channels = channels
+        self.faults: list[Fault] = []
+        self._document = document
+
+    def fault(self, path: tuple[str | int, ...], what: str, expected: str = "", remedy: str = "") -> None:
+        """Keep a fault of what stands at a path of the document."""
+        self.faults.append(Fault(self._document.where(path), what, expected, remedy))
+
+    def found(self, i: int, key: str, names: str | Sequence[str]) -> list[Path]:
+        """The paths of files and globs, those of a glob by name, 10 after 9."""
+        paths: list[Path] = []
+        for name in [names] if isinstance(names, str) else names:
+            if not any(sign in name for sign in "*?[") or _is_file(self.folder / name):
+                paths.append(self.folder / name)
+                continue
+            try:
+                matching = sorted(filter(Path.is_file, self.folder.glob(name)), key=_by_number)
+            except (ValueError, NotImplementedError) as error:
+                self.fault(("captures", i, key), f"{name!r} is no pattern for files: {error}")
+                continue
+            if not matching:
+                self.fault(("captures", i, key), f"no file matches {name!r}", f"files in {self.folder}")
+            paths += matching
+        return paths
+
+    def stack(
+        self, i: int, key: str, paths: Sequence[Path], shape: tuple[int, int]
+    ) -> NDArray[np.float32] | None:
+        """(N, H, W, C) images [DN]; None where one of them cannot be used, or there is none."""
+        where = self._document.where(("captures", i, key))
+        images = []
+        for path in paths:
+            try:
+                image = self._with_channels(read_image(path, where), path, where)
+            except UserError as error:
+                self.faults.extend(error.faults)
+                continue
+            if image.shape[:2] != shape:
+                height, width = image.shape[:2]
+                self.faults.append(
+                    Fault(
+                        where,
+                        f"{path.name} has {width} x {height} pixels",
+                        f"{shape[1]} x {shape[0]}",
+                        "Give the capture its own width_px and height_px, or correct the camera's.",
+                    )
+                )
+                continue
+            images.append(image.astype(np.float32))
+        return np.stack(images) if images and len(images) == len(paths) else None
+
+    def _with_channels(self, image: NDArray[Any], path: Path, where: str) -> NDArray[Any]:
+        given = image.shape[2]
+        if given == self.channels:
+            return image
+        if self.channels == 1 and (image == image[..., :1]).all():
+            return image[..., :1]
+        raise UserError(
+            Fault(where, f"{path.name} has {given} channels", str(self.channels), "Correct camera.channels.")
+        )
+
+    def array(
+        self, i: int, key: str, name: str | None, shape: tuple[int, ...], *, infinite: bool = False
+    ) -> NDArray[np.float64] | None:
+        """An array or image that begins with a shape; infinite values only where they have a meaning."""
+        if name is None:
+            return None
+        where = self._document.where(("captures", i, key))
+        path = self.folder / name
+        try:
+            numbers = path.suffix.lower() == ".npy" and _is_file(path)
+            array = read_array(path, where) if numbers else read_image(path, where)
+        except UserError as error:
+            self.faults.extend(error.faults)
+            return None
+        if array.shape[: len(shape)] != shape:
+            self.faults.append(Fault(where, f"{name} has the shape {array.shape}", f"{shape}"))
+            return None
+        values = array.astype(np.float64)
+        if np.isnan(values).any() or not (infinite or np.isfinite(values).all()):
+            self.faults.append(Fault(where, f"{name} holds NaN or infinite values", "finite numbers"))
+            return None
+        return values
+
+    def patches(
+        self, i: int, name: str, shape: tuple[int, int]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
+        """Boxes [px] and expected linear values [DN] of the patches of a chart."""
+        where = self._document.where(("captures", i, "chart"))
+        path = self.folder / name
+        rows, before = [], len(self.faults)
+        try:
+            for line, row in _lines(path):
+                try:
+                    rows.append(_patch(row, shape))
+                except ValueError as error:
+                    self.faults.append(Fault(f"{where}: {name}:{line}", str(error)))
+        except (OSError, ValueError, csv.Error) as error:
+            self.faults.append(
+                Fault(where, f"{name} cannot be read: {error}", ",".join(("id", *PATCH_COLUMNS)))
+            )
+        if len(self.faults) > before:
+            return None
+        if not rows:
+            self.faults.append(Fault(where, f"{name} lists no patch", ",".join(("id", *PATCH_COLUMNS))))
+            return None
+        boxes, colours = zip(*rows, strict=True)
+        return np.array(boxes, np.int64), np.array(colours, np.float64)
+
+
+def _by_number(path: Path) -> list[tuple[int, str]]:
+    """Sort key: names with their numbers as numbers."""
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"([0-9]+)", str(path))]
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name too long for any file
+        return False
+
+
+def _lines(path: Path) -> Iterator[tuple[int, dict[str, str | None]]]:
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        reader = csv.DictReader(file, skipinitialspace=True)
+        missing = [name for name in PATCH_COLUMNS if name not in (reader.fieldnames or ())]
+        if missing:
+            raise ValueError(f"there is no column {', '.join(missing)}")
+        for row in reader:
+            yield reader.line_num, row
+
+
+def _patch(row: dict[str, str | None], shape: tuple[int, int]) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    values = {}
+    for name in PATCH_COLUMNS:
+        text = row[name]
+        try:
+            values[name] = float(text) if text is not None else math.nan
+        except ValueError:
+            values[name] = math.nan
+        if not math.isfinite(values[name]):
+            raise ValueError(f"{name} is {text or 'empty'}, not a number")
+    x, y, width, height = box = tuple(round(values[name]) for name in PATCH_COLUMNS[:4])
+    if width < 1 or height < 1 or x < 0 or y < 0 or x + width > shape[1] or y + height > shape[0]:
+        raise ValueError(
+            f"the patch of {width} x {height} pixels at ({x}, {y}) is not inside the image of "
+            f"{shape[1]} x {shape[0]}"
+        )
+    return box, tuple(values[name] for name in PATCH_COLUMNS[4:])

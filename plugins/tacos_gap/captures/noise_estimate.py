@@ -1,0 +1,114 @@
+"""Noise of real frames, where the simulator's is unknown."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from tacos_gap.captures.capture import Noise
+
+BINS = 12
+_CENSORED = 0.6
+"""Share of zeros above which the lower half of the noise is taken to be cut off."""
+
+_NOISE_DN = 3.0
+_LAPLACIAN_GAIN = 36.0
+"""Sum of squares of the kernel [[1, -2, 1], [-2, 4, -2], [1, -2, 1]] (Immerkaer 1996)."""
+
+
+def estimate_noise(
+    real_dn: NDArray[np.float32],
+    expected_dn: NDArray[np.float32] | None,
+    valid: NDArray[np.bool_],
+    black_level_dn: float,
+    white_level_dn: float,
+    mosaic: bool = False,
+) -> Noise:
+    """A straight line through variance against signal, per channel.
+
+    Differences of frames give the variance where there are two; else a high-pass that lets no plane through
+    (Immerkaer 1996, "Fast noise variance estimation", CVIU 64(2)), by its median, so that edges count little.
+
+    Parameters
+    ----------
+    real_dn
+        (N, H, W, C) frames [DN].
+    expected_dn
+        Expected values, so that edges and mosaics are not taken for noise; None where there are none.
+    valid
+        (H, W) pixels that count.
+    black_level_dn, white_level_dn
+        Levels of the files [DN].
+    mosaic
+        Whether neighbours have other colours.
+    """
+    level = real_dn.mean(axis=0)
+    static = len(real_dn) > 1 and (expected_dn is None or len(expected_dn) == 1)
+    detail = real_dn[0] if expected_dn is None else real_dn[0] - expected_dn[0]
+    variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(detail, 2 if mosaic else 1)
+    white = 0.95 * white_level_dn
+    clipped = (level >= white) | (level <= 0) | ~valid[..., None]
+    if expected_dn is not None:
+        clipped |= expected_dn.mean(axis=0) >= white
+    if not static:
+        clipped = _near(clipped, 2 if mosaic else 1)
+    photon, thermal = [], []
+    for channel in range(real_dn.shape[-1]):
+        plane = real_dn[..., channel][:, valid]
+        if black_level_dn < 1 and plane.size and np.mean(plane == 0) > _CENSORED:
+            photon.append(0.0)
+            thermal.append(_censored_variance(plane))
+            continue
+        inside = ~clipped[..., channel]
+        signal = level[..., channel][inside] - black_level_dn
+        slope, intercept = _line(signal, variance[..., channel][inside], robust=not static)
+        photon.append(slope)
+        thermal.append(intercept)
+    return Noise(tuple(photon), tuple(thermal), known=False)
+
+
+def _censored_variance(samples: NDArray[np.float32]) -> float:
+    """Variance of noise around 0 of which rounding and clipping left few values above 0.
+
+    What is above a few digital numbers is a hot pixel, not noise.
+    """
+    share = float(np.mean((samples > 0) & (samples <= _NOISE_DN)))
+    above_half = float(np.clip(share, 1e-6, 0.45))
+    return float((0.5 / ndtri(1 - above_half)) ** 2)
+
+
+def _line(signal: NDArray[np.float32], variance: NDArray[np.float32], robust: bool) -> tuple[float, float]:
+    if signal.size < 100:
+        return 0.0, 1.0
+    edges = np.quantile(signal, np.linspace(0, 1, BINS + 1))
+    which = np.clip(np.searchsorted(edges, signal, side="right") - 1, 0, BINS - 1)
+    filled = [b for b in range(BINS) if (which == b).sum() >= 20]
+    x = np.array([signal[which == b].mean() for b in filled])
+    # the median of a squared Gaussian is 0.455 of its mean
+    middle = (lambda v: np.median(v) / 0.455) if robust else np.mean
+    y = np.array([middle(variance[which == b]) for b in filled])
+    if len(x) < 2 or np.ptp(x) < 5:
+        return 0.0, float(max(y.mean(), 0.01)) if len(y) else 1.0
+    slope, intercept = np.polyfit(x, y, 1, w=1 / np.maximum(y, 0.01))
+    slope = max(float(slope), 0.0)
+    return slope, float(max(intercept if slope else y.mean(), 0.01))
+
+
+def _near(pixels: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """(H, W, C) pixels, and those whose high-pass they enter."""
+    import cv2
+
+    size = 2 * reach + 1
+    grown = cv2.dilate(pixels.astype(np.uint8), np.ones((size, size), np.uint8))
+    return np.asarray(grown.reshape(pixels.shape), bool)
+
+
+def _high_pass_variance(frame: NDArray[np.float32], step: int) -> NDArray[np.float32]:
+    """(H, W, C) squared high-pass over neighbours `step` pixels away [DN^2]."""
+    import cv2
+
+    kernel = np.zeros((2 * step + 1, 2 * step + 1), np.float32)
+    kernel[::step, ::step] = [[1, -2, 1], [-2, 4, -2], [1, -2, 1]]
+    filtered = cv2.filter2D(frame, cv2.CV_32F, kernel, borderType=cv2.BORDER_REFLECT)
+    return np.asarray(filtered.reshape(frame.shape) ** 2 / _LAPLACIAN_GAIN, np.float32)

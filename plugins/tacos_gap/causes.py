@@ -1,0 +1,181 @@
+"""From the best explanation to causes: with probabilities, intervals and evidence, and as a set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tacos_gap.ambiguity import NextCapture, confused_with
+from tacos_gap.attribution import Attribution
+from tacos_gap.captures import Capture
+from tacos_gap.closure import bootstrap_interval, closure, shapley
+from tacos_gap.findings import Cause, Parameter, as_fine_as, short
+from tacos_gap.fit import Fitted
+from tacos_gap.intervals import half_widths
+from tacos_gap.parameters import Term, unit_of
+from tacos_gap.problem import Problem, bent
+from tacos_gap.unknown import Unexplained, block_index
+from tacos_framework.randomness import generator
+
+CONFIDENCE = 0.9
+"""Probability with which a set of causes is to hold the truth, and an interval its parameter."""
+
+_LARGEST_PROBABILITY = 0.99
+
+
+def causes_of(
+    problem: Problem, attribution: Attribution, left: Unexplained, captures: Sequence[Capture], seed: int
+) -> list[Cause]:
+    best = attribution.best
+    if not best.hypothesis:
+        return []
+    before = problem.gap(problem.null)
+    groups = block_index(problem)
+    half_width = half_widths(problem, best, CONFIDENCE)
+    values = _subset_closures(problem, best, before)
+    shares = shapley(best.names, lambda names: values[names])
+    interval = bootstrap_interval(
+        bent(problem.null) ** 2,
+        bent(best.held_out) ** 2,
+        problem.floor_size,
+        groups,
+        generator(seed, "closure"),
+    )
+    causes, start = [], 0
+    for term in best.hypothesis:
+        stop = start + len(term.free)
+        rest = tuple(name for name in best.names if name != term.name)
+        alone = values[(term.name,)]
+        own = values[best.names] - values[rest] if len(best.names) > 1 else values[best.names]
+        probabilities = slot_probabilities(attribution.slots[term.name])
+        rivals = sorted(
+            (n for n in probabilities if n not in ("", term.name)), key=lambda n: -probabilities[n]
+        )
+        alike = [name for name, _ in confused_with(term.name, captures)]
+        certainty = min(probabilities[term.name], _LARGEST_PROBABILITY)
+        if alike:
+            certainty = min(certainty, 1.0 / (1 + len(alike)))
+        near = [name for name in rivals if probabilities[name] > 0.05]
+        causes.append(
+            Cause(
+                effect=term.name,
+                probability=certainty * (1 - left.probability),
+                parameters=_parameters(term, half_width[start:stop]),
+                closure=values[best.names] if len(best.names) == 1 else own,
+                closure_interval=interval,
+                closure_alone=alone,
+                shapley=shares[term.name],
+                confused_with=tuple(dict.fromkeys([*alike, *near])),
+                evidence=_evidence(problem, best, term, rest, attribution),
+                settings=_settings(term),
+            )
+        )
+        start = stop
+    return sorted(causes, key=lambda cause: -cause.shapley)
+
+
+def _subset_closures(problem: Problem, best: Fitted, before: float) -> dict[tuple[str, ...], float]:
+    """Held-out closure of every subset of the effects, their parameters as fitted together."""
+    from itertools import combinations
+
+    values: dict[tuple[str, ...], float] = {(): 0.0}
+    for size in range(1, len(best.hypothesis) + 1):
+        for subset in combinations(best.hypothesis, size):
+            names = tuple(term.name for term in subset)
+            if names == best.names:
+                values[names] = closure(before, problem.gap(best.held_out))
+                continue
+            z = problem.residual(subset)
+            values[names] = 0.0 if z is None else closure(before, problem.gap(z))
+    return values
+
+
+def _parameters(term: Term, half_width: Any) -> dict[str, Parameter]:
+    found: dict[str, Parameter] = {}
+    settings = term.settings
+    reach = dict(zip(term.free, half_width, strict=True))
+    for name, value in settings.items():
+        if name in reach:
+            half = float(reach[name])
+            ends = (as_fine_as(half, value - half), as_fine_as(half, value + half))
+            found[name] = Parameter(as_fine_as(half, value), ends, unit_of(term.cls, name))
+        elif name == "matrix":
+            rows = [[short(v) for v in row] for row in value]
+            found[name] = Parameter(rows, None, unit_of(term.cls, name))
+        else:
+            found[name] = Parameter(value, None, unit_of(term.cls, name))
+    return found
+
+
+def _settings(term: Term) -> dict[str, Any]:
+    """Settings for a recipe, in plain numbers."""
+    plain: dict[str, Any] = {}
+    for name, value in term.settings.items():
+        if isinstance(value, tuple):
+            plain[name] = [[short(v) for v in row] for row in value]
+        else:
+            plain[name] = short(value) if isinstance(value, float) else value
+    return plain
+
+
+def _evidence(
+    problem: Problem, best: Fitted, term: Term, rest: tuple[str, ...], attribution: Attribution
+) -> str:
+    """The statistic that the effect explains most of, in a sentence."""
+    without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
+    scores = attribution.slots[term.name]
+    rivals = {name: score for name, score in scores.items() if name not in ("", term.name)}
+    second = max(rivals, key=lambda name: rivals[name]) if rivals else None
+    lead = f"; held out it beats {second} by {scores[term.name] - rivals[second]:.0f} nat" if second else ""
+    if without is None:
+        return f"The captures ask for it{lead}."
+    gain: dict[str, float] = {}
+    size: dict[str, tuple[float, float, int]] = {}
+    for label, a, b in zip(problem.labels, without, best.z, strict=True):
+        gain[label.statistic] = gain.get(label.statistic, 0.0) + float(
+            bent(np.array(a)) ** 2 - bent(np.array(b)) ** 2
+        )
+        x, y, n = size.get(label.statistic, (0.0, 0.0, 0))
+        size[label.statistic] = (x + float(a) ** 2, y + float(b) ** 2, n + 1)
+    top = max(gain, key=lambda name: gain[name])
+    x, y, n = size[top]
+    name = top.replace("_", " ").capitalize()
+    without_it, with_it = np.sqrt(x / n), np.sqrt(y / n)
+    return (
+        f"{name} differs by {without_it:.1f} times the floor without it and by {with_it:.1f} with it{lead}."
+    )
+
+
+# sets -----------------------------------------------------------------------------------------------------
+
+
+def slot_probabilities(scores: Mapping[str, float]) -> dict[str, float]:
+    """Probability of each effect in one place of the explanation, from log scores on held-out conditions."""
+    names = list(scores)
+    values = np.array([scores[name] for name in names])
+    weights = np.exp(np.clip(values - values.max(), -700, 0))
+    return dict(zip(names, (weights / weights.sum()).tolist(), strict=True))
+
+
+def cause_set_of(
+    causes: Sequence[Cause], attribution: Attribution, captures: Sequence[Capture]
+) -> tuple[tuple[str, ...], NextCapture | None]:
+    """The smallest set that holds the truth with `CONFIDENCE`, and a capture that would make it smaller."""
+    chosen: list[str] = []
+    wanted: NextCapture | None = None
+    for cause in causes:
+        probabilities = slot_probabilities(attribution.slots[cause.effect])
+        held = 0.0
+        for name in sorted(probabilities, key=lambda n: -probabilities[n]):
+            if name and name not in chosen:
+                chosen.append(name)
+            held += probabilities[name]
+            if held >= CONFIDENCE:
+                break
+        for other, capture in confused_with(cause.effect, captures):
+            wanted = wanted or capture
+            if other not in chosen:
+                chosen.append(other)
+    return tuple(chosen), wanted

@@ -1,0 +1,126 @@
+"""``tacos captures``: folders of captures, made by our simulator or checked."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tacos_framework.cli.exits import DONE
+from tacos_framework.errors import UserError
+
+if TYPE_CHECKING:
+    from tacos_gap.captures import Capture, CaptureFolder
+
+
+def add_commands(commands: Any) -> None:
+    """Add ``captures`` to the commands of ``tacos``."""
+    captures = commands.add_parser("captures", help="folders of captures: simulate one, check one")
+    actions = captures.add_subparsers(dest="action", required=True, metavar="ACTION")
+    simulate = actions.add_parser("simulate", help="make a folder of captures from our simulator")
+    simulate.add_argument(
+        "recipe", metavar="RECIPE", help="path of a bench recipe, or name of a shipped one: bench"
+    )
+    simulate.add_argument("--out", metavar="DIR", type=Path, required=True, help="the folder, new or empty")
+    simulate.add_argument(
+        "--with",
+        metavar="FILE",
+        dest="effects",
+        action="append",
+        default=[],
+        help="effects of the real camera, listed in a YAML file; repeatable",
+    )
+    simulate.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="sets",
+        action="append",
+        default=[],
+        help="set a key of the recipe, dotted; repeatable",
+    )
+    simulate.add_argument("--seed", metavar="N", type=int, help="seed, instead of the recipe's")
+    simulate.add_argument("--quiet", action="store_true", help="no progress bar")
+    check = actions.add_parser("check", help="check a folder; say what it holds and what it cannot tell")
+    check.add_argument("folder", metavar="DIR", type=Path, help="folder with captures.yaml")
+
+
+def captures(arguments: argparse.Namespace) -> int:
+    """Run the chosen action."""
+    return _simulate(arguments) if arguments.action == "simulate" else _check(arguments)
+
+
+def _simulate(arguments: argparse.Namespace) -> int:
+    from tacos_framework.cli import run
+    from tacos_gap.bench.rendering import not_of_a_bench
+    from tacos_framework.loading import read_any_recipe
+    from tacos_framework.procedure import ProcedureRecipe
+
+    recipe, _ = read_any_recipe(arguments.recipe)
+    if not isinstance(recipe, ProcedureRecipe) or "captures" not in recipe.settings:
+        raise UserError(not_of_a_bench(arguments.recipe))
+    options = [f"--out={arguments.out}", *(f"--with={file}" for file in arguments.effects)]
+    options += [f"--set={given}" for given in arguments.sets]
+    options += ["--quiet"] if arguments.quiet else []
+    options += [] if arguments.seed is None else [f"--seed={arguments.seed}"]
+    return run.main([arguments.recipe, *options])
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    from tacos_gap.bench import recipe_renderer
+    from tacos_gap.captures import read_captures
+    from tacos_framework.plugins import Plugins
+
+    folder = read_captures(arguments.folder, recipe_renderer(Plugins.discover()))
+    print("\n".join(described(folder)))
+    return DONE
+
+
+def described(folder: CaptureFolder) -> Iterator[str]:
+    """What a folder holds, and what it cannot tell."""
+    from tacos_gap.captures.coverage import untold
+
+    first = folder.captures[0]
+    geometry, context = first.geometry, first.context
+    kind = context.cfa or {1: "mono", 3: "RGB"}[first.real_dn.shape[-1]]
+    yield (
+        f"{folder.path}: {len(folder.captures)} captures by a sensor of "
+        f"{geometry.full_width_px} x {geometry.full_height_px}, {kind}, "
+        f"{context.black_level_dn:g} to {context.white_level_dn:g} DN"
+    )
+    yield ""
+    rows = [("id", "kind", "frames", "ms", "dB", "mean DN", "expected"), *map(_row, folder.captures)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    for row in rows:
+        left = [cell.ljust(width) for cell, width in zip(row[:2], widths, strict=False)]
+        right = [cell.rjust(width) for cell, width in zip(row[2:], widths[2:], strict=True)]
+        yield "  ".join([*left, *right])
+    if folder.limitations:
+        yield from ("", "Limitations")
+        yield from (f"  {text}" for text in _gathered(folder.limitations))
+    if lacking := list(untold(folder.captures)):
+        yield from ("", "What these captures cannot tell, and what would")
+        yield from (f"  {', '.join(effects)}: {remedy}" for effects, remedy in lacking)
+
+
+def _gathered(limitations: Iterable[str]) -> Iterator[str]:
+    """Each limitation once, with the names of all captures it is said of."""
+    captures_of: dict[str, list[str]] = {}
+    for limitation in limitations:
+        name, _, text = limitation.partition(": ")
+        captures_of.setdefault(text, []).append(name)
+    for text, names in captures_of.items():
+        yield f"{', '.join(names)}: {text}"
+
+
+def _row(capture: Capture) -> tuple[str, ...]:
+    expected = "-" if capture.expected_dn is None else f"{capture.expected_dn.mean():.1f}"
+    return (
+        capture.id,
+        capture.kind,
+        str(capture.frames),
+        f"{capture.context.exposure_s * 1e3:g}" if capture.exposure_stated else "?",
+        f"{capture.context.gain_db:g}",
+        f"{capture.real_dn.mean():.1f}",
+        expected,
+    )

@@ -1,0 +1,173 @@
+"""The whole diagnosis, from captures to causes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from tacos_gap.attribution import Attribution, Search
+from tacos_gap.boards import BoardEvidence, find_corners
+from tacos_gap.captures import Capture, CaptureFolder
+from tacos_gap.captures.sharp_edges import with_sharp_edges
+from tacos_gap.causes import cause_set_of, causes_of
+from tacos_gap.closure import closure
+from tacos_gap.evidence import Evidence, ImageEvidence
+from tacos_gap.findings import Cause, Diagnosis
+from tacos_gap.fit import Fitted
+from tacos_gap.locate import locate
+from tacos_gap.next_capture import best_capture
+from tacos_gap.parameters import Term
+from tacos_gap.problem import Problem, bent
+from tacos_gap.unknown import Unexplained, block_index, unexplained
+from tacos_framework.randomness import generator
+
+ENOUGH_PIXELS = 500_000
+"""Repeated frames beyond so many pixels in all tell little that others do not, and cost as much."""
+
+LEAST_BESIDE_UNKNOWN = 0.1
+"""Share of the gap that an effect must remove to be named where something unknown is at work."""
+
+Notify = Callable[[str], None]
+
+
+def diagnose(
+    folder: CaptureFolder,
+    effects: Mapping[str, type[Any]],
+    *,
+    seed: int = 0,
+    workers: int = 2,
+    notify: Notify | None = None,
+) -> Diagnosis:
+    """Find what parts a simulation from a real camera.
+
+    Parameters
+    ----------
+    folder
+        The captures.
+    effects
+        Candidate causes: name (without ``effect.``) and class.
+    seed
+        Seeds the simulations.
+    workers
+        Threads.
+    notify
+        Told what is being done.
+    """
+    tell = notify or (lambda text: None)
+    tell("measuring the captures")
+    evidence, limitations = gather(folder, seed, workers)
+    problem = Problem(evidence)
+    tell("trying effects")
+    attribution = Search(problem, effects, workers, tell).run()
+    best, problem = attribution.best, attribution.problem
+    left = unexplained(problem, problem.judged(best.hypothesis))
+    tell("how far the gap shrinks")
+    causes = causes_of(problem, attribution, left, folder.captures, seed)
+    if left.probability >= 0.5:  # a little of everything fits what nothing explains
+        causes = [cause for cause in causes if cause.shapley >= LEAST_BESIDE_UNKNOWN]
+    before, after = problem.gap(problem.null), problem.gap(best.held_out)
+    cause_set, wanted = cause_set_of(causes, attribution, folder.captures)
+    if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
+        wanted = best_capture(folder.captures, _rival_hypotheses(attribution, cause_set), seed)
+    return Diagnosis(
+        verdict=_verdict(causes, before, after, left),
+        gap_before=before,
+        gap_after=after,
+        gap_interval=_gap_interval(problem, best, seed),
+        where=locate(problem, problem.null),
+        causes=causes,
+        cause_set=cause_set,
+        unknown=left,
+        next_capture=wanted,
+        below_floor=_below_floor(attribution, causes),
+        placebo=_placebo(problem, attribution),
+        limitations=(*folder.limitations, *limitations),
+        problem=problem,
+        attribution=attribution,
+    )
+
+
+def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
+    """Evidence of every capture that bears on anything, and why others do not."""
+    with ThreadPoolExecutor(workers) as pool:
+        found = list(pool.map(lambda capture: _evidence_of(capture, seed), folder.captures))
+    evidence = [each for each in found if not isinstance(each, str)]
+    return evidence, [text for text in found if isinstance(text, str) and text]
+
+
+def _evidence_of(capture: Capture, seed: int) -> Evidence | str:
+    """The evidence of a capture, or in a sentence why there is none; empty where that was said on reading."""
+    if capture.kind == "board":
+        corners = find_corners(capture)
+        if corners is None:
+            return f"{capture.id}: the board's corners were not found; it is left out."
+        return BoardEvidence(capture, corners, seed)
+    if capture.expected_dn is None:
+        capture = with_sharp_edges(capture)
+    if not capture.valid.any():
+        return ""
+    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed)
+
+
+def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:
+    if not causes:
+        return "unknown" if left.probability >= 0.5 else "no_gap"
+    if left.probability < 0.5:
+        return "explained"
+    return "partly_explained" if closure(before, after) >= 0.5 else "unknown"
+
+
+def _rival_hypotheses(attribution: Attribution, cause_set: Sequence[str]) -> list[tuple[Term, ...]]:
+    """The best explanation, and those with another member of the set in it."""
+    best = attribution.best.hypothesis
+    rivals = [best]
+    for names, fitted in attribution.fits.items():
+        differs = set(names) - {term.name for term in best}
+        if len(names) == len(best) and len(differs) == 1 and differs <= set(cause_set):
+            rivals.append(fitted.hypothesis)
+    return rivals
+
+
+def _below_floor(attribution: Attribution, causes: Sequence[Cause]) -> tuple[str, ...]:
+    """Effects that fit a little better than nothing, but gain too little to be believed."""
+    found = {cause.effect for cause in causes}
+    base = attribution.best.score
+    small = []
+    for names, fitted in attribution.fits.items():
+        added = set(names) - found
+        if found <= set(names) and len(added) == 1 and fitted.score - base > 1.0:
+            small += sorted(added)
+    return tuple(dict.fromkeys(small))
+
+
+def _placebo(problem: Problem, attribution: Attribution) -> tuple[str, float] | None:
+    """The closure of a wrong effect as flexible as the best cause: what flexibility alone would buy."""
+    if not attribution.best.hypothesis:
+        return None
+    first = attribution.best.hypothesis[0]
+    before = problem.gap(problem.null)
+    members = set(attribution.best.names)
+    singles = [f for names, f in attribution.fits.items() if len(names) == 1 and not members & set(names)]
+    singles = [f for f in singles if f.hypothesis[0].cls.stage != first.cls.stage]
+    if not singles:
+        return None
+    alike = min(singles, key=lambda f: abs(len(f.hypothesis[0].free) - len(first.free)))
+    return alike.names[0], closure(before, problem.gap(alike.held_out))
+
+
+def _gap_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:
+    """90 % interval of the gap that is left, over resampled statistics."""
+    groups = block_index(problem)
+    if not len(groups):
+        return 0.0, 0.0
+    rng = generator(seed, "gap interval")
+    count = int(groups.max()) + 1
+    sums = np.bincount(groups, bent(best.held_out) ** 2, count)
+    sizes = np.bincount(groups, minlength=count)
+    drawn = rng.integers(count, size=(200, count))
+    gaps = np.sqrt(sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1)) / problem.floor_size
+    low, high = np.percentile(gaps, (5, 95))
+    return float(low), float(high)

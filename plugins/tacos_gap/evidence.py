@@ -1,0 +1,209 @@
+"""Captures turned into standardised differences between the real camera and a simulation of it.
+
+The floor is the simulator's own: the same captures simulated many times over with other noise. What differs
+by less than that, or by less than the amplitude a statistic names as nobody's concern, is no gap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures import Capture
+from tacos_gap.formation import LIGHT, applied, simulate
+from tacos_gap.statistics import Block, Sample, measure
+from tacos_framework.randomness import generator
+
+REPLICATES = 16
+"""Simulations of each capture that the floor is made of."""
+
+JUDGES = 16
+"""Simulations that the floor of a hypothesis is made of."""
+
+SPREAD_OF_ONE = 1.5
+"""Variance of real less simulated over that of real alone: the simulated mean is not known exactly."""
+
+
+@dataclass(frozen=True)
+class Label:
+    """What one number of the evidence is."""
+
+    capture: str
+    kind: str
+    statistic: str
+    stage: str
+    at: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """Residuals against the floor of a hypothesis rather than that of the simulator as it is.
+
+    Parameters
+    ----------
+    z
+        (K,) residuals [floor].
+    floor
+        (B, K) the hypothesis against itself [floor].
+    scale
+        (K,) this floor over the simulator's own, at least 1.
+    """
+
+    z: NDArray[np.float64]
+    floor: NDArray[np.float64]
+    scale: NDArray[np.float64]
+
+
+class Evidence(Protocol):
+    """What one or several captures say of a hypothesis."""
+
+    @property
+    def labels(self) -> Sequence[Label]:
+        """What each number is."""
+        ...
+
+    @property
+    def floor(self) -> NDArray[np.float64]:
+        """(B, K) the numbers when the simulator stands against itself."""
+        ...
+
+    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
+        """(K,) real less the mean of so many simulations with these effects, in units of the floor."""
+        ...
+
+    def judged(self, effects: Sequence[Any]) -> Judged:
+        """Residuals and floor when these effects are part of the simulator."""
+        ...
+
+
+class ImageEvidence:
+    """Statistics of a capture with expected values.
+
+    Parameters
+    ----------
+    capture
+        The capture.
+    seed
+        Seeds the noise of the simulations.
+    replicates
+        Simulations the floor is made of.
+    """
+
+    def __init__(self, capture: Capture, seed: int, replicates: int = REPLICATES):
+        assert capture.expected_dn is not None
+        self.capture = capture
+        self._seed = seed
+        blocks = measure(Sample(capture, capture.real_dn, capture.expected_dn))
+        self.labels = [
+            Label(capture.id, capture.kind, block.statistic, block.stage, at)
+            for block in blocks
+            for at in block.at
+        ]
+        self.real = _values(blocks)
+        draws = np.stack([self._simulated((), draw) for draw in range(replicates)])
+        self._draws = draws
+        self.mean = draws.mean(axis=0)
+        self._blocks = blocks
+        self._amplitude = np.concatenate([np.broadcast_to(b.amplitude, b.values.shape) for b in blocks])
+        self.sigma = self._sigma(draws)
+        self._level = self._level_direction()
+        self.floor = np.stack([self._without_level((draw - self.mean) / self.sigma) for draw in draws])
+
+    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
+        """See `Evidence`. Hypotheses share their noise, so that they differ by their effects alone."""
+        expected = self.mean
+        if effects and not self._untouched(effects):
+            changes = [self._simulated(effects, draw) - self._draws[draw] for draw in range(draws)]
+            expected = self.mean + np.mean(changes, axis=0)
+        return self._without_level((self.real - expected) / self.sigma)
+
+    def judged(self, effects: Sequence[Any]) -> Judged:
+        """See `Evidence`: where an effect takes detail away, noise is larger in proportion."""
+        if not effects or self._untouched(effects):
+            return Judged(self.residual(effects), self.floor, np.ones_like(self.sigma))
+        draws = np.stack([self._simulated(effects, draw) for draw in range(JUDGES)])
+        sigma = np.maximum(self._sigma(draws), self.sigma)
+        mean = draws.mean(axis=0)
+        return Judged(
+            self._without_level((self.real - mean) / sigma),
+            np.stack([self._without_level((draw - mean) / sigma) for draw in draws]),
+            sigma / self.sigma,
+        )
+
+    def _sigma(self, draws: NDArray[np.float64]) -> NDArray[np.float64]:
+        spread = _steadied(draws.std(axis=0, ddof=1), self._blocks)
+        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._amplitude**2))
+
+    def simulated(self, effects: Sequence[Any]) -> NDArray[np.float64]:
+        """(K,) the statistics a simulation with these effects gives, with the noise of the first draw."""
+        return self._simulated(effects, 0)
+
+    def _simulated(self, effects: Sequence[Any], draw: int) -> NDArray[np.float64]:
+        rng = generator(self._seed, "gap", self.capture.id, draw)
+        capture = self.capture
+        frames = simulate(capture, effects, rng)
+        assert capture.expected_dn is not None
+        expected = capture.expected_dn
+        if capture.expected_frames:
+            black = np.float32(capture.context.black_level_dn)
+            spread = np.sqrt(capture.noise.variance_dn2(expected - black) / capture.expected_frames)
+            expected = expected + rng.standard_normal(expected.shape, dtype=np.float32) * spread
+        return _values(measure(Sample(capture, frames, expected)))
+
+    def _untouched(self, effects: Sequence[Any]) -> bool:
+        """Whether effects on light leave this capture as it is: all of them do in the dark."""
+        if any(effect.stage not in LIGHT for effect in effects):
+            return False
+        assert self.capture.expected_dn is not None
+        light = self.capture.expected_dn - np.float32(self.capture.context.black_level_dn)
+        if not light.any():
+            return True
+        if light.min() != light.max():
+            return False
+        rng = generator(self._seed, "untouched")
+        for effect in effects:
+            changed = applied(effect, light, self.capture, rng)
+            if changed is not light and not np.allclose(changed, light, rtol=1e-6):
+                return False
+        return True
+
+    def _level_direction(self) -> NDArray[np.float64] | None:
+        """How the numbers move when the light is stronger by one `level_uncertainty`."""
+        share = self.capture.level_uncertainty
+        if not share:
+            return None
+        assert self.capture.expected_dn is not None
+        black = np.float32(self.capture.context.black_level_dn)
+        brighter = replace(
+            self.capture, expected_dn=(self.capture.expected_dn - black) * np.float32(1 + share) + black
+        )
+        rng = generator(self._seed, "gap", self.capture.id, 0)
+        frames = simulate(brighter, (), rng)
+        moved = _values(measure(Sample(self.capture, frames, self.capture.expected_dn)))
+        return np.asarray((moved - self._draws[0]) / self.sigma)
+
+    def _without_level(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Whiten by the uncertain level: along its direction d the variance is 1 + d.d rather than 1."""
+        if self._level is None or not (size := float(self._level @ self._level)):
+            return z
+        along = float(self._level @ z) / size
+        return z - self._level * along * (1 - 1 / np.sqrt(1 + size))
+
+
+def _values(blocks: Sequence[Block]) -> NDArray[np.float64]:
+    return np.concatenate([block.values for block in blocks]) if blocks else np.zeros(0)
+
+
+def _steadied(spread: NDArray[np.float64], blocks: Sequence[Block]) -> NDArray[np.float64]:
+    """Standard deviations from few draws, none far below the middle one of its block."""
+    steady = []
+    start = 0
+    for block in blocks:
+        part = spread[start : start + len(block.values)]
+        start += len(part)
+        steady.append(np.maximum(part, 0.6 * np.median(part)) if len(part) else part)
+    return np.concatenate(steady) if steady else spread

@@ -1,0 +1,153 @@
+"""What a diagnosis found, and as what it is written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from tacos_gap.ambiguity import NextCapture
+from tacos_gap.attribution import Attribution
+from tacos_gap.closure import closure
+from tacos_gap.locate import Place
+from tacos_gap.problem import Problem
+from tacos_gap.unknown import Unexplained
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted parameter with its 90 % interval; `interval` is None for one that was chosen, not fitted."""
+
+    value: Any
+    interval: tuple[float, float] | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect that the captures support."""
+
+    effect: str
+    probability: float
+    parameters: Mapping[str, Parameter]
+    closure: float
+    closure_interval: tuple[float, float]
+    closure_alone: float
+    shapley: float
+    confused_with: tuple[str, ...]
+    evidence: str
+    settings: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What was found; `as_data` gives ``diagnosis.json``.
+
+    `problem` and `attribution` hold all numbers behind it, for the report.
+    """
+
+    verdict: str
+    gap_before: float
+    gap_after: float
+    gap_interval: tuple[float, float]
+    where: Sequence[Place]
+    causes: Sequence[Cause]
+    cause_set: tuple[str, ...]
+    unknown: Unexplained
+    next_capture: NextCapture | None
+    below_floor: tuple[str, ...]
+    placebo: tuple[str, float] | None
+    limitations: tuple[str, ...]
+    problem: Problem
+    attribution: Attribution
+    task: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def as_data(self) -> dict[str, Any]:
+        """``diagnosis.json`` as plain data."""
+        return {
+            "verdict": self.verdict,
+            "gap": {
+                "before": _round(self.gap_before),
+                "after": _round(self.gap_after),
+                "floor": 1.0,
+                "unit": "floor",
+                "ci": [_round(end) for end in self.gap_interval],
+            },
+            "where": [
+                {
+                    "stage": place.stage,
+                    "statistic": place.statistic,
+                    "z": _round(place.z),
+                    "share": _round(place.share),
+                    "at": place.at,
+                    "captures": list(place.captures),
+                }
+                for place in self.where
+            ],
+            "causes": [_cause_as_data(cause) for cause in self.causes],
+            "cause_set": list(self.cause_set),
+            "unknown": {"probability": self.unknown.probability, "where": self.unknown.where},
+            "next_capture": self.next_capture
+            and {"kind": self.next_capture.kind, "why": self.next_capture.why},
+            "below_floor": list(self.below_floor),
+            "placebo": self.placebo and {"effect": self.placebo[0], "closure": _round(self.placebo[1])},
+            "task": {name: dict(values) for name, values in self.task.items()},
+            "limitations": list(self.limitations),
+        }
+
+    @property
+    def closure(self) -> float:
+        """Share of the gap that all causes together remove, held out."""
+        return closure(self.gap_before, self.gap_after)
+
+    @property
+    def patch(self) -> list[dict[str, Any]]:
+        """The causes as effects of a recipe."""
+        return [{"use": f"effect.{cause.effect}", **cause.settings} for cause in self.causes]
+
+
+def _cause_as_data(cause: Cause) -> dict[str, Any]:
+    return {
+        "effect": cause.effect,
+        "probability": _round(cause.probability),
+        "parameters": {
+            name: {
+                "value": parameter.value,
+                **({"ci": list(parameter.interval)} if parameter.interval else {}),
+                "unit": parameter.unit,
+            }
+            for name, parameter in cause.parameters.items()
+        },
+        "closure": {
+            "value": _round(cause.closure),
+            "ci": [_round(end) for end in cause.closure_interval],
+            "held_out": True,
+        },
+        "closure_if_added_alone": _round(cause.closure_alone),
+        "shapley": _round(cause.shapley),
+        "confused_with": list(cause.confused_with),
+        "evidence": cause.evidence,
+    }
+
+
+def _round(value: float) -> float:
+    return round(float(value), 3)
+
+
+def short(value: float) -> float:
+    """Five significant digits."""
+    return float(f"{value:.5g}")
+
+
+def as_fine_as(width: float, value: float) -> float:
+    """A value to three digits of a width.
+
+    Examples
+    --------
+    >>> as_fine_as(0.00004812, 1.003212345)
+    1.0032123
+    """
+    if not (math.isfinite(width) and width > 0):
+        return short(value)
+    return round(float(value), 2 - math.floor(math.log10(width)))

@@ -1,0 +1,187 @@
+"""What parts a simulation from a real camera: where, why, and what closes the gap."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import JsonValue
+
+from tacos_framework.contracts import Executor
+from tacos_framework.errors import Fault, UserError
+from tacos_gap.bench import recipe_renderer
+from tacos_gap.captures import read_captures
+from tacos_gap.diagnosis import diagnose
+from tacos_gap.findings import Diagnosis
+from tacos_framework.plugins import Plugins
+from tacos_framework.progress import Progress
+from tacos_gap.report.page import Circumstances, page
+from tacos_framework.report.page import write_page
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import ContextMissing
+from tacos_framework.yaml_writer import to_yaml
+from tacos_gap.procedures.decision import Question, decide
+from tacos_gap.procedures.task_scores import task_scores
+
+NOT_CAUSES = ("auto-exposure",)
+"""Effects that are a camera's control loop rather than a flaw of a capture."""
+
+
+class Diagnose:
+    """Compares real captures with what a simulator expects, and names the effects it leaves out.
+
+    Writes ``diagnosis.json`` (what was found), ``patched.yaml`` (the causes, as effects to add to a recipe by
+    ``--with``) and ``report.html``. With `study` it also says whether that study would rank its cameras
+    otherwise once the causes are simulated.
+    """
+
+    class Config(Settings):
+        """Settings of the diagnosis."""
+
+        captures: str = setting("captures", help="Folder of captures.", min_length=1, is_path=True)
+        without: tuple[str, ...] = setting((), help="Effects that are not to be considered, by name.")
+        workers: int = setting(2, help="Threads.", ge=1)
+        study: str = setting(
+            "",
+            help="A study (path or name) whose cameras are ranked without and with the causes.",
+            is_path=True,
+        )
+        change: dict[str, JsonValue] = setting(
+            {}, help="Keys of that study's recipe to change, as with --set, e.g. {rig.binning: 8}."
+        )
+        evaluations: int = setting(
+            4, help="Evaluations of what each of its off-the-shelf cameras leaves free, at least.", ge=1
+        )
+        design: int = setting(
+            0, help="Evaluations to design a camera with in it; 0 leaves the designed camera out.", ge=0
+        )
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def run(
+        self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress
+    ) -> Mapping[str, Any]:
+        """Diagnose, and write what was found."""
+        began = time.monotonic()
+        effects = candidate_effects(plugins, self.config.without)
+        question = self._question(plugins)
+        progress.phase("Reading captures", None)
+        folder = read_captures(self.config.captures, recipe_renderer(plugins))
+        progress.step(f"{len(folder.captures)} captures")
+        progress.phase("Looking for causes", None)
+        diagnosis = diagnose(folder, effects, seed=seed, workers=self.config.workers, notify=progress.step)
+        causes = [effect for term in diagnosis.attribution.best.hypothesis if (effect := term.make())]
+        progress.phase("Scoring a task", None)
+        scores = task_scores(folder.captures, causes, plugins, seed)
+        diagnosis = replace(diagnosis, task=scores)
+        progress.step(", ".join(scores) or "no captures it could be scored on")
+        data = diagnosis.as_data()
+        patch = patched(diagnosis)
+        _write(out, data, patch)
+        decision: dict[str, Any] = {}
+        if question is not None and diagnosis.causes:
+            try:
+                decision = decide(question, diagnosis.patch, plugins, executor, progress)
+            except ContextMissing as missing:
+                why = f"{question.study} cannot be run with the causes: {missing}."
+                diagnosis = replace(diagnosis, limitations=(*diagnosis.limitations, why))
+            data = {**diagnosis.as_data(), "decision": decision}
+            _write(out, data, patch)
+        progress.phase("Drawing the report", None)
+        run = Circumstances(
+            seed=seed,
+            command=self._command(seed),
+            patch=patch,
+            seconds=time.monotonic() - began,
+            without=self.config.without,
+            decision=decision,
+        )
+        write_page(out / "report.html", page(diagnosis, folder, run))
+        return {"diagnosis": data, "summary": summary(diagnosis, decision)}
+
+    def _question(self, plugins: Plugins) -> Question | None:
+        """The study to decide on, its recipe checked before any work."""
+        if not self.config.study:
+            return None
+        config = self.config
+        question = Question(config.study, config.change, config.evaluations, config.design)
+        question.plan(plugins)
+        return question
+
+    def _command(self, seed: int) -> str:
+        """What to type to run it again: every setting that is not its default."""
+        default = Diagnose.Config().model_dump(mode="json")
+        words = ["tacos-run", "diagnose"]
+        for name, value in self.config.model_dump(mode="json").items():
+            if value != default[name]:
+                words += ["--set", f"{name}={json.dumps(value) if not isinstance(value, str) else value}"]
+        return shlex.join([*words, "--seed", str(seed), "--out", "out"])
+
+
+def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
+    (out / "diagnosis.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    (out / "patched.yaml").write_text(patch, "utf-8")
+
+
+def candidate_effects(plugins: Plugins, without: tuple[str, ...] = ()) -> dict[str, type[Any]]:
+    """Every installed effect that can be a cause, by name.
+
+    Raises
+    ------
+    UserError
+        When an effect of `without` is not installed.
+    """
+    names = {
+        r.component.name
+        for r in plugins
+        if r.component.kind == "effect" and not r.component.missing_packages()
+    }
+    if unknown := [name for name in without if name not in names]:
+        raise UserError(
+            Fault("without", f"no effect is called {', '.join(unknown)}", ", ".join(sorted(names)))
+        )
+    chosen = sorted(names - set(without) - set(NOT_CAUSES))
+    return {name: plugins.resolve(f"effect.{name}") for name in chosen}
+
+
+def patched(diagnosis: Diagnosis) -> str:
+    """``patched.yaml``: the causes as effects of a recipe."""
+    head = "# Effects that close the gap; add them to a recipe: tacos-run RECIPE --with patched.yaml\n"
+    return head + to_yaml(diagnosis.patch, flow_style=None)
+
+
+def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> str:
+    """What was found, in a few lines."""
+    said = {
+        "no_gap": "No gap: the captures differ from the simulation by no more than its own noise.",
+        "explained": "Explained.",
+        "partly_explained": "Partly explained: something outside the catalogue of effects remains.",
+        "unknown": "Unknown: the cause lies outside the catalogue of effects.",
+    }
+    lines = [said[diagnosis.verdict]]
+    for cause in diagnosis.causes:
+        values = ", ".join(
+            f"{name} {p.value}{'' if p.unit == '1' else f' {p.unit}'}" for name, p in cause.parameters.items()
+        )
+        lines.append(f"  {cause.effect} ({cause.probability:.0%}): {values}")
+        lines.append(f"      closes {cause.closure:.0%} of the gap on what it was not fitted to")
+    more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
+    if more:
+        lines.append(f"  cannot be told from: {', '.join(more)}")
+    lines.append(f"Gap: {diagnosis.gap_before:.1f} before, {diagnosis.gap_after:.1f} after, floor 1.")
+    for score, found in diagnosis.task.items():
+        lines.append(
+            f"{score}: {found['real']:.4g} on real frames, {found['sim_before']:.4g} on simulated ones, "
+            f"{found['sim_after']:.4g} with the causes."
+        )
+    if decision:
+        lines.append(str(decision["sentence"]))
+    if diagnosis.next_capture:
+        lines.append(f"Capture next: {diagnosis.next_capture.kind}; {diagnosis.next_capture.why}.")
+    return "\n".join(lines)

@@ -1,0 +1,46 @@
+"""Parameters that are not needed go back to neutral, so that the others mean what they say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tacos_gap.fit import Fitted, fit
+from tacos_gap.problem import Hypothesis, Problem, bent
+
+REFITTED = 2
+"""How many candidates for going are tried, the least missed first."""
+
+
+def pruned(problem: Problem, fitted: Fitted, least: float) -> Fitted:
+    """A fit without the parameters that are worth less than `least` each on held-out conditions [nat]."""
+    while True:
+        fewer = [fit(problem, hypothesis) for hypothesis in _with_one_less(fitted)[:REFITTED]]
+        kept = [f for f in fewer if f is not None and f.score > fitted.score - least]
+        if not kept:
+            return fitted
+        fitted = max(kept, key=lambda f: f.score)
+
+
+def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
+    """The hypothesis with one parameter at neutral for good, the least missed first (to first order)."""
+    found: list[tuple[float, Hypothesis]] = []
+    column = 0
+    straight = bent(fitted.z)
+    for position, term in enumerate(fitted.hypothesis):
+        for name in term.free:
+            k, column = column, column + 1
+            neutral = term.cls.neutral.get(name)
+            movable = [n for n in term.free if isinstance(term.cls.neutral.get(n), float)]
+            if not isinstance(neutral, float) or len(movable) < 2:
+                continue
+            others = np.delete(fitted.jacobian, k, axis=1)
+            moved = straight + fitted.jacobian[:, k] * (neutral - term.values[name]) / fitted.steps[k]
+            moved = moved - others @ np.linalg.lstsq(others, moved, rcond=None)[0]
+            values = {**term.values, name: neutral}
+            free = {n: step for n, step in term.free.items() if n != name}
+            fewer = list(fitted.hypothesis)
+            fewer[position] = replace(term, values=values, free=free)
+            found.append((float(np.sum(moved**2)), tuple(fewer)))
+    return [hypothesis for _, hypothesis in sorted(found, key=lambda pair: pair[0])]

@@ -1,0 +1,168 @@
+"""Bars of what was found: probabilities of the causes, and how much of the gap each closes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from tacos_gap.causes import slot_probabilities
+from tacos_gap.findings import Diagnosis
+from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_gap.report.series import AFTER, BEFORE
+from tacos_gap.report.words import share
+from tacos_framework.report.palette import DOT, INK, MUTED, RULE, TERMS
+from tacos_framework.report.quantities import number
+
+_LEAST_SHOWN = 0.005
+_RIVALS = 3
+
+
+def probabilities(diagnosis: Diagnosis) -> str:
+    """SVG of a bar per cause, its nearest rivals below it, and *unknown* last."""
+    rows: list[tuple[str, float, str]] = []  # name, probability, colour
+    for cause in diagnosis.causes:
+        rows.append((cause.effect, cause.probability, AFTER))
+        places = slot_probabilities(diagnosis.attribution.slots.get(cause.effect, {}))
+        rivals = sorted((n for n in places if n not in ("", cause.effect)), key=lambda n: -places[n])
+        near = [n for n in rivals if places[n] >= _LEAST_SHOWN]
+        alike = [n for n in cause.confused_with if n not in near]
+        rows += [(f"or {n}", min(places.get(n, 0.0), 1 - cause.probability), DOT) for n in near[:_RIVALS]]
+        rows += [(f"or {n}", cause.probability, DOT) for n in alike]
+    rows.append(("something unknown", diagnosis.unknown.probability, TERMS[5]))
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        for place, (_, probability, colour) in enumerate(rows):
+            axes.barh(place, 1.0, color=RULE, alpha=0.35, height=0.62)
+            axes.barh(place, probability, color=colour, height=0.62)
+            weight = "bold" if colour == AFTER else "normal"
+            text = "less than 1 %" if probability < _LEAST_SHOWN else f"{100 * probability:.0f} %"
+            axes.text(1.015, place, text, va="center", color=INK, fontweight=weight)
+        axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+        for label, (_, _, colour) in zip(axes.get_yticklabels(), rows, strict=True):
+            label.set(
+                color=INK if colour == AFTER else MUTED,
+                fontweight="bold" if colour == AFTER else "normal",
+                fontsize=10,
+            )
+        axes.set(xlim=(0, 1.14), ylim=(len(rows) - 0.5, -0.5), xticks=[])
+        axes.tick_params(length=0)
+        axes.spines[:].set_visible(False)
+
+    said = ", ".join(f"{name} {probability:.2f}" for name, probability, _ in rows)
+    return draw("probabilities", (9.2, 0.25 + 0.36 * len(rows)), f"Probabilities: {said}.", paint)
+
+
+def closures(diagnosis: Diagnosis) -> str:
+    """SVG of bars: all causes together, then each one's share, alone and in its place, then the placebo."""
+    best = diagnosis.causes
+    together = sum(cause.shapley for cause in best)
+    rows: list[tuple[str, float, str]] = []
+    if len(best) > 1:
+        rows.append(("all together", together, AFTER))
+    for cause in best:
+        if len(best) > 1:
+            rows.append((f"{cause.effect}: its share", cause.shapley, TERMS[1]))
+            rows.append(("added alone", cause.closure_alone, TERMS[2]))
+        else:
+            rows.append((cause.effect, cause.closure, AFTER))
+    if diagnosis.placebo is not None:
+        rows.append((f"placebo: {diagnosis.placebo[0]} alone", diagnosis.placebo[1], DOT))
+    interval = best[0].closure_interval
+    return _bars("closures", rows, interval)
+
+
+def _bars(name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[float, float]) -> str:
+    low = min(0.0, *(value for _, value, _ in rows))
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        for place, (_, value, colour) in enumerate(rows):
+            axes.barh(place, value, color=colour, height=0.6)
+            end = max(value, interval[1] if place == 0 else value, 0.0)
+            axes.text(end + 0.015, place, share(value), va="center", color=INK)
+        axes.plot(interval, [0, 0], color=INK, linewidth=1.2)
+        axes.plot(interval, [0, 0], "|", color=INK, markersize=8)
+        axes.axvline(1.0, color=MUTED, linewidth=0.9, linestyle=(0, (3, 3)))
+        axes.axvline(0.0, color=RULE, linewidth=1)
+        axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
+        for label, (_, _, colour) in zip(axes.get_yticklabels(), rows, strict=True):
+            label.set(color=INK if colour != DOT else MUTED, fontsize=10)
+        axes.set(ylim=(len(rows) - 0.5, -0.5))
+        axes.set_xlim(low * 1.1, 1.12)
+        axes.set_xticks([0, 0.25, 0.5, 0.75, 1.0], ["0", "25 %", "50 %", "75 %", "100 %"])
+        axes.set_xlabel("share of the gap above the floor that is gone, on what was held out of the fit")
+        axes.spines[["left", "bottom"]].set_visible(False)
+        light_grid(axes, "x")
+
+    said = ", ".join(f"{label} {value:.2f}" for label, value, _ in rows)
+    return draw(name, (9.2, 0.8 + 0.36 * len(rows)), f"Closure: {said}.", paint)
+
+
+def task_scores(task: Mapping[str, Mapping[str, float]]) -> str:
+    """SVG of a panel per score of a task: on real frames, on simulated ones before and after."""
+    order = [
+        ("real", "real", INK),
+        ("sim_before", "simulated", BEFORE),
+        ("sim_after", "with the causes", AFTER),
+    ]
+
+    def paint(figure: Figure) -> None:
+        panels = figure.subplots(1, len(task), squeeze=False)[0]
+        for axes, (name, values) in zip(panels, task.items(), strict=True):
+            rows = [(label, values[key], colour) for key, label, colour in order if key in values]
+            for place, (_, value, colour) in enumerate(rows):
+                axes.barh(place, value, color=colour, height=0.6)
+                axes.annotate(
+                    number(value), (value, place), (5, 0), textcoords="offset points", va="center", color=INK
+                )
+            axes.axvline(values.get("real", 0.0), color=MUTED, linewidth=0.9, linestyle=(0, (3, 3)))
+            axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
+            axes.set(ylim=(len(rows) - 0.5, -0.5), title=name.replace(".", ": ").replace("_", " "))
+            axes.set_xlim(0, 1.25 * max(1e-9, *(value for _, value, _ in rows)))
+            axes.spines[["left", "bottom"]].set_visible(False)
+            light_grid(axes, "x")
+
+    said = "; ".join(f"{name} {dict(values)}" for name, values in task.items())
+    return draw("task-scores", (4.6 * max(len(task), 1.4), 1.7), f"Scores of a task: {said}.", paint)
+
+
+def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
+    """SVG of a row per camera: its fitness in the simulation as it was, and with the causes.
+
+    Parameters
+    ----------
+    cameras
+        ``camera``, and its fitness ``without`` and ``with``; None where it failed.
+    """
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        for place, row in enumerate(cameras):
+            known = [row[key] for key in ("without", "with") if row[key] is not None]
+            axes.plot(known, [place] * len(known), color=RULE, linewidth=2.5)
+            for key, mark, colour, up in (("without", "s", BEFORE, 9), ("with", "D", AFTER, -14)):
+                if row[key] is not None:
+                    axes.plot([row[key]], [place], mark, color=colour, markersize=7)
+                    axes.annotate(
+                        number(row[key]), (row[key], place), (0, up), textcoords="offset points",
+                        ha="center", color=MUTED, fontsize=8.5,
+                    )  # fmt: skip
+        axes.set_yticks(range(len(cameras)), [str(row["camera"]) for row in cameras])
+        axes.tick_params(axis="y", labelcolor=INK, labelsize=10)
+        axes.set(ylim=(len(cameras) - 0.4, -0.6), xlabel="fitness on unseen scenes (higher is better)")
+        axes.margins(x=0.12)
+        axes.spines[["left", "bottom"]].set_visible(False)
+        light_grid(axes, "x")
+        handles = [
+            Line2D([], [], color=colour, marker=mark, linestyle="", markersize=7)
+            for mark, colour in (("s", BEFORE), ("D", AFTER))
+        ]
+        names = ["as simulated before", "with the causes"]
+        figure.legend(handles, names, loc="outside upper left", ncols=2, labelcolor=MUTED)
+
+    said = ", ".join(f"{row['camera']} {row['without']} and {row['with']}" for row in cameras)
+    return draw("decision", (9.2, 1.0 + 0.5 * len(cameras)), f"Fitness without and with: {said}.", paint)

@@ -1,0 +1,142 @@
+"""Pictures side by side: a real frame, the simulation before and after, and what is left between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.colour import srgb_from_linear
+from tacos_gap.captures import Capture
+from tacos_gap.formation import simulate
+from tacos_framework.randomness import generator
+from tacos_gap.report.image_map import DIVERGING
+
+CROP_PX = 56
+"""Side of the part that is shown enlarged [px]."""
+
+_WIDEST_PX = 640
+_WORTH_A_LOOK = 2.0
+"""Gap above which a second capture is shown [floor]."""
+
+_KINDS = ("scene", "chart", "edge", "sequence", "bracket", "flat", "dark")
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Frames of a capture as pictures.
+
+    Parameters
+    ----------
+    capture
+        Name of the capture.
+    whole
+        (H, W, 3) uint8 each: real, before, after (or without the last).
+    crops
+        Likewise, of the part that differs most, enlarged.
+    differences
+        Real less before and after, in blue and vermilion.
+    reach_dn
+        The difference drawn in full colour [DN].
+    """
+
+    capture: str
+    kind: str
+    whole: Sequence[NDArray[np.uint8]]
+    crops: Sequence[NDArray[np.uint8]]
+    differences: Sequence[NDArray[np.uint8]]
+    reach_dn: float
+    stretched: bool
+
+
+def to_show(
+    captures: Sequence[Capture], gaps: Mapping[str, tuple[float, float]], most: int = 2
+) -> list[Capture]:
+    """The captures worth looking at: the richest kind, then the one that differs most of another kind."""
+    drawable = [c for c in captures if c.expected_dn is not None and c.kind in _KINDS]
+    by_kind = sorted(drawable, key=lambda c: (_KINDS.index(c.kind), -gaps.get(c.id, (0.0, 0.0))[0]))
+    by_gap = sorted((c for c in drawable if c.id in gaps), key=lambda c: -gaps[c.id][0])
+    chosen = by_kind[:1]
+    chosen += [
+        c for c in by_gap if c.kind not in {kept.kind for kept in chosen} and gaps[c.id][0] > _WORTH_A_LOOK
+    ]
+    return chosen[:most]
+
+
+def compare(capture: Capture, effects: Sequence[Any], seed: int) -> Compared:
+    """Simulate a capture without and with the effects, and set its first real frame beside it."""
+    stacks = [capture.real_dn, simulate(capture, (), generator(seed, "report", capture.id))]
+    if effects:
+        stacks.append(simulate(capture, effects, generator(seed, "report", capture.id)))
+    means = [stack.mean(axis=0) for stack in stacks]
+    differences = [np.where(capture.valid[..., None], means[0] - mean, 0.0) for mean in means[1:]]
+    smooth = [_smoothed(d.mean(axis=-1)) for d in differences]
+    reach_dn = max(float(np.percentile(np.abs(smooth[0]), 99)), 2.0)
+    low, high, stretched = _range(capture)
+    whole = [_display(stack[0], low, high) for stack in stacks]
+    part = _most_different(smooth[0])
+    return Compared(
+        capture.id,
+        capture.kind,
+        [_reduced(image) for image in whole],
+        [np.ascontiguousarray(image[part]) for image in whole],
+        [_reduced(_coloured(d, reach_dn)) for d in smooth],
+        reach_dn,
+        stretched,
+    )
+
+
+def _range(capture: Capture) -> tuple[float, float, bool]:
+    """Values shown as black and white, and whether they are stretched apart."""
+    low, high = np.percentile(capture.real_dn[0], (0.2, 99.8))
+    context = capture.context
+    black, white = float(context.black_level_dn), float(context.white_level_dn)
+    if high - low < 0.35 * (white - black):
+        margin = 0.1 * max(high - low, 4.0)
+        return float(low - margin), float(high + margin), True
+    return min(black, float(low)), float(high), False
+
+
+def _display(image: NDArray[np.float32], low: float, high: float) -> NDArray[np.uint8]:
+    linear = np.clip((image - low) / (high - low), 0, 1)
+    shown = np.rint(255 * srgb_from_linear(linear)).astype(np.uint8)
+    return np.repeat(shown, 3, axis=-1) if shown.shape[-1] == 1 else shown
+
+
+def _smoothed(difference: NDArray[Any]) -> NDArray[np.float32]:
+    import cv2
+
+    return np.asarray(cv2.GaussianBlur(difference.astype(np.float32), (0, 0), 0.7))
+
+
+def _coloured(difference: NDArray[np.float32], reach_dn: float) -> NDArray[np.uint8]:
+    place = np.clip(0.5 + 0.5 * difference / reach_dn, 0, 1)
+    return np.asarray(255 * DIVERGING(place)[..., :3]).astype(np.uint8)
+
+
+def _most_different(difference: NDArray[np.float32]) -> tuple[slice, slice]:
+    """The square with the largest difference, mean square."""
+    import cv2
+
+    height, width = difference.shape
+    side = min(CROP_PX, height, width)
+    energy = cv2.boxFilter(difference**2, -1, (side, side), borderType=cv2.BORDER_CONSTANT)
+    half = side // 2
+    inside = energy[half : height - half + 1 : 4, half : width - half + 1 : 4]
+    row, column = np.unravel_index(int(np.argmax(inside)), inside.shape)
+    top = min(4 * int(row), height - side)
+    left = min(4 * int(column), width - side)
+    return slice(top, top + side), slice(left, left + side)
+
+
+def _reduced(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    import cv2
+
+    height, width = image.shape[:2]
+    if width <= _WIDEST_PX:
+        return image
+    size = _WIDEST_PX, max(1, round(height * _WIDEST_PX / width))
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA))

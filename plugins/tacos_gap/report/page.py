@@ -1,0 +1,278 @@
+"""Puts the report of a diagnosis together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from tacos_gap.captures import Capture, CaptureFolder
+from tacos_gap.findings import Cause, Diagnosis
+from tacos_gap.report import bars, words
+from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
+from tacos_gap.report.frames import Compared, compare, to_show
+from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
+from tacos_gap.report.overview import overview
+from tacos_gap.report.views import over
+from tacos_framework.report.page import (
+    Block,
+    Code,
+    Drawing,
+    Heading,
+    Page,
+    Paragraph,
+    Picture,
+    Row,
+    Section,
+    Table,
+    image_uri,
+)
+from tacos_framework.report.quantities import duration, number
+from tacos_framework.report.story import design_words
+
+SIMULATIONS = ("real", "simulated", "simulated with the causes")
+DIFFERENCES = ("real less simulated", "real less simulated with the causes")
+MOST_DRAWINGS = 5
+"""Drawings of statistics that stand out, beside the map."""
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """How a diagnosis was run, for who wants to repeat it.
+
+    Parameters
+    ----------
+    seed
+        Seed of all simulations.
+    command
+        What to type.
+    patch
+        ``patched.yaml``.
+    seconds
+        What the diagnosis took [s].
+    without
+        Effects that were not considered.
+    decision
+        What becomes of a study; empty where none was asked for.
+    """
+
+    seed: int
+    command: str
+    patch: str
+    seconds: float
+    without: tuple[str, ...] = ()
+    decision: Mapping[str, Any] = field(default_factory=dict)
+
+
+def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Page:
+    """The whole page."""
+    best = diagnosis.attribution.best
+    effects = [effect for term in best.hypothesis if (effect := term.make()) is not None]
+    numbers = numbers_of(diagnosis.problem, diagnosis.problem.null, best.held_out)
+    after = "with the causes" if effects else None
+    artist = Artist(diagnosis.problem, folder.captures, effects, run.seed, after=after)
+    gaps = capture_gaps(diagnosis)
+    shown = [compare(c, effects, run.seed) for c in to_show(folder.captures, gaps)]
+    sections = [
+        Section("Where the gap lies", tuple(_where(diagnosis, numbers, artist))),
+        *([Section("What causes it", tuple(_causes(diagnosis, artist)))] if diagnosis.causes else []),
+        *([Section("Real and simulated", tuple(_frames(shown)))] if shown else []),
+        Section("How far it shrinks", tuple(_closure(diagnosis))),
+        *([Section("What it does to the task", tuple(_task(diagnosis)))] if diagnosis.task else []),
+        *([Section("Does the decision change", tuple(_decision(run.decision)))] if run.decision else []),
+        Section("What these captures cannot tell", tuple(_limits(diagnosis))),
+        *([Section("Use the better simulator", tuple(_patch(diagnosis, run)))] if diagnosis.causes else []),
+        Section("To repeat it", tuple(_repeat(diagnosis, folder.captures, gaps, run))),
+    ]
+    return Page(
+        "Diagnosis of the gap between captures and their simulation",
+        words.headline(diagnosis),
+        words.lead(diagnosis, len(folder.captures)),
+        [section for section in sections if section.blocks],
+    )
+
+
+def _where(diagnosis: Diagnosis, numbers: Mapping[str, Numbers], artist: Artist) -> Iterator[Block]:
+    if not numbers:
+        yield Paragraph("None of the captures could be compared with a simulation.")
+        return
+    yield Drawing(
+        overview(numbers, explained=bool(diagnosis.causes)),
+        "Each row is one way to compare, in the order of image formation. At 1 the captures are as far from "
+        "the simulation as the simulation is from itself; rows of a single number scatter about it.",
+    )
+    soon = _drawn_with_the_cause(diagnosis)
+    found = standing_out(diagnosis, numbers)
+    over_image = mapped(found)
+    names = [] if over_image is None else [over_image]
+    names += [name for name in found if name not in (over_image, soon)]
+    wide: list[Drawing] = []
+    narrow: list[Drawing] = []
+    for place, name in enumerate(names[: MOST_DRAWINGS + 1]):
+        drawing = artist.drawing(f"where-{place}", numbers[name])
+        (wide if is_wide(numbers[name], compared=bool(diagnosis.causes)) else narrow).append(drawing)
+        if name == over_image and name != soon and _is_image(numbers[name]):
+            narrow.append(artist.over_radius("where-radius", numbers[name]))
+    yield from wide
+    yield from _paired(narrow)
+
+
+def _is_image(numbers: Numbers) -> bool:
+    return over(label.at for label in numbers.labels) == "image"
+
+
+def _drawn_with_the_cause(diagnosis: Diagnosis) -> str | None:
+    """Of a single cause the statistic that decided: it follows at once, with the cause."""
+    if len(diagnosis.causes) != 1:
+        return None
+    found = decisive(diagnosis.problem, diagnosis.attribution.best, diagnosis.causes[0].effect)
+    return found and found[0]
+
+
+def _paired(drawings: Sequence[Drawing]) -> Iterator[Row]:
+    for start in range(0, len(drawings), 2):
+        yield Row(tuple(drawings[start : start + 2]))
+
+
+def _causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
+    yield Drawing(
+        bars.probabilities(diagnosis),
+        "How probable each cause is, with the effects that could stand in its place, judged on what none was "
+        "fitted to.",
+    )
+    for cause in diagnosis.causes:
+        name = words.effect_words(cause.effect)
+        yield Heading(name[:1].upper() + name[1:])
+        wide, narrow = _decided(diagnosis, cause, artist)
+        if wide is not None:
+            yield wide
+        rows = tuple(words.parameter_row(*item) for item in cause.parameters.items())
+        table = Table(("parameter", "value", "90 % interval", "unit"), rows)
+        beside: list[Drawing | Picture | Table] = [narrow] if narrow is not None else []
+        if beside or rows:
+            yield Row((*beside, *([table] if rows else [])))
+        yield Paragraph(cause.evidence)
+
+
+def _decided(diagnosis: Diagnosis, cause: Cause, artist: Artist) -> tuple[Drawing | None, Drawing | None]:
+    """The statistic that decided, without this cause and with it: in the whole width, in half of it."""
+    best = diagnosis.attribution.best
+    found = decisive(diagnosis.problem, best, cause.effect)
+    if found is None:
+        return None, None
+    statistic, without = found
+    numbers = numbers_of(diagnosis.problem, without, best.z)[statistic]
+    own = replace(artist, before="without it", after="with it")
+    name = f"cause-{cause.effect}"
+    seen = len(diagnosis.causes) == 1 and mapped([statistic]) is not None  # as the map above
+    if _is_image(numbers):
+        return (None if seen else own.drawing(name, numbers)), own.over_radius(f"{name}-radius", numbers)
+    if is_wide(numbers):
+        return (None if seen else own.drawing(name, numbers)), None
+    return None, own.drawing(name, numbers)
+
+
+def _frames(shown: Sequence[Compared]) -> Iterator[Block]:
+    for pair in shown:
+        yield Heading(f"{pair.capture}, {pair.kind}")
+        yield Row(_pictures(pair.whole, SIMULATIONS))
+        yield Row(_pictures(pair.crops, tuple(f"{t}, the part that differs most" for t in SIMULATIONS)))
+        differences = _pictures(
+            pair.differences, ("real less simulated", "real less simulated with the causes")
+        )
+        yield Row(differences)
+        note = " Levels are stretched: the frames are nearly even." if pair.stretched else ""
+        yield Paragraph(
+            "Differences are means over the frames; blue is darker than simulated, vermilion brighter, in "
+            f"full colour at {number(pair.reach_dn, 2)} DN, on one scale.{note}"
+        )
+
+
+def _pictures(images: Sequence[Any], titles: Sequence[str]) -> tuple[Picture, ...]:
+    return tuple(
+        Picture(image_uri(image), title, enlarged=True) for image, title in zip(images, titles, strict=False)
+    )
+
+
+def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
+    placebo = ""
+    if diagnosis.placebo is not None:
+        placebo = " The placebo is an effect of another stage, fitted alone: what flexibility would buy."
+    if diagnosis.causes:
+        yield Drawing(
+            bars.closures(diagnosis),
+            f"The line on the first bar is its 90 % interval.{placebo}",
+        )
+    yield Paragraph(words.remainder(diagnosis))
+
+
+def _task(diagnosis: Diagnosis) -> Iterator[Block]:
+    yield Drawing(
+        bars.task_scores(diagnosis.task),
+        "ORB features matched from frame to frame of the captures that show something, and the same on their "
+        "simulations. A simulator whose frames score like the real ones can be trusted with this task.",
+    )
+
+
+def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:
+    yield Drawing(
+        bars.decision(decision["cameras"]),
+        f"Cameras of {decision['study']}, on the same unseen scenes in either simulation. What a camera "
+        "leaves free is optimised in each, in few evaluations.",
+    )
+    yield Paragraph(str(decision["sentence"]))
+    designed = decision["designed"]
+    if designed:
+        yield Paragraph(
+            f"Designed as simulated before: {design_words(designed['without'])}. With the causes: "
+            f"{design_words(designed['with'])}."
+        )
+
+
+def _limits(diagnosis: Diagnosis) -> Iterator[Block]:
+    if diagnosis.next_capture is not None:
+        capture = diagnosis.next_capture
+        yield Paragraph(f"Capture next: {capture.kind}. {capture.why[:1].upper()}{capture.why[1:]}.")
+    said = words.cannot_tell(diagnosis)
+    if not said and diagnosis.next_capture is None:
+        yield Paragraph("Nothing of what was found is open.")
+    for sentence in said:
+        yield Paragraph(sentence)
+
+
+def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
+    yield Code(run.patch)
+    yield Paragraph("Stands in patched.yaml. The next camera is designed with it:")
+    yield Code("tacos-run headset_quick --with patched.yaml")
+    if own := words.of_this_camera(diagnosis.causes):
+        yield Paragraph(own)
+
+
+def _repeat(
+    diagnosis: Diagnosis,
+    captures: Sequence[Capture],
+    gaps: Mapping[str, tuple[float, float]],
+    run: Circumstances,
+) -> Iterator[Block]:
+    yield Code(run.command)
+    rows = []
+    for capture in captures:
+        before, after = gaps.get(capture.id, (None, None))
+        height, width = capture.valid.shape
+        rows.append(
+            (
+                capture.id,
+                capture.kind,
+                str(capture.frames),
+                f"{width} × {height}",
+                "not compared" if before is None else number(before, 2),
+                "" if after is None else number(after, 2),
+            )
+        )
+    yield Table(("capture", "kind", "frames", "size [px]", "gap before", "after"), tuple(rows))
+    facts = [f"Seed {run.seed}", f"{len(diagnosis.problem.labels)} numbers compared"]
+    facts.append(f"{diagnosis.problem.evaluations} simulations of all captures")
+    facts.append(duration(run.seconds))
+    if run.without:
+        facts.append(f"not considered: {', '.join(run.without)}")
+    yield Paragraph("; ".join(facts) + ". All numbers stand in diagnosis.json.")

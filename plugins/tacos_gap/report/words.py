@@ -1,0 +1,178 @@
+"""Sentences of the report of a diagnosis, made from its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tacos_gap.findings import Cause, Diagnosis, Parameter
+from tacos_gap.report.views import view_of
+from tacos_framework.report.quantities import number, unit_sign
+
+_NAMED = 5
+"""Captures named before the rest are counted."""
+
+_UNITS = {"1": "", "DN^2": "DN²", "um": "µm"}
+
+
+def effect_words(name: str) -> str:
+    """An effect as it stands in a sentence: ``lens-distortion`` becomes ``lens distortion``."""
+    known = {"prnu": "PRNU", "dsnu": "DSNU", "jpeg": "JPEG"}
+    return known.get(name, name.replace("-", " "))
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a row.
+
+    Examples
+    --------
+    >>> listed(["a"]), listed(["a", "b", "c"])
+    ('a', 'a, b and c')
+    """
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def share(value: float) -> str:
+    """A share as a percentage, the sign of nothing but a rounding left out."""
+    rounded = round(100 * value)
+    return f"{rounded} %".replace("-", "\u2212") if rounded else "0 %"
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """The finding in one sentence."""
+    if diagnosis.verdict == "no_gap":
+        return "No gap: the captures differ from the simulation by no more than its own noise."
+    if not diagnosis.causes:
+        where = diagnosis.where[0].statistic if diagnosis.where else diagnosis.unknown.where
+        place = f", most of all in: {view_of(where).title.lower()}" if where else ""
+        return f"There is a gap{place}, and no effect of the catalogue explains it."
+    names = [effect_words(cause.effect) for cause in diagnosis.causes]
+    others = [effect_words(name) for name in alternatives(diagnosis)]
+    closed = share(together(diagnosis.causes))
+    one = len(names) == 1
+    if diagnosis.verdict == "unknown":
+        nearest = f"{listed(names)} {'comes' if one else 'come'} nearest"
+        return f"The gap is not explained: {nearest} and {'removes' if one else 'remove'} {closed} of it."
+    if one and others:
+        said = f"{' or '.join([*names, *others])} explains"
+        removes = f"these captures cannot tell which. Adding {names[0]} removes {closed} of it"
+    else:
+        said = f"{listed(names)} {'explains' if one else 'explain'}"
+        removes = f"{'adding it removes' if one else 'together they remove'} {closed} of it"
+    said = said[:1].upper() + said[1:]
+    if diagnosis.verdict == "explained":
+        return f"{said} the gap: {removes}."
+    return f"{said} part of the gap: {removes}. The rest fits no effect here."
+
+
+def together(causes: Sequence[Cause]) -> float:
+    """What all causes together close, held out: the sum of their fair shares."""
+    return sum(cause.shapley for cause in causes)
+
+
+def alternatives(diagnosis: Diagnosis) -> list[str]:
+    """Effects the captures cannot tell from the causes."""
+    found = {cause.effect for cause in diagnosis.causes}
+    return [name for name in diagnosis.cause_set if name not in found]
+
+
+def lead(diagnosis: Diagnosis, captures: int) -> str:
+    """The figures behind the headline."""
+    count = f"{captures} captures differ from their" if captures != 1 else "One capture differs from its"
+    if diagnosis.verdict == "no_gap":
+        before = number(diagnosis.gap_before, 2)
+        return (
+            f"{count} simulation by {before} times the floor, the simulator's difference from itself with "
+            "other noise. What lies below the floor cannot be told."
+        )
+    before, after = number(diagnosis.gap_before, 3), number(diagnosis.gap_after, 3)
+    low, high = (number(end, 2) for end in diagnosis.gap_interval)
+    text = f"{count} simulation by {before} times the floor, "
+    text += "the simulator's difference from itself with other noise. "
+    if not diagnosis.causes:
+        return f"{text}Nothing was added."
+    return (
+        f"{text}With what is added below {after} are left (90 % interval {low} to {high}), measured on "
+        "levels, places and captures that the parameters were not fitted to."
+    )
+
+
+def parameter_row(name: str, parameter: Parameter) -> tuple[str, str, str, str]:
+    """Name, value, 90 % interval and unit of a parameter."""
+    unit = _UNITS.get(parameter.unit, unit_sign(parameter.unit))
+    if isinstance(parameter.value, list):
+        rows = "; ".join(" ".join(f"{v:.4g}" for v in row) for row in parameter.value)
+        return name, rows, "", unit
+    value = f"{parameter.value:.4g}" if isinstance(parameter.value, float) else str(parameter.value)
+    interval = "not fitted"
+    if parameter.interval is not None:
+        interval = " to ".join(f"{end:.3g}" for end in parameter.interval)
+    minus = "\u2212"
+    return name, value.replace("-", minus), interval.replace("-", minus), unit
+
+
+def cannot_tell(diagnosis: Diagnosis) -> list[str]:
+    """What these captures cannot tell, in sentences."""
+    said = []
+    for cause in diagnosis.causes:
+        if cause.confused_with:
+            others = listed([effect_words(name) for name in cause.confused_with])
+            said.append(f"{effect_words(cause.effect).capitalize()} cannot be told from {others} here.")
+    if diagnosis.unknown.probability >= 0.1 and diagnosis.unknown.where:
+        place = view_of(diagnosis.unknown.where).title.lower()
+        said.append(
+            f"With a probability of {share(diagnosis.unknown.probability)} something is at work that no "
+            f"effect here describes. It shows in: {place}."
+        )
+    if diagnosis.below_floor:
+        names = listed([effect_words(name) for name in diagnosis.below_floor])
+        said.append(f"Fits slightly, but by too little to be believed: {names}.")
+    return [*said, *gathered(diagnosis.limitations)]
+
+
+def gathered(limitations: Sequence[str]) -> list[str]:
+    """Limitations that several captures share, said once.
+
+    Examples
+    --------
+    >>> gathered(["a: one frame.", "b: one frame.", "c: too dark."])
+    ['a and b: one frame.', 'c: too dark.']
+    """
+    captures: dict[str, list[str]] = {}
+    for limitation in limitations:
+        capture, colon, text = limitation.partition(": ")
+        captures.setdefault(text if colon else limitation, []).extend([capture] if colon else [])
+    said = []
+    for text, names in captures.items():
+        shown = names if len(names) <= _NAMED else [*names[: _NAMED - 1], f"{len(names) - _NAMED + 1} more"]
+        said.append(f"{listed(shown)}: {text}" if names else text)
+    return said
+
+
+def of_this_camera(causes: Sequence[Cause]) -> str:
+    """Which parameters are in pixels or file values of the captured camera; empty where none is."""
+    found = [
+        f"{effect_words(cause.effect)} ({name})"
+        for cause in causes
+        for name, parameter in cause.parameters.items()
+        if parameter.unit.startswith(("px", "DN")) and parameter.interval is not None
+    ]
+    if not found:
+        return ""
+    return (
+        f"In pixels and file values of the captured camera: {listed(found)}. For a camera with other pixels "
+        "or another gain they need to be scaled."
+    )
+
+
+def remainder(diagnosis: Diagnosis) -> str:
+    """What is left after the causes."""
+    left = diagnosis.unknown
+    chance = left.p_value
+    text = f"What is left measures {number(left.gap, 2)} times the floor. "
+    if left.probability < 0.1:
+        return f"{text}That is no more than a right model of a real camera leaves."
+    told = "none of" if chance <= 0.06 else f"{share(chance)} of"
+    return (
+        f"{text}Of the simulator's comparisons with itself {told} them stands out as much: something "
+        f"outside of the catalogue remains, with a probability of {share(left.probability)}."
+    )

@@ -1,0 +1,140 @@
+"""What goes into a family of statistics, and what comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures import Capture
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Numbers of one statistic.
+
+    Parameters
+    ----------
+    statistic
+        Its name, e.g. ``"relative_illumination"``.
+    stage
+        The stage of image formation that shows in it most often.
+    values
+        (K,) the numbers.
+    at
+        For each number where it was taken: ``{"radius": [0.7, 1.0]}``, ``{"channel": "R"}``.
+    amplitude
+        Differences this small are nobody's concern, whatever their significance: a number or one each.
+    """
+
+    statistic: str
+    stage: str
+    values: NDArray[np.float64]
+    at: Sequence[Mapping[str, Any]]
+    amplitude: NDArray[np.float64] | float
+
+
+class Sample:
+    """Frames of a capture, real or simulated, prepared for measuring.
+
+    What bins and tiles are made of comes from the expectation alone, so that real and simulated frames are
+    measured alike.
+
+    Parameters
+    ----------
+    capture
+        What was captured.
+    frames_dn
+        (N, H, W, C) the frames [DN].
+    expected_dn
+        (1 or N, H, W, C) what they are compared with [DN].
+    """
+
+    def __init__(self, capture: Capture, frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]):
+        self.capture = capture
+        self.as_taken = frames_dn
+        self.frames = without_hot_pixels(frames_dn, expected_dn) if capture.kind == "dark" else frames_dn
+        self.expected = expected_dn
+
+    @cached_property
+    def reference(self) -> NDArray[np.float32]:
+        """(H, W, C) mean of the expectation over frames [DN]."""
+        return np.asarray(self.expected.mean(axis=0) if len(self.expected) > 1 else self.expected[0])
+
+    @cached_property
+    def mean(self) -> NDArray[np.float32]:
+        """(H, W, C) mean of the frames [DN]."""
+        return np.asarray(self.frames.mean(axis=0)) if len(self.frames) > 1 else self.frames[0]
+
+    @cached_property
+    def residual(self) -> NDArray[np.float32]:
+        """(H, W, C) mean of the frames less the expectation [DN]."""
+        return self.mean - self.reference
+
+    @cached_property
+    def signal(self) -> NDArray[np.float32]:
+        """(H, W, C) expected signal above the pedestal, of the capture as it was read [DN]."""
+        return expected_signal(self.capture)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether several frames show the same, so that noise and fixed patterns come apart."""
+        return len(self.frames) > 1 and len(self.expected) == 1
+
+    @cached_property
+    def temporal(self) -> NDArray[np.float32]:
+        """(N, H, W, C) frames less their mean, scaled so that its mean square is the variance [DN]."""
+        count = len(self.frames)
+        return (self.frames - self.mean) * np.float32(np.sqrt(count / (count - 1)))
+
+    @cached_property
+    def planes(self) -> NDArray[np.float32]:
+        """(C, N, H, W) `temporal`, channel by channel in memory [DN]."""
+        return np.ascontiguousarray(np.moveaxis(self.temporal, -1, 0))
+
+    @cached_property
+    def variance(self) -> NDArray[np.float32]:
+        """(H, W, C) variance over frames [DN^2]."""
+        return np.asarray(np.mean(np.square(self.temporal), axis=0))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        return ("R", "G", "B") if self.frames.shape[-1] == 3 else ("mono",)
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(H, W) pixels that count."""
+        return self.capture.valid
+
+
+_SIGNALS: WeakKeyDictionary[Capture, NDArray[np.float32]] = WeakKeyDictionary()
+
+
+def expected_signal(capture: Capture) -> NDArray[np.float32]:
+    """(H, W, C) what the simulator expects above the pedestal; worked out once per capture [DN]."""
+    if capture not in _SIGNALS:
+        assert capture.expected_dn is not None
+        _SIGNALS[capture] = capture.expected_dn.mean(axis=0) - np.float32(capture.context.black_level_dn)
+    return _SIGNALS[capture]
+
+
+HOT_DN = 2.0
+_HOT_SPREADS = 6.0
+"""A pixel is hot that stands above the middle one by both, the latter in robust standard deviations."""
+
+
+def without_hot_pixels(
+    frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Dark frames whose hot pixels show what is expected, so that a handful do not rule every statistic."""
+    steady = frames_dn.min(axis=0) - expected_dn[0]
+    middle = np.median(steady)
+    spread = 1.4826 * float(np.median(np.abs(steady - middle)))
+    hot = steady - middle > max(HOT_DN, _HOT_SPREADS * spread)
+    return np.where(hot[None], expected_dn, frames_dn) if hot.any() else frames_dn

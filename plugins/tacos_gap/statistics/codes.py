@@ -1,0 +1,66 @@
+"""The values themselves: clipping, piled-up and missing codes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.statistics.block import Block, Sample
+
+PERIODS = (2, 3, 4, 5, 6, 8)
+"""Steps between used codes that are looked for [DN]."""
+
+_DEEPEST_DN = 4096
+"""Files deeper than this have codes to spare; combs are not looked for."""
+
+
+def code_statistics(sample: Sample) -> Iterator[Block]:
+    """Shares at the ends, the tallest pile near the top, empty codes, combs."""
+    values = sample.as_taken if sample.valid.all() else sample.as_taken[:, sample.valid]
+    if not values.size:
+        return
+    white = sample.capture.context.white_level_dn
+    histogram = np.bincount(values.astype(np.uint16).ravel())
+    top = len(histogram) - 1
+    ends = np.array([histogram[int(np.ceil(white)) :].sum(), histogram[0]]) / values.size
+    yield Block("clipped", "pixel", ends, [{"end": "white"}, {"end": "zero"}], 0.003)
+    if sample.capture.kind != "dark":
+        yield Block(
+            "top_level",
+            "pixel",
+            np.array([top / white, _pile(histogram)]),
+            [{"what": "largest value"}, {"what": "share at the largest values"}],
+            np.array([0.01, 0.004]),
+        )
+    if white < _DEEPEST_DN:
+        comb = _comb(histogram)
+        yield Block(
+            "code_comb",
+            "readout",
+            comb,
+            [*({"period_dn": p} for p in PERIODS), {"what": "empty codes"}],
+            0.02,
+        )
+
+
+def _pile(histogram: NDArray[np.int64]) -> float:
+    """Share of pixels within two codes of the largest value."""
+    return float(histogram[-3:].sum() / histogram.sum())
+
+
+def _comb(histogram: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Strength of each period in the used codes, and the share of codes within their range that are empty."""
+    total = histogram.sum()
+    used = np.flatnonzero(np.cumsum(histogram) > 0.02 * total)
+    low = int(used[0])
+    high = int(np.searchsorted(np.cumsum(histogram), 0.98 * total))
+    inside = histogram[low : high + 1].astype(np.float64)
+    if len(inside) < 8 or inside.sum() == 0:
+        return np.zeros(len(PERIODS) + 1)
+    codes = np.arange(len(inside))
+    strengths = [abs(np.sum(inside * np.exp(2j * np.pi * codes / p))) / inside.sum() for p in PERIODS]
+    expected = inside.sum() / len(inside)
+    empty = float(np.mean(inside == 0)) if expected > 20 else 0.0
+    return np.array([*strengths, empty])

@@ -1,0 +1,47 @@
+"""Traces of 8 x 8 block codecs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import dctn
+
+from tacos_gap.statistics.block import Block, Sample
+
+BLOCK_PX = 8
+
+
+def compression_statistics(sample: Sample) -> Iterator[Block]:
+    """Steps at borders of 8 x 8 blocks over steps elsewhere, and vanished coefficients of blocks in place."""
+    frame = sample.frames[0][..., 1 if len(sample.channels) == 3 else 0]
+    residual = frame - (
+        sample.expected[0][..., 1] if len(sample.channels) == 3 else sample.expected[0][..., 0]
+    )
+    if min(frame.shape) < 6 * BLOCK_PX:
+        return
+    steps = [_border_steps(residual), _border_steps(residual.T)]
+    at = [{"direction": "columns"}, {"direction": "rows"}]
+    yield Block("block_borders", "codec", np.array(steps), at, 0.02)
+    vanished = _vanished(frame, 0) - _vanished(frame, 4)
+    yield Block(
+        "vanished_coefficients", "codec", vanished, [{"frequency": "low"}, {"frequency": "high"}], 0.01
+    )
+
+
+def _border_steps(residual: NDArray[np.float32]) -> float:
+    steps = np.abs(np.diff(residual, axis=1)).mean(axis=0)
+    border = np.arange(len(steps)) % BLOCK_PX == BLOCK_PX - 1
+    return float(np.log((steps[border].mean() + 0.05) / (steps[~border].mean() + 0.05)))
+
+
+def _vanished(frame: NDArray[np.float32], offset: int) -> NDArray[np.float64]:
+    """Share of coefficients near 0, of low and of high frequency, in blocks that start at `offset`."""
+    part = frame[offset:, offset:]
+    height, width = (size // BLOCK_PX * BLOCK_PX for size in part.shape)
+    blocks = part[:height, :width].reshape(height // BLOCK_PX, BLOCK_PX, width // BLOCK_PX, BLOCK_PX)
+    spectrum = np.abs(dctn(blocks, axes=(1, 3), norm="ortho")) < 0.6
+    order = np.add.outer(np.arange(BLOCK_PX), np.arange(BLOCK_PX))
+    share = spectrum.mean(axis=(0, 2))
+    return np.array([share[(order > 0) & (order < 6)].mean(), share[order >= 6].mean()])

@@ -1,0 +1,95 @@
+"""Where things appear against where they are expected, per channel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures import Capture
+from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.grid import tiles
+
+AMPLITUDE_PX = 0.03
+"""Displacements this small are nobody's concern [px]."""
+
+_LEAST_PIXELS = 40
+_TEXTURED = 0.02
+"""Gradient that makes a pixel count, over the range of the image per pixel."""
+
+
+def displacement_statistics(sample: Sample) -> Iterator[Block]:
+    """Median displacement in tiles with texture, and that of red and blue against green [px]."""
+    capture = sample.capture
+    if not capture.is_structured:
+        return
+    spots = _spots(capture)
+    if not spots.parts:
+        return
+    colour = len(sample.channels) == 3
+    green = _flow(sample, 1 if colour else 0)
+    at = spots.at
+    for axis, name in ((0, "x"), (1, "y")):
+        values = spots.medians(green[..., axis])
+        yield Block("displacement", "optics", values, [{**a, "axis": name} for a in at], AMPLITUDE_PX)
+    if colour:
+        for channel, name in ((0, "R-G"), (2, "B-G")):
+            apart = _flow(sample, channel) - green
+            for axis, direction in ((0, "x"), (1, "y")):
+                values = spots.medians(apart[..., axis])
+                places = [{**a, "axis": direction, "channels": name} for a in at]
+                yield Block("colour_displacement", "optics", values, places, AMPLITUDE_PX)
+
+
+@dataclass(frozen=True, eq=False)
+class _Spots:
+    """Textured pixels, tile by tile, as flat indices."""
+
+    parts: Sequence[NDArray[np.int64]]
+    at: Sequence[Mapping[str, Any]]
+
+    def medians(self, image: NDArray[np.float32]) -> NDArray[np.float64]:
+        flat = image.ravel()
+        return np.array([float(np.median(flat[part])) for part in self.parts])
+
+
+_SPOTS: WeakKeyDictionary[Capture, _Spots] = WeakKeyDictionary()
+
+
+def _spots(capture: Capture) -> _Spots:
+    if capture not in _SPOTS:
+        assert capture.expected_dn is not None
+        level = capture.expected_dn[0].mean(axis=-1)
+        gy, gx = np.gradient(level)
+        textured = (np.hypot(gx, gy) > _TEXTURED * max(np.ptp(level), 1)) & capture.valid
+        grid = tiles(capture)
+        where = np.flatnonzero(textured)
+        tile = grid.index.ravel()[where]
+        parts = [where[tile == k] for k in range(len(grid.at))]
+        kept = [k for k, part in enumerate(parts) if len(part) > _LEAST_PIXELS]
+        _SPOTS[capture] = _Spots([parts[k] for k in kept], [grid.at[k] for k in kept])
+    return _SPOTS[capture]
+
+
+def _flow(sample: Sample, channel: int) -> NDArray[np.float32]:
+    """Dense flow from the expectation to the frames (Kroeger et al. 2016, DIS), (H, W, 2) [px]."""
+    import cv2
+
+    one = len(sample.expected) == 1
+    first = _stretched(sample.expected[0][..., channel])
+    second = _stretched((sample.mean if one else sample.frames[0])[..., channel])
+    search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
+    search.setFinestScale(1)
+    search.setVariationalRefinementIterations(0)  # twice the time; medians over tiles hardly change
+    return np.asarray(search.calc(first, second, np.zeros((*first.shape, 2), np.float32)))
+
+
+def _stretched(image: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """An image stretched over 8 bits, but for its extremes; a sixteenth of the pixels tells its range."""
+    low, high = np.percentile(image[2::4, 2::4], (0.5, 99.5))
+    gain = 255 / max(float(high - low), 1.0)
+    return np.asarray(np.clip((image - np.float32(low)) * np.float32(gain), 0, 255).astype(np.uint8))

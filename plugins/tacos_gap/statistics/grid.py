@@ -1,0 +1,149 @@
+"""Bins and tiles of an image, made once per capture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures import Capture
+
+TILE_ROWS, TILE_COLUMNS = 6, 8
+RINGS = (0.0, 0.35, 0.6, 0.8, 1.5)
+"""Borders of rings around the principal point, as radius over half the diagonal."""
+
+LEVELS = 6
+SMALLEST_BIN = 200  # pixels
+
+
+@dataclass(frozen=True, eq=False)
+class Bins:
+    """Which bin each pixel is in (-1: none), and what each bin is."""
+
+    index: NDArray[np.int64]
+    at: Sequence[Mapping[str, Any]]
+    count: NDArray[np.int64]
+
+    def mean(self, image: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Mean of an (H, W) image in each bin."""
+        if self._covers_all:
+            return np.array([float(image.mean())])
+        total = np.bincount(self._flat, weights=image.ravel(), minlength=len(self.at) + 1)[1:]
+        return np.asarray(total / self.count)
+
+    @cached_property
+    def _flat(self) -> NDArray[np.int64]:
+        return self.index.ravel() + 1
+
+    @cached_property
+    def _covers_all(self) -> bool:
+        return len(self.at) == 1 and bool((self.index == 0).all())
+
+
+_KEPT: WeakKeyDictionary[Capture, dict[Any, Bins]] = WeakKeyDictionary()
+
+
+def _kept(capture: Capture, key: Any, make: Any) -> Bins:
+    bins = _KEPT.setdefault(capture, {})
+    if key not in bins:
+        bins[key] = make()
+    return bins[key]
+
+
+def _compact(index: NDArray[np.int64], at: Sequence[Mapping[str, Any]]) -> Bins:
+    """Leave out bins with too few pixels."""
+    count = np.bincount(index.ravel() + 1, minlength=len(at) + 1)[1:]
+    keep = np.flatnonzero(count >= min(SMALLEST_BIN, max(count.max(initial=0) // 4, 1)))
+    renamed = np.full(len(at) + 1, -1)
+    renamed[keep + 1] = np.arange(len(keep))
+    return Bins(renamed[index + 1], [at[k] for k in keep.tolist()], count[keep])
+
+
+def tiles(capture: Capture) -> Bins:
+    """Tiles of the image, row by row."""
+
+    def make() -> Bins:
+        height, width = capture.valid.shape
+        rows = np.arange(height)[:, None] * TILE_ROWS // height
+        columns = np.arange(width)[None, :] * TILE_COLUMNS // width
+        index = np.where(capture.valid, rows * TILE_COLUMNS + columns, -1)
+        at = []
+        for r in range(TILE_ROWS):
+            for c in range(TILE_COLUMNS):
+                box = [
+                    c * width // TILE_COLUMNS,
+                    r * height // TILE_ROWS,
+                    (c + 1) * width // TILE_COLUMNS,
+                    (r + 1) * height // TILE_ROWS,
+                ]
+                at.append({"box_px": box, "radius": _radius_of(capture, box)})
+        return _compact(index, at)
+
+    return _kept(capture, "tiles", make)
+
+
+def _radius_of(capture: Capture, box: Sequence[int]) -> list[float]:
+    inside = capture.geometry.radius[box[1] : box[3], box[0] : box[2]]
+    return [round(float(inside.min()), 2), round(float(inside.max()), 2)] if inside.size else [0.0, 0.0]
+
+
+def rings(capture: Capture) -> Bins:
+    """Rings around the principal point."""
+
+    def make() -> Bins:
+        index = np.searchsorted(RINGS, capture.geometry.radius, side="right") - 1
+        index = np.where(capture.valid, np.clip(index, 0, len(RINGS) - 2), -1)
+        at = [{"radius": [inner, min(outer, 1.0)]} for inner, outer in pairwise(RINGS)]
+        return _compact(index, at)
+
+    return _kept(capture, "rings", make)
+
+
+def levels(capture: Capture, channel: int, flat: NDArray[np.bool_] | None = None) -> Bins:
+    """Bins of the expected level; one bin where the capture is even.
+
+    `flat` restricts them to pixels where it holds.
+    """
+
+    def make() -> Bins:
+        assert capture.expected_dn is not None
+        level = capture.expected_dn.mean(axis=0)[..., channel]
+        use = capture.valid if flat is None else capture.valid & flat
+        inside = level[use]
+        if not inside.size:
+            return Bins(np.full(level.shape, -1), [], np.zeros(0, np.int64))
+        if np.ptp(inside) < 2.0:
+            return _compact(np.where(use, 0, -1), [{"level_dn": round(float(inside.mean()), 1)}])
+        edges = np.unique(np.quantile(inside, np.linspace(0, 1, LEVELS + 1)))
+        index = np.clip(np.searchsorted(edges, level, side="right") - 1, 0, len(edges) - 2)
+        at = [{"level_dn": [round(float(a), 1), round(float(b), 1)]} for a, b in pairwise(edges)]
+        return _compact(np.where(use, index, -1), at)
+
+    return _kept(capture, ("levels", channel, flat is None), make)
+
+
+_SMOOTH: WeakKeyDictionary[Capture, NDArray[np.bool_]] = WeakKeyDictionary()
+
+
+def smooth_areas(capture: Capture) -> NDArray[np.bool_]:
+    """(H, W) where the expectation has no edges: noise can be seen there in a single frame."""
+    if capture not in _SMOOTH:
+        _SMOOTH[capture] = _without_edges(capture)
+    return _SMOOTH[capture]
+
+
+def _without_edges(capture: Capture) -> NDArray[np.bool_]:
+    import cv2
+
+    assert capture.expected_dn is not None
+    level = capture.expected_dn.mean(axis=0).max(axis=-1)
+    range_of = np.maximum(np.ptp(level), 1.0)
+    gy, gx = np.gradient(level)
+    edgy = np.hypot(gx, gy) > 0.01 * range_of + 0.25
+    return ~cv2.dilate(edgy.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(bool)

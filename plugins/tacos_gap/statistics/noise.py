@@ -1,0 +1,109 @@
+"""Temporal noise: photon transfer, correlation between neighbours and channels, lattice, tails."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.grid import levels, smooth_areas
+
+LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, -1), (0, 4), (4, 0))
+"""Neighbours, as rows and columns away [px]."""
+
+_FLOOR_DN2 = 1e-3
+_LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
+
+
+def noise_statistics(sample: Sample) -> Iterator[Block]:
+    """Noise of repeated frames; of a single one, what a high-pass leaves in even areas."""
+    if sample.repeats:
+        planes = sample.planes
+        yield from _photon_transfer(sample, sample.variance, "photon_transfer", None, 0.02)
+        yield _tails(planes, sample.valid)
+    else:
+        even = smooth_areas(sample.capture) & sample.valid
+        if even.sum() < 2000:
+            return
+        noise = (sample.frames[0] - sample.expected[0]) * even[:, :, None]
+        yield from _photon_transfer(sample, _high_pass(noise) ** 2, "spatial_noise", even, 0.03)
+        planes = np.ascontiguousarray(np.moveaxis(noise, -1, 0))[:, None]
+    if sample.capture.noise.known or sample.repeats:
+        yield from _correlation(sample, planes)
+        yield from _lattice(sample, planes)
+
+
+def _photon_transfer(
+    sample: Sample,
+    variance: NDArray[np.float32],
+    name: str,
+    areas: NDArray[np.bool_] | None,
+    amplitude: float,
+) -> Iterator[Block]:
+    if not sample.capture.noise.known:
+        return
+    for channel, label in enumerate(sample.channels):
+        bins = levels(sample.capture, channel, areas)
+        if bins.at:
+            measured = bins.mean(variance[..., channel])
+            # a variance far below that of rounding is a matter of rounding, not of noise
+            yield Block(
+                name,
+                "pixel",
+                np.log(measured + _FLOOR_DN2),
+                [{**at, "channel": label} for at in bins.at],
+                np.hypot(amplitude, 0.01 / (measured + _FLOOR_DN2)),
+            )
+
+
+def _tails(planes: NDArray[np.float32], valid: NDArray[np.bool_]) -> Block:
+    square = np.square(planes if valid.all() else planes[:, :, valid])
+    variance = max(float(square.mean()), 0.05)
+    kurtosis = max(float(np.vdot(square, square)) / square.size / variance**2, 0.1)
+    return Block("noise_tails", "readout", np.array([np.log(kurtosis)]), [{}], 0.03)
+
+
+def _correlation(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]:
+    step = 2 if sample.capture.context.cfa else 1
+    for plane, label in zip(planes, sample.channels, strict=True):
+        variance = max(float(np.vdot(plane, plane)) / plane.size, 0.02)
+        values = [_lagged(plane, rows * step, columns * step) / variance for rows, columns in LAGS]
+        at = [{"lag_px": [columns * step, rows * step], "channel": label} for rows, columns in LAGS]
+        yield Block("noise_autocorrelation", "pixel", np.array(values), at, 0.004)
+    if len(sample.channels) == 3:
+        pairs = ((0, 1), (1, 2), (0, 2))
+        flat = planes.reshape(3, -1)
+        covariance = flat @ flat.T / flat.shape[1]
+        spread = np.sqrt(np.maximum(np.diag(covariance), 1e-6))
+        values = [float(covariance[a, b] / (spread[a] * spread[b])) for a, b in pairs]
+        at = [{"channels": sample.channels[a] + sample.channels[b]} for a, b in pairs]
+        yield Block("channel_correlation", "isp", np.array(values), at, 0.005)
+
+
+def _lagged(plane: NDArray[np.float32], rows: int, columns: int) -> float:
+    height, width = plane.shape[1:]
+    a = plane[:, : height - rows, max(-columns, 0) : width - max(columns, 0)]
+    b = plane[:, rows:, max(columns, 0) : width - max(-columns, 0)]
+    return float(np.einsum("nij,nij->", a, b) / a.size)
+
+
+def _lattice(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]:
+    """Variance at the four places of a 2 x 2 lattice, which only a demosaiced image tells apart."""
+    if sample.capture.context.cfa:
+        return
+    for plane, label in zip(planes, sample.channels, strict=True):
+        height, width = (size // 2 * 2 for size in plane.shape[1:])
+        even = plane[:, :height, :width].reshape(-1, 2, width // 2, 2)
+        phases = np.einsum("nrwc,nrwc->rc", even, even).ravel() / (even.size / 4)
+        logs = np.log(phases + 0.01)
+        value = logs - logs.mean()
+        at = [{"lattice": [c, r], "channel": label} for r in (0, 1) for c in (0, 1)]
+        yield Block("noise_lattice", "isp", value, at, 0.02)
+
+
+def _high_pass(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    import cv2
+
+    return np.asarray(cv2.filter2D(image, cv2.CV_32F, _LAPLACIAN).reshape(image.shape), np.float32)

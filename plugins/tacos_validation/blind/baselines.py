@@ -1,0 +1,126 @@
+"""Simpler ways to name a cause, to be compared with on the same cases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures import Capture
+from tacos_gap.evidence import ImageEvidence
+from tacos_gap.findings import Diagnosis
+from tacos_gap.fit import Fitted
+from tacos_gap.formation import simulate
+from tacos_gap.parameters import Term, starts_of
+from tacos_gap.problem import Problem, bent
+from tacos_framework.randomness import generator
+from tacos_framework.values.image_geometry import ContextMissing
+
+WAYS = ("pixel-MSE greedy", "BIC without held-out", "leave-one-out", "no nuisance refit")
+LEAST_GAIN = 0.02
+"""Relative fall of the pixel error below which the greedy way names nothing."""
+
+
+def simpler_answers(found: Diagnosis, effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
+    """What each simpler way names, best first; an empty list for nothing.
+
+    Parameters
+    ----------
+    found
+        The diagnosis, whose captures and fits are used.
+    effects
+        The catalogue.
+    """
+    fits = list(found.attribution.fits.values())
+    return {
+        "pixel-MSE greedy": by_pixels(found.problem, effects),
+        "BIC without held-out": by_bic(found.problem, fits),
+        "leave-one-out": by_leaving_one_out(found.problem, fits),
+        "no nuisance refit": by_starts(found.problem, effects),
+    }
+
+
+def by_pixels(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
+    """The effect whose simulation comes nearest in mean squared pixel error, on one capture of each kind."""
+    captures: dict[str, Capture] = {}
+    for evidence in problem.evidence:
+        if isinstance(evidence, ImageEvidence):
+            captures.setdefault(evidence.capture.kind, evidence.capture)
+    chosen = list(captures.values())
+    if not chosen:
+        return []
+    plain = _pixel_error(chosen, ())
+    best: tuple[float, str] = (plain * (1 - LEAST_GAIN), "")
+    for name, cls in effects.items():
+        for start in starts_of(name, cls):
+            effect = start.make()
+            if effect is None:
+                continue
+            try:
+                error = _pixel_error(chosen, (effect,))
+            except ContextMissing:
+                continue
+            best = min(best, (error, name))
+    return [best[1]] if best[1] else []
+
+
+def _pixel_error(captures: Sequence[Capture], effects: Sequence[Any]) -> float:
+    total = 0.0
+    for capture in captures:
+        frames = simulate(capture, effects, generator(0, "pixels", capture.id), frames=1)
+        total += float(np.mean((capture.real_dn[0] - frames[0]) ** 2))
+    return total
+
+
+def by_bic(problem: Problem, fits: Sequence[Fitted]) -> list[str]:
+    """The fitted set of effects with the best Bayesian information criterion, on what it was fitted to."""
+    count = max(len(problem.labels), 2)
+
+    def criterion(fitted: Fitted) -> float:
+        parameters = sum(len(term.free) for term in fitted.hypothesis)
+        return float(np.sum(bent(fitted.z) ** 2)) + parameters * float(np.log(count))
+
+    return list(min(fits, key=criterion).names)
+
+
+def by_leaving_one_out(problem: Problem, fits: Sequence[Fitted]) -> list[str]:
+    """The single effect that best predicts each capture from the fit to all others; no sets, no price."""
+    singles = [fitted for fitted in fits if len(fitted.hypothesis) <= 1]
+    return list(min(singles, key=lambda fitted: _left_out(problem, fitted)).names)
+
+
+def _left_out(problem: Problem, fitted: Fitted) -> float:
+    straight, jacobian = bent(fitted.z), fitted.jacobian
+    if not jacobian.shape[1]:
+        return float(np.sum(straight**2))
+    total = 0.0
+    for slot in problem.slots:
+        held = np.zeros(len(straight), bool)
+        held[slot.start : slot.stop] = True
+        own = jacobian[~held]
+        move = -np.linalg.solve(own.T @ own + np.eye(own.shape[1]), own.T @ straight[~held])
+        total += float(np.sum((straight[held] + jacobian[held] @ np.clip(move, -2, 2)) ** 2))
+    return total
+
+
+def by_starts(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
+    """The effect that leaves least at one of the severities its search begins with, nothing fitted."""
+    best: tuple[float, str] = (_cost(problem.null), "")
+    for name, cls in effects.items():
+        for start in starts_of(name, cls):
+            best = min([best, *_scaled_costs(problem, start)])
+    return [best[1]] if best[1] else []
+
+
+def _scaled_costs(problem: Problem, start: Term) -> list[tuple[float, str]]:
+    z = problem.residual((start,))
+    if z is None:
+        return []
+    change: NDArray[np.float64] = z - problem.null
+    return [(_cost(problem.null + scale * change), start.name) for scale in (0.3, 1.0, 2.0)]
+
+
+def _cost(z: NDArray[np.float64]) -> float:
+    return float(np.sum(bent(z) ** 2))

@@ -1,0 +1,185 @@
+"""The effects that are withheld, each at an amplitude between nothing and the worst met in the field."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from tacos_validation.blind.generators import geometric_flaws as geometry
+from tacos_validation.blind.generators import light_flaws as light
+from tacos_validation.blind.generators import processing_flaws as processing
+from tacos_validation.blind.generators import sensor_flaws as sensor
+from tacos_validation.blind.generators.flaw import Flaw
+
+Build = Callable[[float, np.random.Generator], Flaw]
+
+
+@dataclass(frozen=True)
+class Withheld:
+    """An effect that can be withheld.
+
+    Parameters
+    ----------
+    build
+        Makes the flaw of an amplitude; the generator draws what amplitude leaves open (signs, directions,
+        shapes) and is seeded alike for every amplitude of a case.
+    field
+        Amplitudes met in the field, 5th and 95th percentile of gap.md's table, or what is usual where it has
+        none.
+    largest
+        Amplitude beyond which nobody ships a camera.
+    colour
+        Whether it needs three channels.
+    natural
+        Whether pictures of natural scenes alone can tell it: no dark frames, no exposure series, no boards.
+    """
+
+    build: Build
+    field: tuple[float, float]
+    largest: float
+    colour: bool = False
+    natural: bool = True
+
+
+def _sign(rng: np.random.Generator) -> float:
+    return 1.0 if rng.random() < 0.5 else -1.0
+
+
+def _factor(a: float, rng: np.random.Generator) -> float:
+    """Up or down by the same ratio."""
+    return float(np.exp(_sign(rng) * a))
+
+
+def _direction(rng: np.random.Generator, size: int) -> np.ndarray:
+    drawn = rng.standard_normal(size)
+    return np.asarray(drawn / np.linalg.norm(drawn))
+
+
+def _vignetting(a: float, rng: np.random.Generator) -> Flaw:
+    shares = rng.dirichlet([4.0, 2.0, 1.0])
+    return light.DarkCorners(*(-a * shares).tolist())
+
+
+def _gradient(a: float, rng: np.random.Generator) -> Flaw:
+    return light.UnevenLamp(*(a * _direction(rng, 2)).tolist())
+
+
+def _distortion(a: float, rng: np.random.Generator) -> Flaw:
+    # a is the displacement in the corner over the radius there; rho there is about 0.6
+    sign = -1.0 if rng.random() < 0.7 else 1.0
+    return geometry.BentLens(k1=sign * a / 0.36)
+
+
+def _focal(a: float, rng: np.random.Generator) -> Flaw:
+    scale = 1 + _sign(rng) * a
+    dx, dy = 60 * a * rng.uniform(-1, 1, size=2)
+    return geometry.OtherFocalLength(scale, float(dx), float(dy))
+
+
+def _fringes(a: float, rng: np.random.Generator) -> Flaw:
+    return geometry.ColourFringes(*(a * _direction(rng, 4)).tolist())
+
+
+def _pose(a: float, rng: np.random.Generator) -> Flaw:
+    turn, shift = a * _direction(rng, 3), 4 * a * _direction(rng, 3)
+    return geometry.WrongPose(*turn.tolist(), *shift.tolist())
+
+
+def _soft(a: float, rng: np.random.Generator) -> Flaw:
+    return light.SoftLens(a, float(rng.choice([0.0, rng.uniform(0.5, 1.5)])))
+
+
+def _smear(a: float, rng: np.random.Generator) -> Flaw:
+    return light.Smear(a, float(rng.uniform(0, 180)))
+
+
+def _rows(a: float, rng: np.random.Generator) -> Flaw:
+    return sensor.JumpyRows(a, a * float(rng.choice([0.0, 0.5])))
+
+
+def _offsets(a: float, rng: np.random.Generator) -> Flaw:
+    return sensor.UnequalOffsets(a, a * float(rng.choice([0.0, 0.4])))
+
+
+def _leaks(a: float, rng: np.random.Generator) -> Flaw:
+    return sensor.LeakyPixels(a, min(a * float(rng.uniform(1e-6, 1e-5)), 1e-3))
+
+
+def _bent(a: float, rng: np.random.Generator) -> Flaw:
+    share = rng.uniform(0.4, 1.0)
+    return sensor.BentResponse(-a * float(share), -a * float(1 - share))
+
+
+def _steps(a: float, rng: np.random.Generator) -> Flaw:
+    step = max(1, round(a))
+    if step == 1:
+        return sensor.CoarseConverter(1.0, "floor")
+    return sensor.CoarseConverter(float(step), str(rng.choice(["nearest", "floor"])))
+
+
+def _gains(a: float, rng: np.random.Generator) -> Flaw:
+    red, blue = np.exp(a * _direction(rng, 2))
+    return processing.ColourGains(float(red), float(blue))
+
+
+def _mixing(a: float, rng: np.random.Generator) -> Flaw:
+    off = a * rng.uniform(-1.0, 0.2, size=(3, 3))
+    np.fill_diagonal(off, 0)
+    matrix = off + np.diag(1 - off.sum(axis=1))
+    return processing.MixedColours(tuple(tuple(row) for row in matrix.tolist()))
+
+
+def _mosaic(a: float, rng: np.random.Generator) -> Flaw:
+    return processing.Mosaic(str(rng.choice(["bilinear", "edge-aware"])))
+
+
+def _crisp(a: float, rng: np.random.Generator) -> Flaw:
+    return processing.CrispEdges(a, float(rng.uniform(0.7, 1.8)))
+
+
+def _jpeg(a: float, rng: np.random.Generator) -> Flaw:
+    # amplitudes count down from quality 98
+    return processing.Compressed(round(98 - a), str(rng.choice(["4:4:4", "4:2:0"])))
+
+
+CATALOGUE: Mapping[str, Withheld] = {
+    "exposure-error": Withheld(lambda a, r: light.OtherExposure(_factor(a, r)), (0.05, 0.5), 0.7),
+    "conversion-gain-error": Withheld(
+        lambda a, r: sensor.OtherConversionGain(_factor(a, r)), (0.05, 0.5), 1.0
+    ),
+    "vignetting": Withheld(_vignetting, (0.04, 0.69), 0.75),
+    "lens-shading-correction": Withheld(
+        lambda a, r: processing.LiftedCorners(0.6 * a, 0.4 * a), (0.2, 1.5), 2.0
+    ),
+    "illumination-gradient": Withheld(_gradient, (0.05, 0.4), 0.8),
+    "veiling-glare": Withheld(lambda a, r: light.Haze(a), (0.005, 0.05), 0.3),
+    "lens-distortion": Withheld(_distortion, (0.005, 0.06), 0.1),
+    "focal-length-error": Withheld(_focal, (0.002, 0.03), 0.06),
+    "lateral-chromatic-aberration": Withheld(_fringes, (0.0003, 0.003), 0.015, colour=True),
+    "defocus": Withheld(lambda a, r: light.OutOfFocus(a), (0.5, 3.0), 6.0),
+    "lens-blur": Withheld(_soft, (0.3, 1.2), 3.0),
+    "motion-blur": Withheld(_smear, (1.0, 8.0), 16.0),
+    "rolling-shutter": Withheld(lambda a, r: geometry.RowByRow(a), (20.0, 80.0), 120.0),
+    "flicker": Withheld(lambda a, r: light.MainsLight(a, float(r.uniform(30, 200))), (0.02, 0.3), 0.6),
+    "prnu": Withheld(lambda a, r: sensor.UnequalPixels(a), (0.003, 0.015), 0.1),
+    "dsnu": Withheld(_offsets, (0.2, 2.0), 8.0),
+    "dark-current": Withheld(_leaks, (1.0, 60.0), 400.0, natural=False),
+    "crosstalk": Withheld(lambda a, r: sensor.Coupled(a), (0.003, 0.03), 0.08),
+    "saturation": Withheld(lambda a, r: sensor.FullWell(round(255 * (1 - a), 1)), (0.03, 0.2), 0.35),
+    "nonlinearity": Withheld(_bent, (0.01, 0.1), 0.3, natural=False),
+    "read-noise": Withheld(lambda a, r: sensor.NoisyReadout(a), (0.5, 3.0), 8.0),
+    "row-noise": Withheld(_rows, (0.1, 1.0), 5.0),
+    "black-level": Withheld(lambda a, r: sensor.OtherPedestal(_sign(r) * a), (0.5, 6.0), 12.0),
+    "quantisation": Withheld(_steps, (1.0, 4.0), 8.0),
+    "white-balance": Withheld(_gains, (0.03, 0.3), 0.6, colour=True),
+    "colour-matrix": Withheld(_mixing, (0.05, 0.4), 0.6, colour=True),
+    "demosaic": Withheld(_mosaic, (1.0, 1.0), 1.0, colour=True),
+    "denoise": Withheld(lambda a, r: processing.Smoothed(a), (0.3, 2.0), 4.0),
+    "sharpening": Withheld(_crisp, (0.1, 1.0), 2.5),
+    "tone-curve": Withheld(lambda a, r: processing.DisplayCurve(_factor(a, r)), (0.03, 0.8), 0.8),
+    "jpeg": Withheld(_jpeg, (0.0, 48.0), 80.0),
+    "pose-error": Withheld(_pose, (0.05, 0.5), 2.0),
+}  # fmt: skip
+"""All effects of the catalogue, by name."""

@@ -1,0 +1,115 @@
+"""Writes captures as a folder, in the format of ``captures.yaml``; by itself, as another simulator would."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from PIL import Image as Pillow
+
+from tacos_validation.blind.generators.camera import Camera, Image
+from tacos_validation.blind.generators.flaw import Flaw
+from tacos_validation.blind.generators.pictures import Chart, Even
+from tacos_validation.blind.generators.taking import expected, take
+from tacos_validation.blind.generators.takings import FRAME_INTERVAL_MS, Taking
+
+
+def write_folder(
+    folder: Path,
+    camera: Camera,
+    takings: Sequence[Taking],
+    flaws: Sequence[Flaw],
+    rng: np.random.Generator,
+    sensor_seed: int,
+) -> None:
+    """Take all pictures with the flawed camera and write them beside what the simulator expects."""
+    folder.mkdir(parents=True)
+    captures = [_capture(folder, camera, taking, flaws, rng, sensor_seed) for taking in takings]
+    data = {
+        "tacos_captures": 1,
+        "camera": {
+            "width_px": camera.width_px,
+            "height_px": camera.height_px,
+            "pixel_um": camera.pixel_um,
+            "focal_length_mm": camera.focal_px * camera.pixel_um * 1e-3,
+            "f_number": 2.8,
+            "bit_depth": 8,
+            "white_level_dn": camera.white_dn,
+            "black_level_dn": camera.black_dn,
+            "channels": camera.channels,
+        },
+        "noise": {"photon_dn": camera.photon_dn, "thermal_dn2": camera.thermal_dn2},
+        "captures": captures,
+    }
+    (folder / "captures.yaml").write_text(yaml.safe_dump(data, sort_keys=False), "utf-8")
+
+
+def _capture(
+    folder: Path,
+    camera: Camera,
+    taking: Taking,
+    flaws: Sequence[Flaw],
+    rng: np.random.Generator,
+    sensor_seed: int,
+) -> dict[str, Any]:
+    names: list[str] = []
+    for shot in taking.shots:
+        for frame in take(shot, flaws, taking.frames, rng, sensor_seed):
+            names.append(f"{taking.id}_{len(names)}.png")
+            _write_png(folder / names[-1], frame)
+    shot = taking.shots[0]
+    entry: dict[str, Any] = {
+        "id": taking.id,
+        "kind": taking.kind,
+        "real": names,
+        "exposure_ms": shot.exposure_ms,
+    }
+    if taking.kind not in ("dark", "board"):
+        entry["simulated"] = _simulated(folder, camera, taking)
+    if taking.group:
+        entry["group"] = taking.group
+    if taking.board:
+        board = taking.board
+        entry["board"] = {"inner_corners": [board.columns, board.rows], "square_mm": board.square_mm}
+    if taking.chart:
+        entry["chart"] = {"patches": _write_patches(folder, camera, taking.id, taking.chart)}
+    if taking.kind in ("scene", "bracket", "sequence"):
+        entry["depth"] = f"{taking.id}_depth.npy"
+        depth = np.full((camera.height_px, camera.width_px), shot.depth_m, np.float32)
+        np.save(folder / entry["depth"], depth)
+    if taking.kind == "sequence":
+        entry["velocity_px_s"] = [float(v) for v in shot.velocity_px_s]
+        entry["frame_interval_ms"] = FRAME_INTERVAL_MS
+    return entry
+
+
+def _simulated(folder: Path, camera: Camera, taking: Taking) -> float | str | list[str]:
+    """A number for an even field, else a file for each shot."""
+    look = taking.shots[0].look
+    if isinstance(look, Even):
+        return float(look.light_dn + camera.black_dn)
+    names = []
+    for i, shot in enumerate(taking.shots):
+        names.append(f"{taking.id}_expected_{i}.npy")
+        image = expected(shot).astype(np.float32)
+        np.save(folder / names[-1], image[..., 0] if camera.channels == 1 else image)
+    return names[0] if len(names) == 1 else names
+
+
+def _write_png(path: Path, frame: Image) -> None:
+    pixels = frame.astype(np.uint8)
+    Pillow.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels).save(path, compress_level=1)
+
+
+def _write_patches(folder: Path, camera: Camera, name: str, chart: Chart) -> str:
+    file = f"{name}_patches.csv"
+    with (folder / file).open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(["id", "x", "y", "width", "height", "r", "g", "b"])
+        for i, (box, colour) in enumerate(zip(chart.boxes, chart.colours, strict=True)):
+            writer.writerow([i, *box.tolist(), *(colour + camera.black_dn).tolist()])
+    return file

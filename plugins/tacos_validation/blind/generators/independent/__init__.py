@@ -1,0 +1,99 @@
+"""Other makers of the same effects: packages of others, and shapes the catalogue's formulas do not have.
+
+What needs a package of the extra ``blind`` names it; `available` leaves it out where it is absent.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tacos_validation.blind.generators.catalogue import Withheld
+from tacos_validation.blind.generators.independent.amplitude import OfOneAmplitude
+from tacos_validation.blind.generators.independent.optics import (
+    FisheyeLens,
+    FluorescentTube,
+    HandShake,
+    Hexagon,
+    NaturalFallOff,
+    RealLens,
+    SideLamp,
+    WidePsf,
+)
+from tacos_validation.blind.generators.independent.processing import (
+    Menon,
+    NonLocalMeans,
+    PhotographersJpeg,
+    PillowUnsharp,
+    SrgbMixed,
+    TotalVariation,
+)
+from tacos_validation.blind.generators.independent.sensing import (
+    DriftingRows,
+    LognormalPixels,
+    SoftFullWell,
+    TelegraphNoise,
+)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Another maker of an effect.
+
+    Parameters
+    ----------
+    effect
+        The effect of the catalogue that it is.
+    entry
+        How it is made.
+    package
+        What must be installed.
+    """
+
+    effect: str
+    entry: Withheld
+    package: str = ""
+
+
+def _of(
+    cls: type[OfOneAmplitude],
+    low: float,
+    high: float,
+    largest: float,
+    package: str = "",
+    colour: bool = False,
+) -> Variant:
+    return Variant(cls.name, Withheld(lambda a, r: cls(a), (low, high), largest, colour), package)
+
+
+VARIANTS: Mapping[str, Variant] = {
+    "natural fall-off": _of(NaturalFallOff, 0.05, 0.6, 1.0),
+    "OpenCV fisheye": _of(FisheyeLens, 0.05, 0.6, 1.0),
+    "lensfun lens": _of(RealLens, 0.0, 2.0, 2.0, "lensfunpy"),
+    "hexagonal aperture": _of(Hexagon, 0.7, 3.0, 6.0),
+    "hand shake": _of(HandShake, 1.5, 8.0, 16.0),
+    "wide stray light": _of(WidePsf, 0.01, 0.1, 0.3),
+    "fluorescent tube": _of(FluorescentTube, 0.02, 0.3, 0.6),
+    "soft full well": _of(SoftFullWell, 0.05, 0.4, 1.0),
+    "telegraph noise": _of(TelegraphNoise, 0.5, 3.0, 8.0),
+    "drifting rows": _of(DriftingRows, 0.1, 1.0, 5.0),
+    "lognormal pixels": _of(LognormalPixels, 0.003, 0.02, 0.1),
+    "sRGB curve": _of(SrgbMixed, 0.03, 0.5, 1.0),
+    "Pillow unsharp mask": _of(PillowUnsharp, 0.1, 1.0, 2.5),
+    "non-local means": _of(NonLocalMeans, 1.0, 6.0, 12.0),
+    "total variation": _of(TotalVariation, 0.3, 2.0, 6.0, "skimage"),
+    "Menon demosaicing": _of(Menon, 1.0, 1.0, 1.0, "colour_demosaicing", colour=True),
+    "editor's JPEG": _of(PhotographersJpeg, 0.1, 4.0, 4.9),
+    "side lamp": _of(SideLamp, 0.05, 0.5, 1.5),
+}
+"""Other makers, by name."""
+
+
+def available() -> list[str]:
+    """Those whose packages are installed."""
+    return [
+        name
+        for name, v in VARIANTS.items()
+        if not v.package or importlib.util.find_spec(v.package) is not None
+    ]

@@ -1,0 +1,20 @@
+"""Flaws that one number scales."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from tacos_validation.blind.generators.flaw import Flaw
+
+
+@dataclass(frozen=True)
+class OfOneAmplitude(Flaw):
+    """A flaw of one amplitude, whose shape the catalogue's parameters do not describe."""
+
+    amplitude: float = 0.0
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """None that could be compared."""
+        return {}

@@ -1,0 +1,116 @@
+"""Processing by other makers: curves, filters and codecs of other packages."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from typing import Any, ClassVar
+
+import cv2
+import numpy as np
+from PIL import Image as Pillow
+from PIL import ImageFilter
+
+from tacos_validation.blind.generators.camera import Image, Shot
+from tacos_validation.blind.generators.independent.amplitude import OfOneAmplitude
+
+
+class SrgbMixed(OfOneAmplitude):
+    """Part of the way to the sRGB curve, with its straight foot."""
+
+    name: ClassVar[str] = "tone-curve"
+    order: ClassVar[int] = 60
+
+    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+        """Bend what is above the pedestal."""
+        camera = shot.camera
+        y = (codes - camera.black_dn) / camera.range_dn
+        curve = np.where(y > 0.0031308, 1.055 * np.maximum(y, 1e-9) ** (1 / 2.4) - 0.055, 12.92 * y)
+        return camera.black_dn + camera.range_dn * (y + self.amplitude * (curve - y))
+
+
+class PillowUnsharp(OfOneAmplitude):
+    """Pillow's unsharp mask, with a threshold."""
+
+    name: ClassVar[str] = "sharpening"
+    order: ClassVar[int] = 70
+
+    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+        """As in image editors."""
+        filtered = ImageFilter.UnsharpMask(
+            radius=1.5, percent=max(1, round(100 * self.amplitude)), threshold=1
+        )
+        return np.stack(
+            [np.asarray(Pillow.fromarray(plane).filter(filtered), np.float64) for plane in _planes(codes)],
+            axis=-1,
+        )
+
+
+class NonLocalMeans(OfOneAmplitude):
+    """OpenCV's non-local means."""
+
+    name: ClassVar[str] = "denoise"
+    order: ClassVar[int] = 40
+
+    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+        """Each channel alone."""
+        return np.stack(
+            [
+                np.asarray(cv2.fastNlMeansDenoising(plane, None, self.amplitude, 3, 11), np.float64)
+                for plane in _planes(codes)
+            ],
+            axis=-1,
+        )
+
+
+class TotalVariation(OfOneAmplitude):
+    """Scikit-image's total variation."""
+
+    name: ClassVar[str] = "denoise"
+    order: ClassVar[int] = 40
+
+    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+        """Chambolle's total variation."""
+        from skimage.restoration import denoise_tv_chambolle  # type: ignore[import-untyped, import-not-found, unused-ignore]
+
+        return np.asarray(denoise_tv_chambolle(codes, weight=self.amplitude, channel_axis=-1))
+
+
+class Menon(OfOneAmplitude):
+    """Menon's demosaicing, of colour-demosaicing."""
+
+    name: ClassVar[str] = "demosaic"
+    order: ClassVar[int] = 30
+
+    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+        """Sample red, green, green, blue, and fill in."""
+        with warnings.catch_warnings():  # it imports names that SciPy has moved
+            warnings.simplefilter("ignore", DeprecationWarning)
+            from colour_demosaicing import (  # type: ignore[import-untyped, import-not-found, unused-ignore]
+                demosaicing_CFA_Bayer_Menon2007,
+                mosaicing_CFA_Bayer,
+            )
+
+        mosaic = mosaicing_CFA_Bayer(codes, "RGGB")
+        return np.asarray(demosaicing_CFA_Bayer_Menon2007(mosaic, "RGGB"), np.float64)
+
+
+class PhotographersJpeg(OfOneAmplitude):
+    """JPEG with the tables of an image editor rather than those of libjpeg's scale."""
+
+    name: ClassVar[str] = "jpeg"
+    order: ClassVar[int] = 80
+
+    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+        """There and back."""
+        presets = ("web_maximum", "web_very_high", "web_high", "web_medium", "web_low")
+        file = io.BytesIO()
+        image = np.repeat(codes, 3, axis=2) if codes.shape[2] == 1 else codes
+        preset: Any = presets[min(int(self.amplitude), 4)]
+        Pillow.fromarray(image.astype(np.uint8)).save(file, "jpeg", quality=preset)
+        decoded = np.asarray(Pillow.open(file), np.float64)
+        return decoded[..., :1] if codes.shape[2] == 1 else decoded
+
+
+def _planes(codes: Image) -> list[np.ndarray]:
+    return [np.ascontiguousarray(codes[..., c].astype(np.uint8)) for c in range(codes.shape[2])]

@@ -1,0 +1,223 @@
+"""Real captures with known truth, as folders that the diagnosis reads; see the data's own README."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from tacos_validation.blind.generators.orders import CAPTURES
+
+FLEA3 = {
+    "width_px": 408,
+    "height_px": 344,
+    "pixel_um": 3.45,
+    "focal_length_mm": 8.0,
+    "f_number": 4.0,
+    "bit_depth": 8,
+    "black_level_dn": 0,
+    "channels": 1,
+    "cfa": "GRBG",
+}
+
+LINEAR_MS = 250
+"""Exposure time up to which the signal of the Flea3 is linear where it does not clip."""
+
+UNCLIPPED_DN = 240
+"""Values below are far enough from clipping."""
+
+
+@dataclass(frozen=True)
+class RealCase:
+    """A real case.
+
+    Parameters
+    ----------
+    name
+        What it is.
+    expects
+        What is known: ``first`` (effects of which one must come first) or ``at_most`` (what may be named).
+    write
+        Writes the folder.
+    """
+
+    name: str
+    expects: Mapping[str, Sequence[str]]
+    write: Callable[[Path], None]
+
+
+def real_cases(data: Path) -> Iterator[RealCase]:
+    """All cases for which the data are there.
+
+    Parameters
+    ----------
+    data
+        The folder ``real`` of the shared data.
+    """
+    if (boards := data / "opencv_boards").is_dir():
+        files = sorted(boards.glob("left*.jpg"))
+        for name, chosen in (("all", files), ("first half", files[:7]), ("second half", files[6:])):
+            yield RealCase(
+                f"chessboards, {name}", {"first": ["lens-distortion"]}, partial(_boards, files=chosen)
+            )
+    if (flea := data / "flea3_raw").is_dir():
+        yield from _flea3(flea)
+    if (blur := data / "opencv_blur").is_dir():
+        for file, effects in (("motion", ["motion-blur"]), ("defocus", ["defocus", "lens-blur"])):
+            image = blur / f"text_{file}.jpg"
+            yield RealCase(f"text, {file}", {"first": effects}, partial(_edges, file=image))
+    if (slanted := data / "slanted_edge" / "Test_edge1_mono.tif").is_file():
+        yield RealCase("slanted edge", {"first": ["lens-blur", "defocus"]}, partial(_edges, file=slanted))
+    if (stack := data / "focus_stack").is_dir():
+        for step in (1, 4, 7):
+            yield RealCase(
+                f"focus stack, step {step}",
+                {"first": ["defocus", "lens-blur"]},
+                partial(_focus, stack=stack, step=step),
+            )
+
+
+def _flea3(folder: Path) -> Iterator[RealCase]:
+    darks = {time: sorted(folder.glob(f"d1_dark_{time}ms_*.tif")) for time in _times(folder, "dark")}
+    lit = {time: sorted(folder.glob(f"d1_disks*_{time}ms_*.tif")) for time in _times(folder, "disks")}
+    small = ["quantisation"]
+    for name, times, expects in (
+        ("short darks, 25 and 50 ms", (25, 50), {"at_most": small}),
+        ("short darks, 50 and 100 ms", (50, 100), {"at_most": small}),
+        ("short darks, 25 to 100 ms", (25, 50, 100), {"at_most": small}),
+        ("long darks, 500 and 2000 ms", (500, 2000), {"first": ["dark-current"]}),
+        ("long darks, 2000 and 3916 ms", (2000, 3916), {"first": ["dark-current"]}),
+        ("darks of all times", tuple(darks), {"first": ["dark-current"]}),
+    ):
+        yield RealCase(name, expects, partial(_darks, frames={k: darks[k] for k in times}))
+    for name, times, white, expects in (
+        ("series, 25 to 250 ms", (25, 50, 100, 250), 255.0, {"at_most": small}),
+        ("series, 50 to 250 ms", (50, 100, 250), 255.0, {"at_most": small}),
+        ("series to 500 ms, believed wider", (25, 50, 100, 250, 500), 4095.0, {"first": ["saturation"]}),
+        ("series to 2000 ms, believed wider", (50, 100, 250, 500, 2000), 4095.0, {"first": ["saturation"]}),
+    ):
+        yield RealCase(
+            name, expects, partial(_series, chosen={k: lit[k] for k in times}, lit=lit, white=white)
+        )
+
+
+def _times(folder: Path, what: str) -> list[int]:
+    found = {
+        int(match[1])
+        for file in folder.glob("*.tif")
+        if what in file.name and (match := re.search(r"_(\d+)ms_", file.name))
+    }
+    return sorted(found)
+
+
+def _write(out: Path, camera: Mapping[str, Any], captures: Sequence[Mapping[str, Any]]) -> None:
+    data = {"tacos_captures": 1, "camera": dict(camera), "noise": "unknown", "captures": list(captures)}
+    (out / "captures.yaml").write_text(yaml.safe_dump(data, sort_keys=False), "utf-8")
+
+
+def _folder(out: Path) -> Path:
+    folder = out / CAPTURES
+    folder.mkdir(parents=True)
+    return folder
+
+
+def _boards(out: Path, files: Sequence[Path]) -> None:
+    camera = {
+        "width_px": 640,
+        "height_px": 480,
+        "pixel_um": 1.0,
+        "focal_length_mm": 0.5359,
+        "principal_point_px": [342.28, 235.57],
+        "bit_depth": 8,
+    }
+    captures = [
+        {
+            "id": file.stem,
+            "kind": "board",
+            "real": str(file.resolve()),
+            "board": {"inner_corners": [9, 6], "square_mm": 25},
+        }
+        for file in files
+    ]
+    _write(_folder(out), camera, captures)
+
+
+def _darks(out: Path, frames: Mapping[int, Sequence[Path]]) -> None:
+    captures = [
+        {"id": f"dark_{time}", "kind": "dark", "real": [str(f.resolve()) for f in files], "exposure_ms": time}
+        for time, files in frames.items()
+    ]
+    _write(_folder(out), FLEA3, captures)
+
+
+def _series(
+    out: Path, chosen: Mapping[int, Sequence[Path]], lit: Mapping[int, Sequence[Path]], white: float
+) -> None:
+    """What is expected is the light of the *other* exposures, with the half code back that each had lost."""
+    folder = _folder(out)
+    frames = {time: _read(files[0]) for time, files in lit.items() if time <= LINEAR_MS}
+    captures = []
+    for time, files in chosen.items():
+        others = {t: image for t, image in frames.items() if t != time}
+        exposed = sum(t * (image < UNCLIPPED_DN) for t, image in others.items())
+        collected = sum((image + 0.5) * (image < UNCLIPPED_DN) for image in others.values())
+        brightest = np.full_like(exposed, 256 / min(others), dtype=float)  # where all others clip
+        light = np.where(exposed > 0, collected / np.maximum(exposed, 1), brightest) * time
+        np.save(folder / f"expected_{time}.npy", light.astype(np.float32))
+        cv2.imwrite(str(folder / f"mask_{time}.png"), np.where(exposed > 0, 255, 0).astype(np.uint8))
+        captures.append(
+            {
+                "id": f"disks_{time}",
+                "kind": "bracket",
+                "real": [str(f.resolve()) for f in files],
+                "simulated": f"expected_{time}.npy",
+                "simulated_frames": max(1, round(float(np.median(exposed)) / time)),
+                "mask": f"mask_{time}.png",
+                "exposure_ms": time,
+                "group": "disks",
+                "level_uncertainty": 0.03,
+            }
+        )
+    _write(folder, {**FLEA3, "bit_depth": 8 if white == 255 else 12}, captures)
+
+
+def _edges(out: Path, file: Path) -> None:
+    """One picture, of which nothing is known but that its edges are sharp in the world."""
+    image = _read(file)
+    folder = _folder(out)
+    np.save(folder / "real.npy", np.clip(np.round(image), 0, 255).astype(np.uint8))
+    camera = {"width_px": image.shape[1], "height_px": image.shape[0], "bit_depth": 8}
+    _write(folder, camera, [{"id": file.stem, "kind": "edge", "real": "real.npy"}])
+
+
+def _focus(out: Path, stack: Path, step: int) -> None:
+    """One step of a focus stack against the composite that is sharp everywhere."""
+    folder = _folder(out)
+    sharp, real = (_half(_read(stack / name)) for name in ("expected.jpg", f"pcb_{step:03d}.jpg"))
+    height, width = min(sharp.shape[0], real.shape[0], 480), min(sharp.shape[1], real.shape[1], 640)
+    np.save(folder / "real.npy", np.clip(np.round(real[:height, :width]), 0, 255).astype(np.uint8))
+    np.save(folder / "expected.npy", sharp[:height, :width].astype(np.float32))
+    camera = {"width_px": width, "height_px": height, "bit_depth": 8}
+    scene = {"id": "board", "kind": "scene", "real": "real.npy", "simulated": "expected.npy"}
+    _write(folder, camera, [scene])
+
+
+def _half(image: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA), np.float64)
+
+
+def _read(file: Path) -> NDArray[np.float64]:
+    """An image as one channel of whole numbers' size, float64."""
+    image = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
+    if image is None:
+        raise OSError(f"{file} cannot be read")
+    scale = 257.0 if image.dtype == np.uint16 else 1.0
+    return np.asarray(image if image.ndim == 2 else image[..., :3].mean(axis=-1), np.float64) / scale

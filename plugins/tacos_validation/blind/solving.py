@@ -1,0 +1,119 @@
+"""What workers do: diagnose a case they know nothing of, and later judge the answer on fresh captures."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tacos_gap.captures import read_captures
+from tacos_gap.diagnosis import diagnose, gather
+from tacos_gap.parameters import Term
+from tacos_gap.problem import Problem
+from tacos_validation.blind.baselines import simpler_answers
+
+Effects = Mapping[str, type[Any]]
+
+
+@dataclass(frozen=True)
+class Diagnosing:
+    """Diagnose a folder.
+
+    Parameters
+    ----------
+    case
+        Name of the case.
+    folder
+        Its captures; there is nothing else in it.
+    removed
+        Effects that the catalogue lacks this time.
+    baselines
+        Whether simpler ways are tried as well.
+    threads
+        Threads of the diagnosis.
+    """
+
+    case: str
+    folder: Path
+    removed: tuple[str, ...] = ()
+    baselines: bool = True
+    threads: int = 1
+
+    def work(self, effects: Effects) -> dict[str, Any]:
+        """The answer, as plain data."""
+        known = {name: cls for name, cls in effects.items() if name not in self.removed}
+        began = time.monotonic()
+        folder = read_captures(self.folder)
+        found = diagnose(folder, known, seed=0, workers=self.threads)
+        seconds = time.monotonic() - began
+        pixels = sum(c.real_dn[..., 0].size for c in folder.captures)
+        simpler = simpler_answers(found, known) if self.baselines else {}
+        return {
+            **found.as_data(),
+            "patch": found.patch,
+            "seconds": round(seconds, 2),
+            "captures": len(folder.captures),
+            "pixels": int(pixels),
+            "baselines": simpler,
+        }
+
+
+@dataclass(frozen=True)
+class Judging:
+    """See how an answer fares on captures that were kept back, and how the truth would.
+
+    Parameters
+    ----------
+    case
+        Name of the case.
+    folder
+        Fresh captures of the same camera.
+    found
+        The answer's effects with their settings.
+    truth
+        What was withheld; empty where the catalogue has no parameters for it.
+    """
+
+    case: str
+    folder: Path
+    found: Sequence[Mapping[str, Any]]
+    truth: Sequence[Mapping[str, Any]]
+
+    def work(self, effects: Effects) -> dict[str, Any]:
+        """Gaps before, with what was found, and with the truth [floor]."""
+        evidence, _ = gather(read_captures(self.folder), seed=1)
+        problem = Problem(evidence)
+        gaps: dict[str, Any] = {"before": problem.gap(problem.null)}
+        for name, added in (("found", self.found), ("truth", self.truth)):
+            terms = tuple(_term(each, effects) for each in added)
+            z = problem.residual(terms)
+            gaps[name] = None if z is None or (name == "truth" and not terms) else problem.gap(z)
+        return gaps
+
+
+def _term(described: Mapping[str, Any], effects: Effects) -> Term:
+    values = {key: value for key, value in described.items() if key != "use"}
+    name = str(described["use"]).removeprefix("effect.")
+    return Term(name, effects[name], values, {})
+
+
+@dataclass(frozen=True)
+class Worker:
+    """Does jobs with the catalogue of effects; an error is an answer too, and a wrong one."""
+
+    effects: Effects
+
+    def __call__(self, job: Diagnosing | Judging) -> dict[str, Any]:
+        """The job's outcome, or the error as text."""
+        try:
+            return job.work(self.effects)
+        except Exception as error:  # noqa: BLE001 - whatever it is, the case is reported with it
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            return {"error": f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"}
+
+    def lost(self, job: Diagnosing | Judging, reason: str) -> dict[str, Any]:
+        """The outcome of a job whose worker died."""
+        return {"error": reason}

@@ -1,0 +1,85 @@
+"""A simulated measuring bench: a target rendered once, and frames of it with fresh noise."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tacos_framework.building import build, episode_of
+from tacos_framework.graph import signature_of
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Use
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Exposure, FrameBatch, Rig, Signal
+from tacos_validation.noise.frame_files import FrameStack, stack_of
+
+
+class CameraSetting(Settings):
+    """How a scene is exposed."""
+
+    exposure_ms: float = setting(help="Exposure time.", unit="ms", gt=0)
+    gain_db: float = setting(help="Gain.", unit="dB")
+    f_number: float = setting(2.0, help="Focal length over aperture.", gt=0)
+
+    def as_exposure(self) -> Exposure:
+        """For renderers and sensors."""
+        return Exposure(self.exposure_ms * 1e-3, self.f_number, self.gain_db)
+
+    def __str__(self) -> str:
+        return f"{self.exposure_ms:g} ms, {self.gain_db:g} dB"
+
+
+class Bench(Settings):
+    """A target, its light, and how many frames are taken of it."""
+
+    scene: Use = setting(Use(use="scene.grey-bars"), help="The target.")
+    renderer: Use = setting(Use(use="renderer.moderngl"), help="What renders it.")
+    illumination_lux: float = setting(2000.0, help="Illuminance on the target.", unit="lux", gt=0)
+    frames: int = setting(16, help="Frames per setting.", ge=2, le=1000)
+
+
+class SimulatedCamera(Settings):
+    """A camera on the bench."""
+
+    rig: Use = setting(help="The rig; all its variables are given here.")
+    sensor: Use = setting(help="The sensor model.")
+
+
+def capture_of(bench: Bench, rig: Rig, exposure: Exposure, plugins: Plugins) -> Capture:
+    """The light of one frame of the target."""
+    scene = build(bench.scene, "scene", plugins)
+    episode = episode_of(scene, rng=np.random.default_rng(0), illumination_lux=bench.illumination_lux)
+    renderer = build(bench.renderer, "renderer", plugins)
+    captured: Capture = renderer.capture(episode[:1], rig=rig, exposure=exposure)
+    return captured
+
+
+def take_frames(
+    sensor: Any, capture: Capture, rig: Rig, exposure: Exposure, frames: int, rng: np.random.Generator
+) -> tuple[FrameStack, FrameBatch]:
+    """Frames of the first camera with fresh noise each, and one batch that tells their levels."""
+    batches = [expose(sensor, capture, rig, exposure, rng) for _ in range(frames)]
+    images = np.concatenate([batch.images[0] for batch in batches])
+    return stack_of(images, "the rendered frames"), batches[0]
+
+
+def expose(
+    sensor: Any, capture: Capture, rig: Rig, exposure: Exposure, rng: np.random.Generator
+) -> FrameBatch:
+    """Frames of a capture, without effects; the sensor is given what it asks for of the rest."""
+    wanted = signature_of(type(sensor), "sensor").supplied
+    offered = {"rig": rig, "exposure": exposure, "rng": rng, "effects": _NoEffects()}
+    supplied = {name: value for name, value in offered.items() if name in wanted}
+    batch: FrameBatch = sensor.expose(capture, **supplied)
+    return batch
+
+
+class _NoEffects:
+    """The bench measures the sensor alone."""
+
+    def pixel(self, signal: Signal) -> Signal:
+        return signal
+
+    def readout(self, signal: Signal) -> Signal:
+        return signal

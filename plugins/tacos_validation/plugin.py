@@ -1,0 +1,55 @@
+"""Lists the checks of the simulator, the diagnosis and the search. Light: names code by string and imports none of it."""
+
+from __future__ import annotations
+
+from tacos_framework.components import Component
+from tacos_framework.hookspecs import hookimpl
+
+
+@hookimpl
+def tacos_components() -> list[Component]:
+    """Calibrations, validations and comparisons."""
+    return [
+        Component(
+            "procedure",
+            "gap-blind-check",
+            "tacos_validation.blind.check:GapBlindCheck",
+            summary="The diagnosis, checked blind on effects withheld from it, beside simpler ways.",
+        ),
+        Component(
+            "procedure",
+            "compare-optimizers",
+            "tacos_validation.optimizers_compared.compare:CompareOptimizers",
+            summary="Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",
+        ),
+        Component(
+            "procedure",
+            "compare-studies",
+            "tacos_validation.studies_compared.compare:CompareStudies",
+            summary="Variants of a study, such as joint and frozen, over several seeds: designs on unseen scenes.",
+        ),
+        Component(
+            "procedure",
+            "studies-table",
+            "tacos_validation.studies_table.table:StudiesTable",
+            summary="Several studies and the cameras they compare with in one table, published figures beside.",
+        ),
+        Component(
+            "procedure",
+            "calibrate-noise",
+            "tacos_validation.noise.calibrate:CalibrateNoise",
+            summary="From frames of grey bars to an affine noise calibration with confidence intervals.",
+        ),
+        Component(
+            "procedure",
+            "validate-noise",
+            "tacos_validation.noise.validate:ValidateNoise",
+            summary="The paper's first check: noise of rendered grey bars against the model, at other gains and times.",
+        ),
+        Component(
+            "procedure",
+            "validate-task",
+            "tacos_validation.task_validation.validate:ValidateTask",
+            summary="The paper's second check: whether a simulator ranks cameras at a task as a reference does.",
+        ),
+    ]

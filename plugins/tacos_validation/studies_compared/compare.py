@@ -1,0 +1,129 @@
+"""Variants of a study, such as a camera designed jointly with its network and one for a frozen network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import JsonValue, model_validator
+
+from tacos_framework.contracts import Executor
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.loading import load_recipe
+from tacos_framework.plan import make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.progress import Progress
+from tacos_framework.recipe import Recipe
+from tacos_framework.report.page import write_page
+from tacos_framework.results import Results
+from tacos_framework.settings import Settings, setting
+from tacos_validation.kept_studies import result_of
+from tacos_validation.studies_compared.pages import Compared, lines, page, summary
+from tacos_validation.studies_compared.pairs import Outcome
+
+DESIGNED = "designed"
+
+
+class CompareStudies:
+    """Runs a study in several variants and with several seeds, and sets their designs side by side.
+
+    Studies of a seed see the same worlds and are judged on the same unseen scenes; each seed has unseen
+    scenes of its own. What is compared is what is designed, on those scenes. Every study is left whole under
+    ``studies/``, with its report. A broken run goes on with ``--resume``; studies that are done are kept.
+    """
+
+    class Config(Settings):
+        """Settings of the procedure."""
+
+        study: str = setting(
+            help="The recipe of the study: a path, or the name of a shipped one.", is_path=True
+        )
+        change: dict[str, JsonValue] = setting(
+            {}, help="Keys of that recipe to change in every variant, as with --set."
+        )
+        variants: dict[str, dict[str, JsonValue]] = setting(
+            help="For each variant by name the keys it changes, e.g. {nodes.detect.train.weights: frozen}.",
+            min_length=2,
+        )
+        reference: str = setting(help="The variant the others are compared with.")
+        seeds: tuple[int, ...] = setting(help="Seeds to run each variant with.", min_length=1)
+
+        @model_validator(mode="after")
+        def _fits_together(self) -> CompareStudies.Config:
+            if self.reference not in self.variants:
+                remedy = did_you_mean(self.reference, self.variants)
+                raise ValueError(f"there is no variant {self.reference!r}. {remedy}".rstrip())
+            if len(set(self.seeds)) < len(self.seeds):
+                raise ValueError("a seed stands twice")
+            for name in self.variants:
+                if not name.replace("_", "").replace("-", "").isalnum():
+                    raise ValueError(f"the name of a variant is part of a folder's, so not {name!r}")
+            return self
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def run(
+        self, *, out: Path, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
+    ) -> Mapping[str, Any]:
+        """Run them; leaves ``report.html``, ``studies.csv`` and a folder for each study."""
+        studies = list(self._studies(plugins))
+        progress.phase("Running studies", len(studies))
+        outcomes = []
+        for variant, seed, recipe in studies:
+            folder = out / "studies" / f"{variant}-{seed}"
+            result = result_of(recipe, folder, plugins=plugins, executor=executor, resume=resume)
+            outcome = _outcome(variant, seed, _with_design(result, folder))
+            outcomes.append(outcome)
+            progress.step(f"{variant}, seed {seed}: {outcome.scores['fitness']:.3f}")
+        counted = tuple(dict.fromkeys(term.score for _, _, recipe in studies for term in recipe.fitness))
+        compared = Compared(self.config.study, self.config.reference, tuple(outcomes), counted)
+        write_page(out / "report.html", page(compared))
+        Results(out).write_text("studies.csv", lines(outcomes))
+        return {**compared.as_data(), "summary": summary(compared)}
+
+    def _studies(self, plugins: Plugins) -> Iterator[tuple[str, int, Recipe]]:
+        """Every variant with every seed, checked; twins follow one another."""
+        faults: list[Fault] = []
+        for number, seed in enumerate(self.config.seeds):
+            for name, changes in self.config.variants.items():
+                try:
+                    recipe = self._recipe({**self.config.change, **changes, "seed": seed}, number)
+                    make_plan(recipe, plugins)
+                    yield name, seed, recipe
+                except UserError as error:
+                    faults += [
+                        Fault(f"variants.{name}: {f.where}", f.what, f.expected, f.remedy)
+                        for f in error.faults
+                    ]
+            if faults:
+                raise UserError(faults)
+
+    def _recipe(self, changes: dict[str, Any], number: int) -> Recipe:
+        recipe = load_recipe(self.config.study, changes)
+        if not isinstance(recipe, Recipe):
+            raise UserError(Fault("study", f"{self.config.study} is no study", "a recipe that designs"))
+        if recipe.test is None:
+            raise UserError(Fault("study", f"{self.config.study} has no test:", "scenes to be judged on"))
+        test = recipe.test.model_copy(update={"seed": recipe.test.seed + number})
+        return recipe.model_copy(update={"test": test})
+
+
+def _with_design(result: Mapping[str, Any], out: Path) -> Mapping[str, Any]:
+    """The result, if its design was tested."""
+    if DESIGNED not in result["test"]:
+        what = f"the study ended without a design that was tested: {result['stopped']}"
+        raise UserError(Fault(str(out), what))
+    return result
+
+
+def _outcome(variant: str, seed: int, result: Mapping[str, Any]) -> Outcome:
+    return Outcome(
+        variant,
+        seed,
+        scores=result["test"][DESIGNED],
+        camera=result["best"]["camera"],
+        images=result["frames_rendered"],
+        seconds=result["seconds"],
+    )

@@ -1,0 +1,203 @@
+"""The report of studies side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_framework.report.page import Drawing, Page, Section, Table
+from tacos_framework.report.palette import MUTED, camera_colour
+from tacos_framework.report.quantities import number, words
+from tacos_validation.studies_compared.pairs import (
+    FITNESS,
+    Difference,
+    Outcome,
+    Spread,
+    difference,
+    scores_of,
+    spread,
+)
+
+MOST_DRAWN = 5
+"""Scores that stand beside one another in a drawing and can still be read."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Everything the report tells."""
+
+    study: str
+    reference: str
+    outcomes: tuple[Outcome, ...]
+    counted: tuple[str, ...]
+    """Scores that a fitness takes."""
+
+    @property
+    def scores(self) -> list[str]:
+        """All that every study reports: the fitness, what it takes, and the rest."""
+        known = scores_of(self.outcomes)
+        return list(dict.fromkeys([FITNESS, *(name for name in self.counted if name in known), *known]))
+
+    @property
+    def headline_scores(self) -> list[str]:
+        """The fitness and what it takes."""
+        return [name for name in self.scores if name in (FITNESS, *self.counted)]
+
+    @property
+    def variants(self) -> list[str]:
+        """Names, as the recipe lists them."""
+        return list(dict.fromkeys(outcome.variant for outcome in self.outcomes))
+
+    @property
+    def differences(self) -> list[Difference]:
+        """Of every other variant and score to the reference."""
+        return [
+            difference(self.outcomes, variant, self.reference, score)
+            for variant in self.variants
+            if variant != self.reference
+            for score in self.scores
+        ]
+
+    def of(self, variant: str) -> list[Outcome]:
+        """The studies of a variant."""
+        return [outcome for outcome in self.outcomes if outcome.variant == variant]
+
+    def as_data(self) -> dict[str, Any]:
+        """For ``result.json``."""
+        return {
+            "study": self.study,
+            "reference": self.reference,
+            "studies": [asdict(outcome) for outcome in self.outcomes],
+            "differences": [asdict(each) for each in self.differences],
+        }
+
+
+def summary(compared: Compared) -> str:
+    """The finding in a line for each variant."""
+    return "\n".join(_sentence(each) for each in compared.differences if each.score == FITNESS)
+
+
+def _sentence(found: Difference) -> str:
+    return (
+        f"{found.variant} is better in {found.better} of {found.by.seeds} seeds, "
+        f"by {_plus_minus(found.by, sign=True)} in fitness on unseen scenes"
+    )
+
+
+def page(compared: Compared) -> Page:
+    """The page."""
+    seeds = sorted({outcome.seed for outcome in compared.outcomes})
+    hours = sum(outcome.seconds for outcome in compared.outcomes) / 3600
+    return Page(
+        eyebrow="Studies compared",
+        title=summary(compared).replace("\n", "; "),
+        lead=(
+            f"The study {compared.study} as {', '.join(compared.variants)}, each with seeds "
+            f"{', '.join(map(str, seeds))}: {len(compared.outcomes)} studies, {hours:.1f} hours. Studies "
+            f"of a seed see the same worlds and are judged on the same unseen scenes, so differences are "
+            f"taken seed by seed. ± is the standard error over seeds."
+        ),
+        sections=(
+            Section("On unseen scenes", (_drawing(compared), _means(compared))),
+            Section(f"Differences to {compared.reference}", (_differences(compared),)),
+            Section("Every study", (_every(compared),)),
+        ),
+    )
+
+
+def _drawing(compared: Compared) -> Drawing:
+    scores = compared.headline_scores[:MOST_DRAWN]
+    variants = compared.variants
+
+    def paint(figure: Figure) -> None:
+        for place, score in enumerate(scores, start=1):
+            axes = figure.add_subplot(1, len(scores), place)
+            for i, seed in enumerate(sorted({outcome.seed for outcome in compared.outcomes})):
+                found = {o.variant: o.scores[score] for o in compared.outcomes if o.seed == seed}
+                at = [variants.index(name) for name in variants if name in found]
+                axes.plot(
+                    at, [found[variants[x]] for x in at], "o-", color=camera_colour(i), label=f"seed {seed}"
+                )
+            axes.set_xticks(range(len(variants)), variants)
+            axes.margins(x=0.2, y=0.15)
+            axes.set_title(words(score))
+            light_grid(axes, "y")
+        handles, labels = figure.axes[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), labelcolor=MUTED)
+
+    described = f"Scores of {', '.join(variants)} on unseen scenes, a line for each seed."
+    return Drawing(draw("studies", (9.2, 3.6), described, paint), "A line for each seed.")
+
+
+def _means(compared: Compared) -> Table:
+    scores = compared.headline_scores
+    rows = tuple(
+        (variant, *(_plus_minus(spread([o.scores[score] for o in compared.of(variant)])) for score in scores))
+        for variant in compared.variants
+    )
+    return Table(("Variant", *map(words, scores)), rows, "Means over seeds.")
+
+
+def _differences(compared: Compared) -> Table:
+    rows = tuple(
+        (
+            each.variant,
+            words(each.score),
+            _plus_minus(each.by, sign=True),
+            f"{each.better} of {each.by.seeds}",
+        )
+        for each in compared.differences
+    )
+    return Table(("Variant", "Score", "Difference", "Seeds in which it is higher"), rows)
+
+
+def _every(compared: Compared) -> Table:
+    scores = compared.headline_scores
+    rows = tuple(
+        (
+            outcome.variant,
+            str(outcome.seed),
+            *(number(outcome.scores[score]) for score in scores),
+            _camera(outcome),
+            f"{outcome.seconds / 60:.0f} min",
+        )
+        for outcome in compared.outcomes
+    )
+    return Table(("Variant", "Seed", *map(words, scores), "Designed camera", "Time"), rows)
+
+
+def _camera(outcome: Outcome) -> str:
+    shown = (
+        f"{name} {value.get('name', '')}" if isinstance(value, dict) else f"{name} {_short(value)}"
+        for name, value in outcome.camera.items()
+    )
+    return ", ".join(shown)
+
+
+def _short(value: Any) -> str:
+    return number(value) if isinstance(value, int | float) else str(value)
+
+
+def _plus_minus(found: Spread, *, sign: bool = False) -> str:
+    mean = f"{found.mean:+.3f}" if sign else f"{found.mean:.3f}"
+    return mean if found.standard_error is None else f"{mean} ± {found.standard_error:.3f}"
+
+
+def lines(outcomes: Sequence[Outcome]) -> str:
+    """The studies as rows of text separated by commas, for ``studies.csv``."""
+    scores = scores_of(outcomes)
+    rows = [
+        [
+            o.variant,
+            str(o.seed),
+            *(repr(o.scores[score]) for score in scores),
+            str(o.images),
+            f"{o.seconds:.0f}",
+        ]
+        for o in outcomes
+    ]
+    return "".join(",".join(row) + "\n" for row in [["variant", "seed", *scores, "images", "seconds"], *rows])

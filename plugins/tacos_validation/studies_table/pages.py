@@ -1,0 +1,212 @@
+"""The report of several studies: the table with published figures beside, and how the searches went."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_framework.report.page import Detailed, Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_framework.report.palette import MUTED, camera_colour
+from tacos_framework.report.quantities import duration, number
+from tacos_validation.studies_table.findings import Cell, Finding, StudyRun
+from tacos_validation.studies_table.settings import Column, StudiesConfig
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Everything the report tells."""
+
+    config: StudiesConfig
+    rows: tuple[Finding, ...]
+    runs: tuple[StudyRun, ...]
+    notes: tuple[str, ...]
+
+    def as_data(self) -> dict[str, Any]:
+        """For ``result.json``."""
+        heads = [column.head for column in self.config.columns]
+        return {
+            "problem": self.config.problem,
+            "table": [
+                {
+                    "title": row.title,
+                    "runs": row.runs,
+                    "ours": dict(zip(heads, (_plain(cell) for cell in row.cells), strict=True)),
+                    "published": {
+                        head: cell.published
+                        for head, cell in zip(heads, row.cells, strict=True)
+                        if cell.published is not None
+                    },
+                }
+                for row in self.rows
+            ],
+            "studies": [
+                {
+                    "study": run.study,
+                    "seed": run.seed,
+                    "frames_rendered": run.result["frames_rendered"],
+                    "seconds": run.result["seconds"],
+                    "folder": folder_of(run.study, run.seed),
+                }
+                for run in self.runs
+            ],
+            "comparison_notes": list(self.notes),
+        }
+
+
+def folder_of(study: str, seed: int) -> str:
+    """Where the results of a run lie, inside the results folder."""
+    return f"studies/{study}_{seed}"
+
+
+def page(outcome: Outcome) -> Page:
+    """The page."""
+    config = outcome.config
+    seeds = len({run.seed for run in outcome.runs})
+    middle = (
+        f"Figures are medians over {seeds} seeds, with lowest and highest in brackets. " if seeds > 1 else ""
+    )
+    return Page(
+        eyebrow="Studies compared",
+        title=summary(outcome).splitlines()[0],
+        lead=(
+            f"{len(outcome.runs)} studies of the problem {config.problem}, judged on unseen scenes. "
+            f"{middle}Each study's own report lies in its folder under studies/."
+        ),
+        sections=(
+            Section("Results", (_table(outcome), *_differences(outcome))),
+            Section("How the searches went", (_curves(outcome), _costs(outcome))),
+        ),
+    )
+
+
+def summary(outcome: Outcome) -> str:
+    """The finding in a few lines."""
+    lines = [_headline(outcome)]
+    for row in outcome.rows:
+        figures = (
+            f"{column.head} {shown(cell, column)}"
+            for column, cell in zip(outcome.config.columns, row.cells, strict=True)
+        )
+        lines.append(f"{row.title}: {', '.join(figures)}")
+    return "\n".join(lines)
+
+
+def table_csv(outcome: Outcome) -> str:
+    """The table for other programs: a line per row and column."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("row", "column", "unit", "median", "lowest", "highest", "runs", "published"))
+    for row in outcome.rows:
+        for column, cell in zip(outcome.config.columns, row.cells, strict=True):
+            ordered = sorted(value for value in cell.values if isinstance(value, (int, float)))
+            low, high = (ordered[0], ordered[-1]) if ordered else ("", "")
+            middle = _plain(cell)
+            writer.writerow(
+                (row.title, column.head, column.unit, middle, low, high, row.runs, cell.published)
+            )
+    return text.getvalue()
+
+
+def shown(cell: Cell, column: Column) -> str:
+    """A figure as the table shows it."""
+    if not cell.values:
+        return "not known"
+    if cell.middle is None:
+        return ", ".join(dict.fromkeys(map(str, cell.values)))
+    middle = number(cell.middle, column.digits)
+    figures = [value for value in cell.values if isinstance(value, (int, float))]
+    if len(figures) > 1 and min(figures) < max(figures):
+        middle += f" [{number(min(figures), column.digits)}, {number(max(figures), column.digits)}]"
+    return middle
+
+
+def _plain(cell: Cell) -> float | str | None:
+    if cell.middle is not None:
+        return cell.middle
+    return str(cell.values[0]) if cell.values else None
+
+
+def _headline(outcome: Outcome) -> str:
+    """Which row is best, by the first column in which one alone is."""
+    for number_, column in enumerate(outcome.config.columns):
+        best = [row for row in outcome.rows if row.cells[number_].best]
+        if len(best) == 1:
+            figure = shown(best[0].cells[number_], column)
+            return f"{best[0].title} has the best {column.head.lower()}: {figure}"
+    return f"{len(outcome.rows)} cameras side by side"
+
+
+def _table(outcome: Outcome) -> Table:
+    columns = outcome.config.columns
+    marks = {"lower": " ↓", "higher": " ↑", None: ""}
+    heads = [f"{c.head}{f' [{c.unit}]' if c.unit else ''}{marks[c.better]}" for c in columns]
+    rows = tuple(
+        (row.title, *(_cell(cell, column) for cell, column in zip(row.cells, columns, strict=True)))
+        for row in outcome.rows
+    )
+    compared = any(cell.published is not None for row in outcome.rows for cell in row.cells)
+    below = f" In small print: {outcome.config.published_in or 'published figures'}." if compared else ""
+    return Table(("Camera", *heads), rows, f"Cameras on unseen scenes.{below}")
+
+
+def _cell(cell: Cell, column: Column) -> str | Detailed:
+    text = f"{shown(cell, column)}{' (best)' if cell.best else ''}"
+    return text if cell.published is None else Detailed(text, _published(cell.published, column))
+
+
+def _published(value: float | str, column: Column) -> str:
+    return value if isinstance(value, str) else number(value, column.digits)
+
+
+def _differences(outcome: Outcome) -> list[Paragraph | Warnings]:
+    notes = (*outcome.config.differs, *outcome.notes)
+    return [Warnings("What to know before comparing with published figures", notes)] if notes else []
+
+
+def _curves(outcome: Outcome) -> Drawing:
+    names = list(dict.fromkeys(run.study for run in outcome.runs))
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        for run in outcome.runs:
+            images, best = run.curve
+            first = run is next(other for other in outcome.runs if other.study == run.study)
+            axes.step(
+                images,
+                best,
+                where="post",
+                color=camera_colour(names.index(run.study)),
+                linewidth=2,
+                label=run.study if first else "_again",
+            )
+        axes.set_xlabel("images rendered")
+        axes.set_ylabel("best fitness so far")
+        light_grid(axes, "y")
+        axes.legend(ncols=3, labelcolor=MUTED)
+
+    described = f"Best fitness so far of {', '.join(names)} against images rendered."
+    caption = (
+        "A line a run. The fitness is what each study saw when it was evaluated; where weights are trained "
+        "or scenes change on the way, it is no yardstick between studies: the table is."
+    )
+    return Drawing(draw("curves", (9.2, 4.2), described, paint), caption)
+
+
+def _costs(outcome: Outcome) -> Table:
+    rows = tuple(
+        (
+            run.study,
+            str(run.seed),
+            str(run.result["evaluations"]),
+            str(run.result["frames_rendered"]),
+            duration(float(run.result["seconds"])),
+            str(run.result["stopped"]),
+        )
+        for run in outcome.runs
+    )
+    return Table(("Study", "Seed", "Evaluations", "Images", "Time", "Stopped"), rows)

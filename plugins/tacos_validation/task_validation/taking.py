@@ -1,0 +1,98 @@
+"""Frames of a target from one place after another, and what a task makes of each pair of neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import Scores
+from tacos_framework.randomness import generator
+from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
+from tacos_validation.noise.bench import expose
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """What one camera came to in one simulator.
+
+    Parameters
+    ----------
+    scores
+        Name to (settings, seeds, pairs) scores of each pair of neighbouring places; NaN where there is none.
+    samples
+        For each setting a frame from the middle of the way.
+    on_target_px
+        (places,) pixels on anything but the background.
+    luminance_cd_m2
+        Mean luminance of those pixels over all places [cd/m2].
+    """
+
+    scores: Mapping[str, NDArray[np.float64]]
+    samples: tuple[FrameBatch, ...]
+    on_target_px: NDArray[np.int64]
+    luminance_cd_m2: float
+
+
+def take(
+    episode: Episode,
+    rig: Rig,
+    renderer: Any,
+    sensor: Any,
+    task: Any,
+    exposures: Sequence[Exposure],
+    *,
+    seed: int,
+    seeds: int,
+    names: Sequence[str],
+    rendered: Callable[[], None],
+) -> Taken:
+    """Render each place once, take frames of it with fresh noise, and score each pair of neighbours.
+
+    Light is rendered for the first exposure alone: nothing moves while the shutter is open, so the others
+    differ in what the sensor makes of the light.
+
+    Parameters
+    ----------
+    seeds
+        Frames with noise of their own for every place and exposure.
+    names
+        What the noise is for, besides exposure, seed and place.
+    rendered
+        Called after each place.
+    """
+    places = len(episode)
+    scores = {name: np.full((len(exposures), seeds, places - 1), np.nan) for name in type(task).scores}
+    begun: dict[tuple[int, int], Any] = {}
+    samples: list[FrameBatch] = []
+    on_target, luminance = np.zeros(places, np.int64), 0.0
+    for place in range(places):
+        capture: Capture = renderer.capture(episode[place : place + 1], rig=rig, exposure=exposures[0])
+        view = capture.views[0]
+        target = view.object_id[0] > 0
+        on_target[place] = np.count_nonzero(target)
+        luminance += float(view.luminance_cd_m2[0][target].mean()) / places if target.any() else 0.0
+        for setting, exposure in enumerate(exposures):
+            for number in range(seeds):
+                rng = generator(seed, *names, setting, number, place)
+                frame = expose(sensor, capture, rig, exposure, rng)
+                if place == places // 2 and number == 0:
+                    samples.append(frame)
+                if (last := begun.pop((setting, number), None)) is not None:
+                    last.update(frame)
+                    _note(scores, (setting, number, place - 1), last.scores())
+                if place < places - 1:
+                    scorer = task.begin(state=None)
+                    scorer.update(frame)
+                    begun[setting, number] = scorer
+        rendered()
+    return Taken(scores, tuple(samples), on_target, luminance)
+
+
+def _note(scores: Mapping[str, NDArray[np.float64]], at: tuple[int, int, int], found: Scores) -> None:
+    for name, value in found.items():
+        if name in scores:
+            scores[name][at] = value

@@ -1,0 +1,119 @@
+"""The scene `scene.indoor`: furnished rooms and a walk through them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Episode
+from tacos_worlds.indoor.piece import Piece
+
+Metres = Annotated[float, Field(gt=0)]
+
+
+class IndoorScene:
+    """Procedural furnished rooms, and an agent that walks through all of them.
+
+    The floor is cut into rooms joined by doors with gold-coloured thresholds. Rooms get furniture of ten
+    classes that suits their use, and ceiling lights and lamps scaled to the scenario's illuminance. The agent
+    walks a tour of all rooms; a second walk starts where the frames outlast the first.
+
+    One generator state gives one world and one trip, always.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> scene = IndoorScene(IndoorScene.Config(size_m=(8, 6), frames=10))
+    >>> len(scene.episode(rng=np.random.default_rng(7), illumination_lux=20.0))
+    10
+    """
+
+    class Config(Settings):
+        """Settings of the scene."""
+
+        size_m: tuple[Metres, Metres] = setting(
+            (15.0, 15.0), help="Extent of the floor along x and y.", unit="m"
+        )
+        ceiling_height_m: float = setting(3.0, help="Height of the rooms.", unit="m", ge=2.4, le=6.0)
+        min_room_m: float = setting(
+            5.0, help="Least edge of a room, to the middle of inner walls.", unit="m", ge=3.5
+        )
+        frames: int = setting(500, help="Frames taken along the walk.", ge=1, le=1_000_000)
+        frame_rate_hz: float = setting(5.0, help="Frames per second of walking.", unit="Hz", gt=0)
+        speed_m_s: float = setting(1.0, help="Speed of the agent on straight ways.", unit="m/s", gt=0, le=5.0)
+        camera_height_m: tuple[Metres, Metres] = setting(
+            (1.0, 2.0), help="Range from which each walk draws the height of the agent's eye.", unit="m"
+        )
+        clutter: float = setting(0.5, help="How many toys and small things lie about.", ge=0.0, le=1.0)
+        furniture_folder: str = setting(
+            "",
+            help="Folder of GLB or OBJ models, CLASS/NAME.glb, that replace the built-in furniture.",
+            is_path=True,
+        )
+
+        @model_validator(mode="after")
+        def _fits(self) -> IndoorScene.Config:
+            if min(self.size_m) < self.min_room_m:
+                raise ValueError(f"size_m {self.size_m} is smaller than min_room_m {self.min_room_m}")
+            low, high = self.camera_height_m
+            if low > high:
+                raise ValueError(f"camera_height_m must rise from low to high, not {self.camera_height_m}")
+            if high > self.ceiling_height_m - 0.2:
+                raise ValueError(
+                    f"camera_height_m reaches {high} m, but must stay 0.2 m below the ceiling of "
+                    f"{self.ceiling_height_m} m"
+                )
+            return self
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self._pieces: Mapping[str, Sequence[Piece]] = {}
+        self._images: Mapping[int, NDArray[np.uint8]] = {}
+        if config.furniture_folder:
+            from tacos_worlds.indoor.user_models import load_user_models  # loads trimesh, slowly
+
+            models = load_user_models(config.furniture_folder)
+            self._pieces, self._images = models.pieces, models.images
+
+    def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
+        """A new world and a trip through it.
+
+        Parameters
+        ----------
+        illumination_lux
+            Mean illuminance on a plane 1 m above the floors of all rooms [lux].
+        """
+        # Late: what builds worlds takes a while to import, and checking a recipe builds none.
+        from tacos_worlds.indoor.assembly import assemble
+        from tacos_worlds.indoor.building import draw_building
+        from tacos_worlds.indoor.finishes import TextureLibrary
+        from tacos_worlds.indoor.furnishing.catalogue import Catalogue
+        from tacos_worlds.indoor.walk.trip import draw_trip
+
+        if not illumination_lux > 0:
+            raise ValueError(f"illumination_lux must be above 0, not {illumination_lux}")
+        config = self.config
+        building_rng, texture_rng, walk_rng = rng.spawn(3)
+        building = draw_building(
+            building_rng,
+            size_m=config.size_m,
+            ceiling_height_m=config.ceiling_height_m,
+            min_room_m=config.min_room_m,
+            clutter=config.clutter,
+            catalogue=Catalogue(self._pieces),
+        )
+        world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)
+        return draw_trip(
+            walk_rng,
+            world,
+            building,
+            frames=config.frames,
+            frame_rate_hz=config.frame_rate_hz,
+            speed_m_s=config.speed_m_s,
+            camera_height_m=config.camera_height_m,
+        )

@@ -1,0 +1,67 @@
+"""Lists the worlds that ship with tacos-framework. Light: names code by string and imports none of it."""
+
+from __future__ import annotations
+
+from tacos_framework.components import Component
+from tacos_framework.hookspecs import hookimpl
+
+
+@hookimpl
+def tacos_components() -> list[Component]:
+    """Rooms, streets and targets on a bench."""
+    return [
+        Component(
+            "scene",
+            "indoor",
+            "tacos_worlds.indoor.scene:IndoorScene",
+            summary="Procedural furnished rooms with thresholds at the doors and an agent walking through.",
+        ),
+        Component(
+            "scene",
+            "street",
+            "tacos_worlds.street.scene:StreetScene",
+            summary="A procedural town in sun and sky light, and a car driving through its streets.",
+        ),
+        Component(
+            "scene",
+            "grey-bars",
+            "tacos_worlds.bench.grey_bars:GreyBars",
+            summary="A test target of grey bars from black to white, to measure noise with.",
+        ),
+        Component(
+            "scene",
+            "light-box",
+            "tacos_worlds.bench.light_box:LightBox",
+            summary="An even white surface across the view, for flats and exposure series.",
+        ),
+        Component(
+            "scene",
+            "slanted-edges",
+            "tacos_worlds.bench.slanted_edges:SlantedEdges",
+            summary="Dark squares on white, a little turned: edges all over the field.",
+        ),
+        Component(
+            "scene",
+            "chessboard",
+            "tacos_worlds.bench.chessboard:Chessboard",
+            summary="A calibration board, tilted and turned.",
+        ),
+        Component(
+            "scene",
+            "colour-chart",
+            "tacos_worlds.bench.colour_chart:ColourChart",
+            summary="The 24 patches of a ColorChecker, by their reference values.",
+        ),
+        Component(
+            "scene",
+            "textured-target",
+            "tacos_worlds.bench.textured_target:TexturedTarget",
+            summary="A sheet full of detail of all sizes, standing still or passing by.",
+        ),
+        Component(
+            "scene",
+            "relief-target",
+            "tacos_worlds.bench.relief_target:ReliefTarget",
+            summary="Blocks of detail at several depths before a plain wall, passed sideways.",
+        ),
+    ]

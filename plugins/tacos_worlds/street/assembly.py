@@ -1,0 +1,131 @@
+"""From what stands in a town to a `World`: materials, labels, daylight, and the content key."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.cache import content_key
+from tacos_plugins.lighting import LightTransport, photopic, scale_light
+from tacos_framework.values import Object, Part, World
+from tacos_worlds.indoor.finishes import Finish, materials_of
+from tacos_worlds.indoor.mesh import Mesh, merged
+from tacos_worlds.street.city import CARRIAGEWAY_M, PAVEMENT_M, Town
+from tacos_worlds.street.finishes import StreetTextures
+from tacos_worlds.street.sky import Daylight
+from tacos_worlds.street.streetscape import Placed
+
+CLASS_NAMES = (
+    "background",
+    "road",
+    "pavement",
+    "building",
+    "vegetation",
+    "tree",
+    "car",
+    "footbridge",
+    "lamp post",
+    "sign",
+    "traffic light",
+    "bus shelter",
+    "bench",
+    "bin",
+    "bollard",
+    "planter",
+    "advertisement",
+)
+PLANE_HEIGHT_M = 1.0
+"""Height of the plane on which the illuminance is given [m]."""
+_PLANE_STEP_M = 4.0
+_LIGHT_EDGE_M = 9.0
+"""Daylight changes little within this outdoors [m]."""
+_LIGHT_MERGE_M = 1.5
+_LIGHT_RAYS = 32
+
+
+def assemble(
+    town: Town,
+    placed: Sequence[Placed],
+    textures: StreetTextures,
+    daylight: Daylight,
+    illumination_lux: float,
+) -> World:
+    """The world of a town, lit to a mean illuminance 1 m above its inner streets."""
+    finishes: dict[Finish, int] = {}
+    objects, parts, count = [Object("background", "background")], [], dict.fromkeys(CLASS_NAMES, 0)
+    for object_id, thing in enumerate(placed, start=1):
+        name = thing.piece.class_name
+        count[name] += 1
+        objects.append(Object(f"{name} {count[name]}", name, moves=thing.moves))
+        by_finish: dict[Finish, list[Mesh]] = {}
+        for mesh, finish in thing.piece.parts:
+            by_finish.setdefault(finish, []).append(mesh)
+        for finish, meshes in by_finish.items():
+            material = finishes.setdefault(finish, len(finishes))
+            parts.append(_part(merged(meshes), material, object_id, thing.light_detail))
+    unlit = World(
+        key="unlit",
+        parts=tuple(parts),
+        materials=materials_of(finishes, textures, {}),
+        objects=tuple(objects),
+        class_names=CLASS_NAMES,
+        lights=(daylight.sun,),
+        ambient_cd_m2=daylight.ambient_cd_m2,
+        sky_cd_m2=daylight.sky_cd_m2,
+    )
+    return _lit(unlit, illumination_lux, measuring_plane(town))
+
+
+def _part(mesh: Mesh, material: int, object_id: int, light_detail: float) -> Part:
+    return Part(
+        vertices_m=mesh.vertices_m.astype(np.float32),
+        normals=mesh.normals.astype(np.float32),
+        uv_m=mesh.uv_m.astype(np.float32),
+        triangles=mesh.triangles.astype(np.int32),
+        material=material,
+        object_id=object_id,
+        light_detail=light_detail,
+    )
+
+
+def _lit(world: World, illumination_lux: float, plane_m: NDArray[np.float32]) -> World:
+    """The world with indirect light baked, scaled to the illuminance."""
+    transport = LightTransport(world, rays=_LIGHT_RAYS, merge_m=_LIGHT_MERGE_M, longest_edge_m=_LIGHT_EDGE_M)
+    up = np.tile(np.array([0, 0, 1], np.float32), (len(plane_m), 1))
+    reached = transport.direct_lux(plane_m, up) + transport.indirect_lux(plane_m, up)
+    baked = replace(world, indirect_lux=transport.vertex_indirect_lux())
+    factor = illumination_lux / float(photopic(reached).mean())
+    return scale_light(baked, factor, key=_key(world, illumination_lux))
+
+
+def measuring_plane(town: Town) -> NDArray[np.float32]:
+    """(N, 3) points 1 m above the inner streets, from house to house, spread evenly [m]."""
+    middle, half = town.middle, CARRIAGEWAY_M / 2 + PAVEMENT_M
+    across = np.arange(-half + 0.5, half, 2.0)
+    points = []
+    for y in town.street_y_m:
+        x = np.arange(middle.x0, middle.x1, _PLANE_STEP_M)
+        points.append(np.stack(np.meshgrid(x, y + across), axis=-1).reshape(-1, 2))
+    for x0 in town.street_x_m:
+        y_m = np.arange(middle.y0, middle.y1, _PLANE_STEP_M)
+        points.append(np.stack(np.meshgrid(x0 + across, y_m), axis=-1).reshape(-1, 2))
+    level = np.concatenate(points)
+    return np.column_stack([level, np.full(len(level), PLANE_HEIGHT_M)]).astype(np.float32)
+
+
+def _key(world: World, illumination_lux: float) -> str:
+    """A hash of everything that makes the world what it is."""
+    parts = [
+        (p.material, p.object_id, p.light_detail, p.vertices_m, p.normals, p.uv_m, p.triangles)
+        for p in world.parts
+    ]
+    materials = [
+        (m.name, m.base_colour, m.texture, m.texture_size_m, m.normal_map, m.roughness, m.metallic)
+        for m in world.materials
+    ]
+    lights = [(light.position_m, light.flux_lm) for light in world.lights]
+    names = [(thing.name, thing.class_name, thing.moves) for thing in world.objects]
+    return "street-" + content_key(illumination_lux, parts, materials, lights, names, world.sky_cd_m2)

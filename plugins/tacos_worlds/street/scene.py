@@ -1,0 +1,124 @@
+"""The scene `scene.street`: a town by day and a car driving through it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from pydantic import model_validator
+
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Episode, Mover
+
+
+class StreetScene:
+    """A procedural town and a car with cameras on its roof.
+
+    Streets cross at right angles and differ in spacing; between them stand rows of shops, houses and offices,
+    one block is a park, and two footbridges lead over streets. Cars park at the kerbs, and others drive. Sun
+    and sky light it all. The car drives on the right-hand lanes between the inner crossings, goes straight on
+    or turns at each, and slows down for it.
+
+    One generator state gives one town and one drive, always; every other state gives other streets.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> scene = StreetScene(StreetScene.Config(blocks=1, frames=10))
+    >>> len(scene.episode(rng=np.random.default_rng(7), illumination_lux=20_000.0))
+    10
+    """
+
+    class Config(Settings):
+        """Settings of the scene."""
+
+        blocks: int = setting(
+            3, help="Blocks between streets along each axis; the car drives around them.", ge=1, le=4
+        )
+        reach_m: float = setting(
+            160.0, help="How far streets go on beyond the outermost crossings.", unit="m", ge=60, le=400
+        )
+        frames: int = setting(500, help="Frames taken along the drive.", ge=1, le=1_000_000)
+        frame_rate_hz: float = setting(2.0, help="Frames per second of driving.", unit="Hz", gt=0)
+        speed_m_s: float = setting(
+            11.0, help="Speed on straight ways; bends are taken slower.", unit="m/s", gt=0, le=30
+        )
+        camera_height_m: float = setting(
+            2.0, help="Height of the agent's eye above the road.", unit="m", gt=0.3, le=4.0
+        )
+        sun_elevation_deg: tuple[float, float] = setting(
+            (30.0, 60.0), help="Range from which the height of the sun is drawn.", unit="deg"
+        )
+        sun_share: float = setting(
+            0.75, help="Share of the light on open ground that comes straight from the sun.", ge=0.05, le=0.95
+        )
+        clouds: float = setting(0.35, help="Cloud cover of the sky that is seen.", ge=0, le=1)
+        greenery: float = setting(0.3, help="Share of the streets that are lined with trees.", ge=0, le=1)
+        parked_share: float = setting(0.15, help="Share of the parking lots that are taken.", ge=0, le=1)
+        texture_px: Literal[64, 128, 256, 512] = setting(
+            512, help="Edge of the largest textures; less is built faster and looks coarser.", unit="px"
+        )
+        driving_cars: int = setting(12, help="Other cars that drive; no more than two a street.", ge=0, le=20)
+
+        @model_validator(mode="after")
+        def _sun_above_the_horizon(self) -> StreetScene.Config:
+            low, high = self.sun_elevation_deg
+            if not 5 <= low <= high <= 90:
+                raise ValueError(
+                    f"sun_elevation_deg must rise from 5 or more to 90 or less, not {low} to {high}"
+                )
+            return self
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
+        """A new town and a drive through it.
+
+        Parameters
+        ----------
+        illumination_lux
+            Mean illuminance on a plane 1 m above the streets between the outermost crossings, in sun and
+            shadow [lux].
+        """
+        # Late: what builds worlds takes a while to import, and checking a recipe builds none.
+        from tacos_worlds.street.assembly import assemble
+        from tacos_worlds.street.city import draw_town
+        from tacos_worlds.street.drive import draw_way, drive
+        from tacos_worlds.street.finishes import StreetTextures
+        from tacos_worlds.street.sky import draw_daylight
+        from tacos_worlds.street.streetscape import Placed, furnish_town
+        from tacos_worlds.street.traffic import draw_traffic
+
+        if not illumination_lux > 0:
+            raise ValueError(f"illumination_lux must be above 0, not {illumination_lux}")
+        config = self.config
+        town_rng, thing_rng, texture_rng, sky_rng, drive_rng, traffic_rng = rng.spawn(6)
+        town = draw_town(town_rng, blocks=config.blocks, reach_m=config.reach_m)
+        placed = furnish_town(thing_rng, town, greenery=config.greenery, parked_share=config.parked_share)
+        daylight = draw_daylight(
+            sky_rng,
+            elevation_deg=float(sky_rng.uniform(*config.sun_elevation_deg)),
+            sun_share=config.sun_share,
+            clouds=config.clouds,
+        )
+        duration_s = (config.frames - 1) / config.frame_rate_hz
+        way = draw_way(drive_rng, town, config.speed_m_s * duration_s + 20.0)
+        trajectory = drive(way, config.speed_m_s, config.camera_height_m)
+        drivers = draw_traffic(traffic_rng, town, trajectory, duration_s, config.driving_cars)
+        moving = [Placed(driver.piece, moves=True) for driver in drivers]
+        world = assemble(
+            town,
+            [*placed, *moving],
+            StreetTextures(texture_rng, config.texture_px),
+            daylight,
+            illumination_lux,
+        )
+        first = len(placed) + 1  # ids follow the background and what stands still
+        return Episode(
+            world=world,
+            trajectory=trajectory,
+            time_s=np.arange(config.frames) / config.frame_rate_hz,
+            walk=np.zeros(config.frames, np.int32),
+            movers=tuple(Mover(first + k, driver.trajectory) for k, driver in enumerate(drivers)),
+        )

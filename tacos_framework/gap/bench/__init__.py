@@ -1,7 +1,0 @@
-"""A simulated measuring bench: captures of any camera of ours, to rehearse a diagnosis with."""
-
-from tacos_framework.gap.bench.rendering import recipe_renderer
-from tacos_framework.gap.bench.settings import BenchCapture, BenchSettings
-from tacos_framework.gap.bench.simulated import Bench
-
-__all__ = ["Bench", "BenchCapture", "BenchSettings", "recipe_renderer"]

@@ -1,7 +1,0 @@
-"""Folders of captures: real images, and what a simulator expects of them."""
-
-from tacos_framework.gap.captures.capture import Board, Capture, CaptureFolder, Noise
-from tacos_framework.gap.captures.reader import read_captures
-from tacos_framework.gap.captures.writer import write_captures
-
-__all__ = ["Board", "Capture", "CaptureFolder", "Noise", "read_captures", "write_captures"]
