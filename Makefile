@@ -3,7 +3,7 @@
 bin := .venv/bin
 # The tests run in two processes; more threads in each would only wait for one another.
 one_thread := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
-packages := tacos_framework plugins/tacos_plugins
+packages := tacos_framework plugins
 
 .DEFAULT_GOAL := help
 .PHONY: help setup setup-demo demo test lint format docs slow clean

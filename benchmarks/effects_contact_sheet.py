@@ -20,8 +20,8 @@ from tacos_framework.contracts import STAGES, acts_after_noise
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Rig, Signal
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
-from tacos_worlds.indoor.scene import IndoorScene
 from tacos_plugins.sensors.affine_noise import AffineNoise
+from tacos_worlds.indoor.scene import IndoorScene
 
 WIDTH_PX, HEIGHT_PX = 200, 150
 COLUMNS = 5

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.geometry import agent_from_camera, pixel_rays
+from tacos_framework.values import Camera, Episode, Exposure, Rig, View, World
 from tacos_plugins.lighting.direct import direct_irradiance
 from tacos_plugins.lighting.occlusion import Occlusion
-from tacos_framework.values import Camera, Episode, Exposure, Rig, View, World
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_worlds.indoor.scene import IndoorScene

@@ -1,9 +1,11 @@
-"""What a plugin offers: a component, named before it is imported."""
+"""What a plugin offers: components, named before they are imported, commands and reference pages."""
 
 from __future__ import annotations
 
 import importlib
 import re
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,3 +76,33 @@ class Component:
         """Import and return the class. Errors of the import are the plugin's and pass unchanged."""
         module, _, name = self.target.partition(":")
         return getattr(importlib.import_module(module), name)
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of ``tacos`` that a plugin offers.
+
+    Parameters
+    ----------
+    name
+        What the user types after ``tacos``.
+    help
+        One sentence for ``tacos --help``.
+    add_arguments
+        Adds its arguments, and further commands, to its parser.
+    run
+        Does it; returns the exit status. A `UserError` it raises is printed, with status 2.
+    """
+
+    name: str
+    help: str
+    add_arguments: Callable[[ArgumentParser], None]
+    run: Callable[[Namespace], int]
+
+
+@dataclass(frozen=True)
+class ReferencePage:
+    """A page of the reference that follows from code: its file name, and what writes its Markdown."""
+
+    name: str
+    write: Callable[[], str]

@@ -7,7 +7,7 @@ from typing import Any
 
 import pluggy
 
-from tacos_framework.components import Component
+from tacos_framework.components import Command, Component, ReferencePage
 from tacos_framework.environment import Finding
 
 hookspec = pluggy.HookspecMarker("tacos")
@@ -22,6 +22,16 @@ def tacos_components() -> Sequence[Component]:  # type: ignore[empty-body]
 @hookspec
 def tacos_doctor() -> Sequence[Finding]:  # type: ignore[empty-body]
     """Look at what the plugin's components need on this machine; for ``tacos doctor`` and for results."""
+
+
+@hookspec
+def tacos_commands() -> Sequence[Command]:  # type: ignore[empty-body]
+    """Offer commands of ``tacos``. Called whenever it starts: import nothing heavy."""
+
+
+@hookspec
+def tacos_reference_pages() -> Sequence[ReferencePage]:  # type: ignore[empty-body]
+    """Offer pages of the reference that follow from the plugin's code; for ``make docs``."""
 
 
 @hookspec

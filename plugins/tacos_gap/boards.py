@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import formation_order
+from tacos_framework.randomness import generator
 from tacos_gap.captures import Capture
 from tacos_gap.evidence import REPLICATES, Judged, Label
-from tacos_framework.randomness import generator
 
 CORNER_PX = 0.12
 """Standard deviation of a detected corner [px]."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.randomness import generator
 from tacos_gap.ambiguity import NextCapture, confused_with
 from tacos_gap.attribution import Attribution
 from tacos_gap.captures import Capture
@@ -17,7 +18,6 @@ from tacos_gap.intervals import half_widths
 from tacos_gap.parameters import Term, unit_of
 from tacos_gap.problem import Problem, bent
 from tacos_gap.unknown import Unexplained, block_index
-from tacos_framework.randomness import generator
 
 CONFIDENCE = 0.9
 """Probability with which a set of causes is to hold the truth, and an interval its parameter."""

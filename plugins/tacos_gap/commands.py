@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tacos_framework.cli.exits import DONE
 from tacos_framework.errors import UserError
@@ -14,10 +14,9 @@ if TYPE_CHECKING:
     from tacos_gap.captures import Capture, CaptureFolder
 
 
-def add_commands(commands: Any) -> None:
-    """Add ``captures`` to the commands of ``tacos``."""
-    captures = commands.add_parser("captures", help="folders of captures: simulate one, check one")
-    actions = captures.add_subparsers(dest="action", required=True, metavar="ACTION")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the actions of ``tacos captures`` to its parser."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     simulate = actions.add_parser("simulate", help="make a folder of captures from our simulator")
     simulate.add_argument(
         "recipe", metavar="RECIPE", help="path of a bench recipe, or name of a shipped one: bench"
@@ -52,9 +51,9 @@ def captures(arguments: argparse.Namespace) -> int:
 
 def _simulate(arguments: argparse.Namespace) -> int:
     from tacos_framework.cli import run
+    from tacos_framework.recipe.loading import read_any_recipe
+    from tacos_framework.recipe.procedure import ProcedureRecipe
     from tacos_gap.bench.rendering import not_of_a_bench
-    from tacos_framework.loading import read_any_recipe
-    from tacos_framework.procedure import ProcedureRecipe
 
     recipe, _ = read_any_recipe(arguments.recipe)
     if not isinstance(recipe, ProcedureRecipe) or "captures" not in recipe.settings:
@@ -67,9 +66,9 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> int:
+    from tacos_framework.plugins import Plugins
     from tacos_gap.bench import recipe_renderer
     from tacos_gap.captures import read_captures
-    from tacos_framework.plugins import Plugins
 
     folder = read_captures(arguments.folder, recipe_renderer(Plugins.discover()))
     print("\n".join(described(folder)))

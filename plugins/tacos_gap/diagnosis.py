@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, Search
 from tacos_gap.boards import BoardEvidence, find_corners
 from tacos_gap.captures import Capture, CaptureFolder
@@ -22,7 +23,6 @@ from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import Term
 from tacos_gap.problem import Problem, bent
 from tacos_gap.unknown import Unexplained, block_index, unexplained
-from tacos_framework.randomness import generator
 
 ENOUGH_PIXELS = 500_000
 """Repeated frames beyond so many pixels in all tell little that others do not, and cost as much."""

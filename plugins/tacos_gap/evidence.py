@@ -13,10 +13,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.randomness import generator
 from tacos_gap.captures import Capture
 from tacos_gap.formation import LIGHT, applied, simulate
 from tacos_gap.statistics import Block, Sample, measure
-from tacos_framework.randomness import generator
 
 REPLICATES = 16
 """Simulations of each capture that the floor is made of."""

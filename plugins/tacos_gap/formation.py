@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import acts_after_noise, formation_order
-from tacos_gap.captures import Capture
 from tacos_framework.values.image_geometry import ContextMissing
+from tacos_gap.captures import Capture
 
 LIGHT = ("scene", "optics", "exposure")
 

@@ -8,12 +8,12 @@ from itertools import combinations
 
 import numpy as np
 
+from tacos_framework.values import ImageGeometry
 from tacos_gap.ambiguity import NextCapture
 from tacos_gap.boards import moves_pixels
 from tacos_gap.captures import Capture
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.problem import Hypothesis, bent
-from tacos_framework.values import ImageGeometry
 
 _SIZE = (240, 320)
 _TROUBLE = {

@@ -1,9 +1,10 @@
-"""Lists the diagnosis of the gap between a simulation and a real camera. Light: names code by string and imports none of it."""
+"""The diagnosis of the gap between simulation and real camera, listed by string, so that it stays light."""
 
 from __future__ import annotations
 
-from tacos_framework.components import Component
+from tacos_framework.components import Command, Component, ReferencePage
 from tacos_framework.hookspecs import hookimpl
+from tacos_gap import commands
 
 
 @hookimpl
@@ -20,6 +21,27 @@ def tacos_components() -> list[Component]:
             "procedure",
             "diagnose",
             "tacos_gap.procedures.diagnose:Diagnose",
-            summary="Where a simulation and real captures part, which effect causes it, and how far adding it helps.",
+            summary="Where a simulation and real captures part, and which effect causes it.",
         ),
     ]
+
+
+@hookimpl
+def tacos_commands() -> list[Command]:
+    """``tacos captures``."""
+    return [
+        Command(
+            "captures",
+            "folders of captures: simulate one, check one",
+            commands.add_arguments,
+            commands.captures,
+        )
+    ]
+
+
+@hookimpl
+def tacos_reference_pages() -> list[ReferencePage]:
+    """The keys of ``captures.yaml``."""
+    from tacos_gap.captures.reference import captures_page
+
+    return [ReferencePage("captures.md", captures_page)]

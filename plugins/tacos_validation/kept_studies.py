@@ -8,10 +8,10 @@ from typing import Any
 
 from tacos_framework.contracts import Executor
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress
 from tacos_framework.recipe import Recipe
-from tacos_framework.running import run
+from tacos_framework.runner import run
 from tacos_framework.study import BROKEN_OFF
+from tacos_framework.study.progress import Progress
 
 
 def result_of(

@@ -1,4 +1,4 @@
-"""Lists the checks of the simulator, the diagnosis and the search. Light: names code by string and imports none of it."""
+"""Checks of the simulator, the diagnosis and the search, listed by string: importing it is light."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ def tacos_components() -> list[Component]:
             "procedure",
             "compare-optimizers",
             "tacos_validation.optimizers_compared.compare:CompareOptimizers",
-            summary="Several optimizers on one design problem: equal images, many seeds, both catalog schemes.",
+            summary="Several optimizers on one design problem: equal images, many seeds, both schemes.",
         ),
         Component(
             "procedure",
             "compare-studies",
             "tacos_validation.studies_compared.compare:CompareStudies",
-            summary="Variants of a study, such as joint and frozen, over several seeds: designs on unseen scenes.",
+            summary="Variants of a study, such as joint and frozen, over several seeds.",
         ),
         Component(
             "procedure",
             "studies-table",
             "tacos_validation.studies_table.table:StudiesTable",
-            summary="Several studies and the cameras they compare with in one table, published figures beside.",
+            summary="Several studies and the cameras they compare with in one table.",
         ),
         Component(
             "procedure",
@@ -44,12 +44,12 @@ def tacos_components() -> list[Component]:
             "procedure",
             "validate-noise",
             "tacos_validation.noise.validate:ValidateNoise",
-            summary="The paper's first check: noise of rendered grey bars against the model, at other gains and times.",
+            summary="The paper's first check: noise of rendered grey bars against the model.",
         ),
         Component(
             "procedure",
             "validate-task",
             "tacos_validation.task_validation.validate:ValidateTask",
-            summary="The paper's second check: whether a simulator ranks cameras at a task as a reference does.",
+            summary="The paper's second check: whether a simulator ranks cameras as a reference does.",
         ),
     ]

@@ -8,9 +8,9 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from tacos_framework.errors import UserError
+from tacos_framework.packaged_resources import find_file, shipped_folder
 from tacos_framework.settings import Settings, check, setting
-from tacos_framework.shipped import find_file, shipped_folder
-from tacos_framework.yaml_reader import read_yaml
+from tacos_framework.settings.yaml_reader import read_yaml
 
 Variance = Annotated[float, Field(ge=0)]
 

@@ -11,9 +11,9 @@ from typing import Any, Literal
 from tacos_framework.catalog.checks import Cell, PartChecker, RawPart, checked_value, unit_of
 from tacos_framework.catalog.parts import Catalog, Column
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
-from tacos_framework.shipped import find_file, shipped_folder, shipped_names
-from tacos_framework.yaml_reader import Document, read_text, read_yaml
+from tacos_framework.settings.yaml_reader import Document, read_text, read_yaml
 
 SIZES = ("width_mm", "height_mm", "pixel_um")
 """What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""

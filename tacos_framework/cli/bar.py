@@ -16,8 +16,8 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bars
 
-from tacos_framework.progress import Progress, Silent
 from tacos_framework.simulation import Evaluation
+from tacos_framework.study.progress import Progress, Silent
 
 
 @contextmanager

@@ -55,7 +55,7 @@ def completion_script(shell: str, command: str | None = None) -> str:
     except ModuleNotFoundError:
         missing = Fault("tacos completion", "shtab is not installed", "", "pip install shtab")
         raise UserError(missing) from None
-    from tacos_framework.shipped import shipped_folder, shipped_names
+    from tacos_framework.packaged_resources import shipped_folder, shipped_names
 
     recipes = " ".join(shipped_names(shipped_folder("recipes")))
     preamble = _PREAMBLE[shell].format(recipes=recipes)
@@ -65,40 +65,34 @@ def completion_script(shell: str, command: str | None = None) -> str:
 
 def _parsers() -> Iterable[argparse.ArgumentParser]:
     """The two command lines, with what their arguments may be."""
-    import shtab
-
     from tacos_framework.catalog import catalog_names
     from tacos_framework.cli import run, tacos
     from tacos_framework.cli.catalogs import CAMERAS
     from tacos_framework.plugins import Plugins
 
-    runs = run.parser()
-    components = [registered.component for registered in Plugins.discover()]
-    _argument(runs, "recipe").complete = _RECIPES  # type: ignore[attr-defined]
+    plugins = Plugins.discover()
+    runs, around = run.parser(), tacos.parser(plugins)
+    components = [registered.component for registered in plugins]
     _argument(runs, "executor").choices = [c.use for c in components if c.kind == "executor"]
-    _argument(runs, "effects").complete = shtab.FILE  # type: ignore[attr-defined]
-    _argument(runs, "out").complete = shtab.DIRECTORY  # type: ignore[attr-defined]
-    around = tacos.parser()
-    _argument(_command(around, "catalog"), "name").choices = [CAMERAS, *catalog_names()]
-    captures = _command(around, "captures")
-    simulate = _command(captures, "simulate", "action")
-    _argument(simulate, "recipe").complete = _RECIPES  # type: ignore[attr-defined]
-    _argument(simulate, "effects").complete = shtab.FILE  # type: ignore[attr-defined]
-    for command, dest in (
-        (_command(around, "report"), "folder"),
-        (_command(captures, "check", "action"), "folder"),
-        (simulate, "out"),
-    ):
-        _argument(command, dest).complete = shtab.DIRECTORY  # type: ignore[attr-defined]
+    catalog = _argument(around, "command").choices["catalog"]  # type: ignore[index]
+    _argument(catalog, "name").choices = [CAMERAS, *catalog_names()]
+    _complete_by_metavar(around)
+    _complete_by_metavar(runs)
     return around, runs
+
+
+def _complete_by_metavar(parser: argparse.ArgumentParser) -> None:
+    """Complete what is called RECIPE, FILE or DIR as such, whichever plugin's command asks for it."""
+    import shtab
+
+    completed = {"RECIPE": _RECIPES, "FILE": shtab.FILE, "DIR": shtab.DIRECTORY}
+    for action in parser._actions:
+        if action.metavar in completed:
+            action.complete = completed[str(action.metavar)]  # type: ignore[attr-defined]
+        if isinstance(action, argparse._SubParsersAction):
+            for below in action.choices.values():
+                _complete_by_metavar(below)
 
 
 def _argument(parser: argparse.ArgumentParser, dest: str) -> argparse.Action:
     return next(action for action in parser._actions if action.dest == dest)
-
-
-def _command(parser: argparse.ArgumentParser, name: str, dest: str = "command") -> argparse.ArgumentParser:
-    commands = _argument(parser, dest).choices
-    assert isinstance(commands, dict)
-    command: argparse.ArgumentParser = commands[name]
-    return command

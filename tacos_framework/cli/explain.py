@@ -7,7 +7,7 @@ from typing import Any
 
 from tacos_framework.contracts import STAGES, acts_after_noise
 from tacos_framework.plan import Plan
-from tacos_framework.procedure import ProcedurePlan
+from tacos_framework.plan.procedure import ProcedurePlan
 
 
 def explain(plan: Plan) -> str:

@@ -15,8 +15,8 @@ from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
     from tacos_framework.plugins import Plugins
-    from tacos_framework.procedure import ProcedureRecipe
     from tacos_framework.recipe import Recipe
+    from tacos_framework.recipe.procedure import ProcedureRecipe
 
 
 def parser() -> argparse.ArgumentParser:
@@ -81,7 +81,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
         return DONE
 
     from tacos_framework.cli.bar import progress_for
-    from tacos_framework.running import run
+    from tacos_framework.runner import run
     from tacos_framework.study import BROKEN_OFF
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
@@ -105,14 +105,14 @@ def _explain_study(recipe: Any, plugins: Plugins, faults: list[Fault]) -> Callab
 def _explain_procedure(recipe: Any, plugins: Plugins, faults: list[Fault]) -> Callable[[], str]:
     """Check a procedure's recipe; returns what explains it."""
     from tacos_framework.cli.explain import explain_procedure
-    from tacos_framework.procedure import plan_procedure
+    from tacos_framework.plan.procedure import plan_procedure
 
     plan = plan_procedure(recipe, plugins, faults)
     return lambda: explain_procedure(plan)
 
 
 def _read(arguments: argparse.Namespace) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
-    from tacos_framework.loading import read_any_recipe
+    from tacos_framework.recipe.loading import read_any_recipe
 
     faults: list[Fault] = []
     sets = _sets(arguments, faults)
@@ -122,7 +122,7 @@ def _read(arguments: argparse.Namespace) -> tuple[Recipe | ProcedureRecipe, list
 
 
 def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
-    from tacos_framework.yaml_reader import read_yaml
+    from tacos_framework.settings.yaml_reader import read_yaml
 
     sets: dict[str, Any] = {}
     for given in arguments.sets:
@@ -145,7 +145,7 @@ def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
 
 
 def _effects(file: Path) -> list[Mapping[str, Any]]:
-    from tacos_framework.yaml_reader import read_yaml
+    from tacos_framework.settings.yaml_reader import read_yaml
 
     document = read_yaml(file)
     effects = document.data.get("effects") if isinstance(document.data, dict) else document.data

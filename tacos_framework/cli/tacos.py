@@ -8,16 +8,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tacos_gap.commands import add_commands, captures
 from tacos_framework.cli.completion import SHELLS
 from tacos_framework.cli.exits import DONE, exit_status
 from tacos_framework.components import KINDS
 
 if TYPE_CHECKING:
     from tacos_framework.environment import Finding
+    from tacos_framework.plugins import Plugins
 
 
-def parser() -> argparse.ArgumentParser:
+def parser(plugins: Plugins) -> argparse.ArgumentParser:
     """The command line of ``tacos``."""
     parser = argparse.ArgumentParser(prog="tacos", description="Look around tacos-framework.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -25,7 +25,6 @@ def parser() -> argparse.ArgumentParser:
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
     catalog = commands.add_parser("catalog", help="catalogs of parts and cameras")
     catalog.add_argument("name", nargs="?", help="a catalog to show; all of them are listed without")
-    add_commands(commands)
     commands.add_parser("schema", help="print the JSON Schema of recipes, for editors")
     completion = commands.add_parser("completion", help="print a script that completes commands in a shell")
     completion.add_argument("shell", choices=SHELLS, help="the shell")
@@ -43,23 +42,28 @@ def parser() -> argparse.ArgumentParser:
     )
     new_plugin.add_argument("--in", dest="folder", type=Path, default=Path(), help="where to put it [here]")
     report = commands.add_parser("report", help="write report.html of a results folder anew")
-    report.add_argument("folder", type=Path, help="results folder of a run")
+    report.add_argument("folder", metavar="DIR", type=Path, help="results folder of a run")
+    for command in plugins.commands():
+        command.add_arguments(commands.add_parser(command.name, help=command.help))
     return parser
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``tacos``."""
-    arguments = parser().parse_args(argv)
-    commands = {
+    from tacos_framework.plugins import Plugins
+
+    plugins = Plugins.discover()
+    arguments = parser(plugins).parse_args(argv)
+    own = {
         "plugins": _plugins,
         "doctor": _doctor,
         "catalog": _catalog,
-        "captures": captures,
         "schema": _schema,
         "completion": _completion,
         "new-plugin": _new_plugin,
         "report": _report,
     }
+    commands = {command.name: command.run for command in plugins.commands()} | own
     return exit_status(lambda: commands[arguments.command](arguments))
 
 
@@ -129,7 +133,7 @@ def _schema(arguments: argparse.Namespace) -> int:
     import json
 
     from tacos_framework.plugins import Plugins
-    from tacos_framework.recipe_schema import recipe_schema
+    from tacos_framework.reference.recipe_schema import recipe_schema
 
     plugins = Plugins.discover()
     described = recipe_schema(plugins)

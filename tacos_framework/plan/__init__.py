@@ -15,8 +15,8 @@
 
 from __future__ import annotations
 
-from tacos_framework.plan.making import make_plan
 from tacos_framework.plan.parts import Part
 from tacos_framework.plan.plan import Plan
+from tacos_framework.plan.planner import make_plan
 
 __all__ = ["Part", "Plan", "make_plan"]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tacos_framework.design_space import CatalogChoice, DesignSpace
 from tacos_framework.plan.findings import Findings
 from tacos_framework.plan.parts import Part
 from tacos_framework.recipe import Recipe
 from tacos_framework.settings import check
+from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 _FITTING_CAMERA = {
     "sensor": (

@@ -7,7 +7,13 @@ from functools import partial
 from typing import Any
 
 from tacos_framework.catalog import find_catalog
-from tacos_framework.design_space import (
+from tacos_framework.errors import UserError, did_you_mean
+from tacos_framework.plan.camera_fit import check_cameras_fit
+from tacos_framework.plan.findings import Findings
+from tacos_framework.plan.parts import Part
+from tacos_framework.recipe import Between, Choose, FromCatalog, Recipe, Scenario
+from tacos_framework.settings import Path, check
+from tacos_framework.variables.design_space import (
     CatalogChoice,
     Categorical,
     Continuous,
@@ -15,12 +21,6 @@ from tacos_framework.design_space import (
     Integer,
     Variable,
 )
-from tacos_framework.errors import UserError, did_you_mean
-from tacos_framework.plan.camera_fit import check_cameras_fit
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import Part
-from tacos_framework.recipe import Between, Choose, FromCatalog, Recipe, Scenario
-from tacos_framework.settings import Path, check
 
 
 def find_space(

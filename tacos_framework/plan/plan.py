@@ -9,12 +9,12 @@ from typing import Any
 
 from tacos_framework.catalog import OffTheShelf
 from tacos_framework.contracts import learns
-from tacos_framework.design_space import DesignSpace
 from tacos_framework.fitness import Constraint, Fitness
 from tacos_framework.graph import Graph
 from tacos_framework.plan.parts import Part
 from tacos_framework.recipe import Recipe
 from tacos_framework.settings import Settings
+from tacos_framework.variables.design_space import DesignSpace
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,9 @@ from tacos_framework.components import KINDS
 from tacos_framework.errors import Fault, UserError, did_you_mean
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
-_TAKEN = frozenset({"tacos_framework", "tacos_plugins"}) | sys.stdlib_module_names
+_TAKEN = frozenset(
+    {"tacos_framework", "tacos_plugins", "tacos_worlds", "tacos_gap", "tacos_validation"}
+).union(sys.stdlib_module_names)
 
 PROJECT_FILES = {
     "pyproject.toml": "project/pyproject.toml.j2",

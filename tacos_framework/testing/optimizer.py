@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate, Categorical, Continuous, DesignSpace, Integer
 from tacos_framework.testing.component import ComponentConformance
+from tacos_framework.variables.design_space import Candidate, Categorical, Continuous, DesignSpace, Integer
 
 MOST_ROUNDS = 1000
 """An optimizer whose settings under test ask for more rounds than this has no end worth waiting for."""

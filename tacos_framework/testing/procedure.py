@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Silent
+from tacos_framework.study.progress import Silent
 from tacos_framework.testing.component import ComponentConformance
 
 SUPPLIED = ("out", "seed", "plugins", "executor", "progress", "resume")

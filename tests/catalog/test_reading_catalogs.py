@@ -15,7 +15,7 @@ from tacos_framework.catalog import (
 )
 from tacos_framework.catalog.checks import unit_of
 from tacos_framework.errors import UserError
-from tacos_framework.shipped import shipped_folder
+from tacos_framework.packaged_resources import shipped_folder
 
 HEAD = """\
 title: Two sensors

@@ -15,7 +15,7 @@ from tacos_framework.catalog import (
     load_calibration,
     load_cameras,
 )
-from tacos_framework.design_space import CatalogChoice, DesignSpace
+from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 
 def test_the_catalog_is_the_paper_s() -> None:

@@ -7,9 +7,9 @@ import json
 import pytest
 
 from tacos_framework.cli import tacos_main
+from tacos_framework.plugins import Plugins
 from tacos_gap.captures import read_captures
 from tacos_gap.captures.coverage import NEEDS, untold
-from tacos_framework.plugins import Plugins
 
 RECIPE = """\
 tacos: 1

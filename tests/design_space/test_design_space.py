@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.catalog import Catalog, Column, Part
-from tacos_framework.design_space import (
+from tacos_framework.variables.design_space import (
     Candidate,
     CatalogChoice,
     Categorical,
@@ -211,7 +211,8 @@ def test_a_candidate_can_be_sent_to_another_process() -> None:
 
 def test_keys_do_not_depend_on_the_process() -> None:
     program = (
-        "from tacos_framework.design_space import Candidate; print(Candidate({'b': 1, 'a': 'x'}, ()).key)"
+        "from tacos_framework.variables.design_space import Candidate; "
+        "print(Candidate({'b': 1, 'a': 'x'}, ()).key)"
     )
     printed = subprocess.run(
         [sys.executable, "-c", program],

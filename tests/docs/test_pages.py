@@ -17,7 +17,7 @@ from tacos_framework.components import KINDS
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import parse_recipe
-from tacos_framework.yaml_reader import read_yaml
+from tacos_framework.settings.yaml_reader import read_yaml
 from tests.docs.pages import PAGES, ROOT, Block, anchors, blocks, commands, links, write_file
 
 LANGUAGES = {"python", "yaml", "toml", "json", "sh", "console", "text", "csv"}

@@ -10,10 +10,13 @@ import pytest
 from tacos_framework import values
 from tacos_framework.components import KINDS
 from tacos_framework.recipe import Recipe
-from tacos_framework.reference import PAGES
+from tacos_framework.reference.pages import pages
 from tests.docs.pages import ROOT
 
 REFERENCE = ROOT / "docs" / "reference"
+
+
+PAGES = pages()
 
 
 @pytest.mark.parametrize("name", PAGES)

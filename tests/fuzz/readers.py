@@ -13,13 +13,13 @@ import numpy as np
 
 from tacos_framework.catalog import camera_names, find_catalog, load_calibration
 from tacos_framework.errors import UserError
-from tacos_gap.captures import read_captures
-from tacos_framework.loading import read_any_recipe
 from tacos_framework.plan import make_plan
+from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plugins import Plugins
-from tacos_framework.procedure import plan_procedure
 from tacos_framework.recipe import Recipe
-from tacos_framework.yaml_reader import read_yaml
+from tacos_framework.recipe.loading import read_any_recipe
+from tacos_framework.settings.yaml_reader import read_yaml
+from tacos_gap.captures import read_captures
 
 ROOT = Path(__file__).parents[2]
 

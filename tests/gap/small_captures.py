@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures import Capture, Noise
 from tacos_gap.formation import simulate
-from tacos_framework.values import ImageContext, ImageGeometry
 
 WIDTH, HEIGHT = 160, 120
 BLACK_DN = 16.0

@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures import Board, Capture, Noise
-from tacos_gap.formation import simulate
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_gap.captures import Board, Capture, Noise
+from tacos_gap.formation import simulate
 
 WIDTH, HEIGHT = 160, 120
 BLACK_DN = 16.0

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tacos_framework.plugins import Plugins
 from tacos_gap.ambiguity import confused_with
 from tacos_gap.boards import moves_pixels
 from tacos_gap.captures import Capture
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import Term
-from tacos_framework.plugins import Plugins
 from tests.gap.small_captures import BLACK_DN, bench, capture, squares
 
 

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 import pytest
 
+from tacos_framework.plugins import Plugins
+from tacos_framework.values import ImageGeometry
 from tacos_gap.boards import BoardEvidence, find_corners
 from tacos_gap.captures import Board, Capture, CaptureFolder
 from tacos_gap.diagnosis import diagnose
-from tacos_framework.plugins import Plugins
-from tacos_framework.values import ImageGeometry
 from tests.gap.small_captures import capture
 
 SQUARES = Board((9, 6), 25.0)

@@ -11,8 +11,8 @@ from toy_study import FROM_CATALOG
 
 from tacos_framework import UserError
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Silent
 from tacos_framework.simulation import Evaluation
+from tacos_framework.study.progress import Silent
 from tacos_framework.testing.procedure import InThisProcess
 from tacos_gap.procedures.decision import Question, decide, sentence
 

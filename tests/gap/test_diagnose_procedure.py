@@ -12,10 +12,10 @@ import yaml
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.cli import run_main
-from tacos_gap.captures import Capture
-from tacos_gap.captures.writer import write_captures
 from tacos_framework.plugins import Plugins
 from tacos_framework.testing import ProcedureConformance
+from tacos_gap.captures import Capture
+from tacos_gap.captures.writer import write_captures
 from tacos_gap.procedures.diagnose import Diagnose, candidate_effects
 from tests.gap.taken import board, capture, effect, patchwork, taken
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from tacos_framework.plugins import Plugins
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis
-from tacos_framework.plugins import Plugins
 from tests.gap.small_captures import bench, capture, taken
 
 FEW = (

@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from tacos_framework.settings import Settings, setting
 from tacos_gap.evidence import Judged, Label
 from tacos_gap.fit import finished, fit, jacobian_of, rescored
 from tacos_gap.intervals import half_widths
 from tacos_gap.parameters import Term
 from tacos_gap.problem import Problem
-from tacos_framework.settings import Settings, setting
 
 
 class Bump:

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from tacos_framework.plugins import Plugins
 from tacos_gap.captures import read_captures
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis
-from tacos_framework.plugins import Plugins
-from tacos_validation.blind.real_cases import real_cases
 from tacos_gap.procedures.diagnose import candidate_effects
+from tacos_validation.blind.real_cases import real_cases
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "real"
 

@@ -10,8 +10,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.lighting import LightTransport, irradiance_at
 from tacos_framework.values import Light
+from tacos_plugins.lighting import LightTransport, irradiance_at
 from tests.lighting.boxes import panel_light, world_of
 
 UP = np.array([[0, 0, 1]], np.float32)

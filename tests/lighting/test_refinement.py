@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from small_worlds import matte, quad, room, world
 
+from tacos_framework.values import Light
 from tacos_plugins.lighting import LightTransport
 from tacos_plugins.lighting.refinement import refined
-from tacos_framework.values import Light
 
 
 def areas_m2(part):

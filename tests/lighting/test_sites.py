@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from small_worlds import matte, world
 
-from tacos_plugins.lighting import bake_indirect
 from tacos_framework.values import Part
+from tacos_plugins.lighting import bake_indirect
 
 
 def test_sites_of_rounded_edges_lie_outside():

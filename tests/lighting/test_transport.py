@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from tacos_framework.values import Light, Material
 from tacos_plugins.lighting import LightTransport, bake_indirect, irradiance_at
 from tacos_plugins.lighting.transport import aligned_with, cosine_fan
-from tacos_framework.values import Light, Material
 from tests.lighting.boxes import ceiling, panel_light, world_of
 
 ORIGIN_UP = np.zeros((1, 3), np.float32), np.array([[0, 0, 1]], np.float32)

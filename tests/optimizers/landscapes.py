@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate, Continuous, DesignSpace, Integer
+from tacos_framework.variables.design_space import Candidate, Continuous, DesignSpace, Integer
 
 SMOOTH = DesignSpace([Continuous(name, 0, 10, "m") for name in "abcd"])
 """Four lengths; `smooth` is best at 6.3 m each, where it is zero."""

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Categorical, Continuous, DesignSpace, Integer
+from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
 from tacos_plugins.optimizers.cma_es import BARREN_GENERATIONS, CmaEs
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.optimizers.restarts import Restarts

@@ -7,8 +7,8 @@ import pytest
 from pydantic import ValidationError
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Categorical, Continuous, DesignSpace, Integer
 from tacos_framework.errors import UserError
+from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
 from tacos_plugins.optimizers.genetic import Genetic
 
 LENSES = tuple(f"lens {i:02}" for i in range(20))

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Categorical, Continuous, DesignSpace, Integer
 from tacos_framework.errors import UserError
+from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
 from tacos_plugins.optimizers import optuna_search
 from tacos_plugins.optimizers.optuna_search import OptunaSearch
 from tacos_plugins.optimizers.random_search import RandomSearch

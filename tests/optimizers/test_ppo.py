@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Continuous, DesignSpace, Integer
 from tacos_framework.errors import UserError
+from tacos_framework.variables.design_space import Continuous, DesignSpace, Integer
 
 pytest.importorskip("stable_baselines3", reason="the extra rl is not installed")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Categorical, Continuous, DesignSpace
+from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace
 from tacos_plugins.optimizers.random_search import RandomSearch
 
 SPACE = DesignSpace([Continuous("x", 2, 4, "m"), Categorical("lens", ("wide", "tele"))])

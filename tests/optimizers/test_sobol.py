@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Categorical, Continuous, DesignSpace
+from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.optimizers.sobol import Sobol
 from tests.optimizers.landscapes import MIXED, SMOOTH, search

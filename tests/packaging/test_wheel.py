@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("tacos_framework", "plugins/tacos_plugins")
+PLUGINS = ("tacos_plugins", "tacos_worlds", "tacos_gap", "tacos_validation")
+PACKAGES = ("tacos_framework", *(f"plugins/{name}" for name in PLUGINS))
 
 
 @pytest.fixture(scope="module")
@@ -63,18 +64,23 @@ def test_recipes_and_catalogs_lie_inside_the_framework(wheel: zipfile.ZipFile) -
 def test_shaders_and_type_markers_are_there(wheel: zipfile.ZipFile) -> None:
     names = wheel.namelist()
     assert any(name.startswith("tacos_plugins/") and name.endswith(".glsl") for name in names)
-    assert {"tacos_framework/py.typed", "tacos_plugins/py.typed"} <= set(names)
+    assert {f"{package}/py.typed" for package in ("tacos_framework", *PLUGINS)} <= set(names)
 
 
 def test_nothing_else_is_installed(wheel: zipfile.ZipFile) -> None:
     folders = {name.partition("/")[0].rpartition(".")[2] for name in wheel.namelist()}
-    assert folders == {"tacos_framework", "tacos_plugins", "dist-info"}
+    assert folders == {"tacos_framework", *PLUGINS, "dist-info"}
 
 
 def test_entry_points(wheel: zipfile.ZipFile) -> None:
     points = configparser.ConfigParser()
     points.read_string(metadata(wheel, "entry_points.txt"))
-    assert dict(points["tacos"]) == {"defaults": "tacos_plugins.plugin"}
+    assert dict(points["tacos"]) == {
+        "defaults": "tacos_plugins.plugin",
+        "worlds": "tacos_worlds.plugin",
+        "gap": "tacos_gap.plugin",
+        "validation": "tacos_validation.plugin",
+    }
     assert dict(points["console_scripts"]) == {
         "tacos-run": "tacos_framework.cli:run_main",
         "tacos": "tacos_framework.cli:tacos_main",

@@ -11,11 +11,11 @@ import pytest
 from tacos_framework.catalog import load_calibration
 from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Silent
-from tacos_framework.yaml_reader import read_yaml
+from tacos_framework.settings.yaml_reader import read_yaml
+from tacos_framework.study.progress import Silent
+from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_validation.noise.calibrate import CalibrateNoise
 from tacos_validation.noise.validate import ValidateNoise
-from tacos_plugins.sensors.affine_noise import AffineNoise
 
 PHOTON, THERMAL = np.array([0.24, 0.12, 0.29]), np.array([1.82, 0.91, 3.2])
 CAMERA = {"sensor": "IMX172", "pixel_um": 1.55, "exposure_ms": 30, "gain_db": 15, "bit_depth": 8}
@@ -249,8 +249,9 @@ def test_frames_come_from_somewhere(config):
 
 @pytest.mark.parametrize("name", ["calibrate_noise", "validate_noise"])
 def test_the_shipped_recipes_have_no_faults(name):
-    from tacos_framework.procedure import plan_procedure, procedure_from
-    from tacos_framework.shipped import shipped_folder
+    from tacos_framework.packaged_resources import shipped_folder
+    from tacos_framework.plan.procedure import plan_procedure
+    from tacos_framework.recipe.procedure import procedure_from
 
     recipe, faults = procedure_from(read_yaml(shipped_folder("recipes") / f"{name}.yaml"), {}, ())
     assert (

@@ -17,8 +17,8 @@ from safetensors.numpy import load_file
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Silent
 from tacos_framework.recipe import Recipe, Use
+from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.fingerprint import fingerprint
 from tacos_framework.testing.procedure import InThisProcess

@@ -13,8 +13,8 @@ import pytest
 from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
 from tacos_framework.components import Component
 from tacos_framework.hookspecs import hookimpl
+from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plugins import Plugins
-from tacos_framework.procedure import plan_procedure
 from tacos_framework.settings import Settings, setting
 
 
@@ -115,7 +115,7 @@ def test_a_second_run_does_not_go_into_the_same_folder(tmp_path, plugins):
     ],
 )
 def test_faults_are_told_with_their_place(tmp_path, plugins, text, expected):
-    from tacos_framework.loading import read_any_recipe
+    from tacos_framework.recipe.loading import read_any_recipe
 
     asked, faults = read_any_recipe(recipe(tmp_path, text))
     with pytest.raises(UserError) as caught:

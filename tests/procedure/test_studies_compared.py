@@ -13,8 +13,8 @@ import yaml
 from toy_study import LEARNER, toy_recipe
 
 from tacos_framework import ProcedureRecipe, UserError, run
-from tacos_framework.progress import Silent
 from tacos_framework.recipe import Use
+from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
 from tacos_validation import kept_studies

@@ -14,8 +14,8 @@ import yaml
 
 from tacos_framework import ProcedureRecipe, Recipe, UserError, load_recipe, run
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Silent
 from tacos_framework.recipe import Use
+from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
 from tacos_validation.studies_table.findings import Cell, Finding, StudyRun, findings, look_up

@@ -14,8 +14,8 @@ from tacos_framework.components import Component
 from tacos_framework.errors import UserError
 from tacos_framework.hookspecs import hookimpl
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Silent
 from tacos_framework.settings import Settings, setting
+from tacos_framework.study.progress import Silent
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig, View
 from tacos_validation.task_validation.agreement import (
     level_agreement,

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.fitness import Fitness, Term, mean_scores
-from tacos_framework.racing import Race, contributions
+from tacos_framework.study.racing import Race, contributions
 
 FITNESS = Fitness((Term("a", 1.0),))
 TWO_TERMS = Fitness((Term("a", 0.5), Term("b", -2.0)))

@@ -170,8 +170,8 @@ def test_python_recipes_get_dotted_places(toys):
 
 
 def test_relative_paths_start_from_the_folder_of_the_recipe(toys, tmp_path, monkeypatch):
+    from tacos_framework.packaged_resources import shipped_folder
     from tacos_framework.recipe import read_recipe
-    from tacos_framework.shipped import shipped_folder
 
     (tmp_path / "mine").mkdir()
     shipped = shipped_folder("catalogs") / "noise" / "flea3_imx172.yaml"

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.yaml_reader import read_yaml
-from tacos_framework.yaml_writer import to_yaml
+from tacos_framework.settings.yaml_reader import read_yaml
+from tacos_framework.settings.yaml_writer import to_yaml
 
 printable = st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Zl", "Zp")))
 scalars = st.none() | st.booleans() | st.integers(-(10**9), 10**9) | st.floats(-1e9, 1e9) | printable

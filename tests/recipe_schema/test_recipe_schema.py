@@ -14,10 +14,10 @@ from jsonschema import Draft202012Validator
 from tacos_framework.cli import tacos_main
 from tacos_framework.components import Component
 from tacos_framework.hookspecs import hookimpl
+from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.plugins import Plugins
-from tacos_framework.recipe_schema import recipe_schema
-from tacos_framework.shipped import shipped_folder
-from tacos_framework.yaml_reader import read_yaml
+from tacos_framework.reference.recipe_schema import recipe_schema
+from tacos_framework.settings.yaml_reader import read_yaml
 from tests.docs.pages import Block, blocks
 
 SHIPPED = sorted(shipped_folder("recipes").glob("*.yaml"))

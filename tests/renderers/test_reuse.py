@@ -11,8 +11,8 @@ from tacos_framework.values import Exposure, FrameBatch, Light
 from tacos_plugins.renderers.moderngl.panorama import Face, FaceStore
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.renderers.moderngl.resample import fineness
-from tacos_worlds.indoor.scene import IndoorScene
 from tacos_plugins.tasks.orb_features import OrbFeatures
+from tacos_worlds.indoor.scene import IndoorScene
 
 DIRECT = ModernglRenderer(ModernglRenderer.Config(light_texel_m=0.2))
 REUSING = ModernglRenderer(

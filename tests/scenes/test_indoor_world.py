@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tacos_plugins.lighting import LightTransport, photopic
 from tacos_framework.values import Episode, World
+from tacos_plugins.lighting import LightTransport, photopic
 from tacos_worlds.indoor.scene import IndoorScene
 
 SMALL = {"size_m": (10, 5), "frames": 20}

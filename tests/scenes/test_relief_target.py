@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tacos_plugins.lighting import LightTransport
 from tacos_framework.values import Exposure
+from tacos_plugins.lighting import LightTransport
 from tacos_plugins.renderers.analytic import AnalyticRenderer
 from tacos_worlds.bench.relief_target import ReliefTarget, rectangle
 from tests.small_worlds import camera, rig

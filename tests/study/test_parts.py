@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from toy_study import toy_recipe
 
-from tacos_framework.parts import score_in_parts
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
+from tacos_framework.study.parts import score_in_parts
 from tacos_framework.testing.fingerprint import fingerprint
 
 EPISODES = tuple(EpisodeSpec(9, ("test", i), frames=2) for i in range(5))

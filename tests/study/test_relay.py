@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 from toy_study import LEARNER, merged, toy_recipe
 
-from tacos_framework.relay import score_in_a_relay
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
+from tacos_framework.study.relay import score_in_a_relay
 from tacos_framework.testing.fingerprint import fingerprint
 
 FOCAL_LENGTHS_MM = (1.0, 0.6, 3.0, 1.5)

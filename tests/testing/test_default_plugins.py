@@ -10,7 +10,6 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from tacos_framework.design_space import Continuous, DesignSpace
 from tacos_framework.testing import (
     EffectConformance,
     ExecutorConformance,
@@ -24,6 +23,8 @@ from tacos_framework.testing import (
 )
 from tacos_framework.testing.samples import sample_frames
 from tacos_framework.values import FrameBatch
+from tacos_framework.variables.design_space import Continuous, DesignSpace
+from tacos_gap.procedures.simulate_captures import SimulateCaptures
 from tacos_plugins.effects.auto_exposure import AutoExposure
 from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.colour_matrix import ColourMatrix
@@ -66,15 +67,19 @@ from tacos_plugins.optimizers.optuna_search import OptunaSearch
 from tacos_plugins.optimizers.policy.ppo import Ppo
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.optimizers.sobol import Sobol
-from tacos_validation.noise.calibrate import CalibrateNoise
-from tacos_validation.noise.validate import ValidateNoise
-from tacos_gap.procedures.simulate_captures import SimulateCaptures
-from tacos_validation.task_validation.validate import ValidateTask
 from tacos_plugins.renderers.analytic import AnalyticRenderer
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.rigs.stereo import StereoRig
+from tacos_plugins.sensors.affine_noise import AffineNoise
+from tacos_plugins.sensors.emva import Emva
+from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
+from tacos_plugins.tasks.orb_features import OrbFeatures
+from tacos_plugins.tasks.sgbm import Sgbm
+from tacos_validation.noise.calibrate import CalibrateNoise
+from tacos_validation.noise.validate import ValidateNoise
+from tacos_validation.task_validation.validate import ValidateTask
 from tacos_worlds.bench.chessboard import Chessboard
 from tacos_worlds.bench.colour_chart import ColourChart
 from tacos_worlds.bench.grey_bars import GreyBars
@@ -84,11 +89,6 @@ from tacos_worlds.bench.slanted_edges import SlantedEdges
 from tacos_worlds.bench.textured_target import TexturedTarget
 from tacos_worlds.indoor.scene import IndoorScene
 from tacos_worlds.street.scene import StreetScene
-from tacos_plugins.sensors.affine_noise import AffineNoise
-from tacos_plugins.sensors.emva import Emva
-from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
-from tacos_plugins.tasks.orb_features import OrbFeatures
-from tacos_plugins.tasks.sgbm import Sgbm
 from tests.tasks.stereo_frames import stereo_frames
 
 SENSOR = {"name": "test", "width_px": 640, "height_px": 480, "pixel_um": 3.0}

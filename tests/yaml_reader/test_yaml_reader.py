@@ -12,7 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.errors import UserError
-from tacos_framework.yaml_reader import MAX_BYTES, MAX_DEPTH, Document, read_yaml
+from tacos_framework.settings.yaml_reader import MAX_BYTES, MAX_DEPTH, Document, read_yaml
 
 
 def faults_of(text: str | Path) -> list[tuple[str, str]]:

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.plan.procedure import plan_procedure
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe.loading import read_any_recipe
+from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_gap.bench.settings import BenchSettings
 from tacos_gap.bench.simulated import Bench
 from tacos_gap.captures.reader import Render
-from tacos_framework.loading import read_any_recipe
-from tacos_framework.plugins import Plugins
-from tacos_framework.procedure import ProcedureRecipe, plan_procedure
 
 
 def recipe_renderer(plugins: Plugins) -> Render:

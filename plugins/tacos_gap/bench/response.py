@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Rig, Signal
 from tacos_gap.bench.light import without_world
 from tacos_gap.captures import Noise
-from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Rig, Signal
 
 BANDS = 16
 """Levels of signal at which the noise is measured."""

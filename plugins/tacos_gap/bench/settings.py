@@ -9,9 +9,9 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from tacos_gap.captures.entries import Kind
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting
+from tacos_gap.captures.entries import Kind
 
 Positive = Annotated[float, Field(gt=0)]
 

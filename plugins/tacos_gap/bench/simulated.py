@@ -10,20 +10,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.building import build, build_rig, episode_of, part_of
 from tacos_framework.camera.motion import image_velocity
 from tacos_framework.contracts import formation_order
 from tacos_framework.errors import Fault, UserError
-from tacos_gap.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
-from tacos_gap.bench.response import Response, expected_signal, frames_of, measured_response
-from tacos_gap.bench.settings import BenchSettings, Shot
-from tacos_gap.captures import Board, Capture
+from tacos_framework.plan.building import build, build_rig, episode_of, part_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Use
 from tacos_framework.simulation import ActingEffects
 from tacos_framework.values import Capture as Rendered
 from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig
+from tacos_gap.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
+from tacos_gap.bench.response import Response, expected_signal, frames_of, measured_response
+from tacos_gap.bench.settings import BenchSettings, Shot
+from tacos_gap.captures import Board, Capture
 
 REFERENCE_LUX = 1000.0
 """Light that scenes are rendered under before the lamp is dimmed to the level that is asked for [lux]."""

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.settings.yaml_reader import Document
 from tacos_gap.captures.images import read_array, read_image
-from tacos_framework.yaml_reader import Document
 
 PATCH_COLUMNS = ("x", "y", "width", "height", "r", "g", "b")
 """Columns of a chart's table besides ``id``."""

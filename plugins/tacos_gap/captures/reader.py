@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.settings import check
+from tacos_framework.settings.yaml_reader import Document, read_yaml
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures.capture import Board, Capture, CaptureFolder, Noise
 from tacos_gap.captures.entries import CameraEntry, CaptureEntry, CropEntry, FolderEntry, NoiseEntry
 from tacos_gap.captures.files import CaptureFiles
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
-from tacos_framework.settings import check
-from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_framework.yaml_reader import Document, read_yaml
 
 FILE = "captures.yaml"
 MAX_FRAMES = 6

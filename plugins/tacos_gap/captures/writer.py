@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_gap.captures.capture import Capture, Noise
 from tacos_gap.captures.files import PATCH_COLUMNS
 from tacos_gap.captures.reader import FILE
-from tacos_framework.yaml_writer import to_yaml
 
 
 def write_captures(folder: str | Path, captures: Iterable[Capture]) -> Path:

@@ -8,14 +8,14 @@ from typing import Any
 
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.loading import load_recipe
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress
 from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.loading import load_recipe
 from tacos_framework.report.comparison import half_width
-from tacos_framework.search import Search
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
+from tacos_framework.study.progress import Progress
+from tacos_framework.study.search import Search
 
 DESIGNED = "designed"
 

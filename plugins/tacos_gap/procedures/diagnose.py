@@ -14,19 +14,19 @@ from pydantic import JsonValue
 
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.plugins import Plugins
+from tacos_framework.report.page import write_page
+from tacos_framework.settings import Settings, setting
+from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework.study.progress import Progress
+from tacos_framework.values import ContextMissing
 from tacos_gap.bench import recipe_renderer
 from tacos_gap.captures import read_captures
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis
-from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress
-from tacos_gap.report.page import Circumstances, page
-from tacos_framework.report.page import write_page
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing
-from tacos_framework.yaml_writer import to_yaml
 from tacos_gap.procedures.decision import Question, decide
 from tacos_gap.procedures.task_scores import task_scores
+from tacos_gap.report.page import Circumstances, page
 
 NOT_CAUSES = ("auto-exposure",)
 """Effects that are a camera's control loop rather than a flaw of a capture."""

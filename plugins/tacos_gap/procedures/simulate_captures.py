@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from tacos_framework.plugins import Plugins
+from tacos_framework.study.progress import Progress
 from tacos_gap.bench import Bench, BenchSettings
 from tacos_gap.captures import Capture, write_captures
-from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress
 
 
 class SimulateCaptures:

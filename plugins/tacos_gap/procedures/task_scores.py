@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.fitness import mean_scores
-from tacos_gap.captures import Capture
-from tacos_gap.formation import simulate
 from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.values import Camera, Episode, FrameBatch, Object, Trajectory, View, World
 from tacos_framework.values import Capture as Light
+from tacos_gap.captures import Capture
+from tacos_gap.formation import simulate
 
 TASK = "orb-features"
 NODE = "features"

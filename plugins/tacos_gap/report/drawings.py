@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.report.page import Drawing
 from tacos_gap.captures import Capture
 from tacos_gap.findings import Diagnosis
 from tacos_gap.fit import Fitted
@@ -18,7 +19,6 @@ from tacos_gap.report.image_map import image_map
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.profiles import profile
 from tacos_gap.report.views import over, view_of
-from tacos_framework.report.page import Drawing
 
 CODES = frozenset({"code_comb", "clipped", "top_level"})
 """Statistics best seen in a histogram."""

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import srgb_from_linear
+from tacos_framework.randomness import generator
 from tacos_gap.captures import Capture
 from tacos_gap.formation import simulate
-from tacos_framework.randomness import generator
 from tacos_gap.report.image_map import DIVERGING
 
 CROP_PX = 56

@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_gap.captures import Capture
-from tacos_gap.formation import simulate
 from tacos_framework.randomness import generator
 from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_gap.report.series import AFTER, BEFORE, REAL
 from tacos_framework.report.palette import MUTED, RULE
+from tacos_gap.captures import Capture
+from tacos_gap.formation import simulate
+from tacos_gap.report.series import AFTER, BEFORE, REAL
 
 _MOST_CODES = 160
 

@@ -6,14 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tacos_gap.captures import Capture, CaptureFolder
-from tacos_gap.findings import Cause, Diagnosis
-from tacos_gap.report import bars, words
-from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
-from tacos_gap.report.frames import Compared, compare, to_show
-from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
-from tacos_gap.report.overview import overview
-from tacos_gap.report.views import over
 from tacos_framework.report.page import (
     Block,
     Code,
@@ -29,6 +21,14 @@ from tacos_framework.report.page import (
 )
 from tacos_framework.report.quantities import duration, number
 from tacos_framework.report.story import design_words
+from tacos_gap.captures import Capture, CaptureFolder
+from tacos_gap.findings import Cause, Diagnosis
+from tacos_gap.report import bars, words
+from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
+from tacos_gap.report.frames import Compared, compare, to_show
+from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
+from tacos_gap.report.overview import overview
+from tacos_gap.report.views import over
 
 SIMULATIONS = ("real", "simulated", "simulated with the causes")
 DIFFERENCES = ("real less simulated", "real less simulated with the causes")

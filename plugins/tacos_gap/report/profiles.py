@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_gap.evidence import Label
 from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_gap.evidence import Label
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER_LINE, BAND, BEFORE_LINE, REAL_DOTS, legend
 from tacos_gap.report.views import Over, View, place_words, position, view_of

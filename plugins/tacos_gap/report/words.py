@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tacos_framework.report.quantities import number, unit_sign
 from tacos_gap.findings import Cause, Diagnosis, Parameter
 from tacos_gap.report.views import view_of
-from tacos_framework.report.quantities import number, unit_sign
 
 _NAMED = 5
 """Captures named before the rest are counted."""

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.values import World
 from tacos_plugins.lighting.emitters import photopic
 from tacos_plugins.lighting.transport import LightTransport
-from tacos_framework.values import World
 
 
 def scale_light(world: World, factor: float, *, key: str) -> World:

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_framework.values import Light
+from tacos_plugins.lighting.occlusion import Occlusion
 
 Samples = Iterator[tuple[NDArray[np.float32], NDArray[np.float64]]]
 """Targets (N, 3) [m] and the irradiance there per flux (N,) [1/m2], for each part of a light."""

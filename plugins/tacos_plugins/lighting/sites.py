@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_framework.values import World
+from tacos_plugins.lighting.occlusion import Occlusion
 
 _NUDGE_M = 0.04
 """How far a site moves from its vertex into its triangles, at most [m]."""

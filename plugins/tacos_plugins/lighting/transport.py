@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from tacos_framework.values import World
 from tacos_plugins.lighting.direct import SURFACE_OFFSET_M, direct_irradiance
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.lighting.refinement import refined
 from tacos_plugins.lighting.reflectance import mean_reflectance
 from tacos_plugins.lighting.sites import Sites, merge_vertices
-from tacos_framework.values import World
 
 LONGEST_EDGE_M = 0.8
 """Larger triangles are split, where nothing else is asked for [m]."""

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.settings import Settings, setting
+from tacos_framework.variables.design_space import Candidate, DesignSpace
 from tacos_plugins.optimizers.restarts import Descent, Restarts
 from tacos_plugins.optimizers.told import check_told
 from tacos_plugins.optimizers.unit_cube import UnitCube
@@ -42,7 +42,7 @@ class CmaEs:
 
     Examples
     --------
-    >>> from tacos_framework.design_space import Continuous
+    >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("hfov_deg", 50, 120, "deg"), Continuous("baseline_m", 0.01, 3, "m")])
     >>> search = CmaEs(CmaEs.Config(evaluations=80), space=space, rng=np.random.default_rng(1))
     >>> best = -np.inf

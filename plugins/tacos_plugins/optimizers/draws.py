@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate
+from tacos_framework.variables.design_space import Candidate
 
 
 class Draws(ABC):

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import model_validator
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables import Gene
+from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 
 class Genetic:
@@ -32,7 +32,7 @@ class Genetic:
 
     Examples
     --------
-    >>> from tacos_framework.design_space import Continuous
+    >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("hfov_deg", 50, 120, "deg"), Continuous("baseline_m", 0.01, 3, "m")])
     >>> config = Genetic.Config(
     ...     population=5, keep=2, parents=3, generations=40, add={"hfov_deg": 5, "baseline_m": 0.2}

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate, Categorical, DesignSpace
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
+from tacos_framework.variables.design_space import Candidate, Categorical, DesignSpace
 from tacos_plugins.optimizers.told import check_told
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class OptunaSearch:
 
     Examples
     --------
-    >>> from tacos_framework.design_space import Continuous
+    >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("baseline_m", 0.01, 3, "m")])
     >>> config = OptunaSearch.Config(evaluations=40)
     >>> search, best = OptunaSearch(config, space=space, rng=np.random.default_rng(1)), -np.inf

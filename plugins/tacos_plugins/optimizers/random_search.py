@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.settings import Settings, setting
+from tacos_framework.variables.design_space import Candidate, DesignSpace
 from tacos_plugins.optimizers.draws import Draws
 
 
@@ -17,7 +17,7 @@ class RandomSearch(Draws):
     Examples
     --------
     >>> from tacos_framework.contracts import Evaluated
-    >>> from tacos_framework.design_space import Continuous
+    >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg")])
     >>> config = RandomSearch.Config(evaluations=5, batch=2)
     >>> search = RandomSearch(config, space=space, rng=np.random.default_rng(1))

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.settings import Settings, setting
+from tacos_framework.variables.design_space import Candidate, DesignSpace
 from tacos_plugins.optimizers.draws import Draws
 from tacos_plugins.optimizers.unit_cube import UnitCube
 
@@ -23,7 +23,7 @@ class Sobol(Draws):
 
     Examples
     --------
-    >>> from tacos_framework.design_space import Continuous
+    >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg")])
     >>> search = Sobol(Sobol.Config(evaluations=4, batch=4), space=space, rng=np.random.default_rng(1))
     >>> sorted(int(candidate.genes[0] // 15) for candidate in search.ask())

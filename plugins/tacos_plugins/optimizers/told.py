@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate
+from tacos_framework.variables.design_space import Candidate
 
 
 def check_told(evaluated: Sequence[Evaluated], asked: Sequence[Candidate]) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.variables import CatalogChoice
+from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 
 class UnitCube:
@@ -17,7 +17,7 @@ class UnitCube:
 
     Examples
     --------
-    >>> from tacos_framework.design_space import Categorical, Continuous
+    >>> from tacos_framework.variables.design_space import Categorical, Continuous
     >>> lens = Categorical("lens", ("wide", "normal", "tele"))
     >>> cube = UnitCube(DesignSpace([Continuous("pitch_deg", -30, 30, "deg"), lens]))
     >>> cube.candidate(np.array([0.75, 0.3])).as_dict()

@@ -15,16 +15,16 @@ from pydantic import JsonValue
 from tacos_framework import __version__
 from tacos_framework.contracts import Budget, Executor, Scores, State
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.loading import load_recipe
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.loading import load_recipe
 from tacos_framework.report.page import write_page
 from tacos_framework.results import Results
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.simulation import Evaluator
+from tacos_framework.study.progress import Progress
 from tacos_framework.values import FrameBatch, Rig
 from tacos_plugins.pretraining.kept_frames import read_frames
 from tacos_plugins.pretraining.pages import Outcome, page, summary

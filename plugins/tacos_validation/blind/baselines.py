@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.randomness import generator
+from tacos_framework.values.image_geometry import ContextMissing
 from tacos_gap.captures import Capture
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.findings import Diagnosis
@@ -15,8 +17,6 @@ from tacos_gap.fit import Fitted
 from tacos_gap.formation import simulate
 from tacos_gap.parameters import Term, starts_of
 from tacos_gap.problem import Problem, bent
-from tacos_framework.randomness import generator
-from tacos_framework.values.image_geometry import ContextMissing
 
 WAYS = ("pixel-MSE greedy", "BIC without held-out", "leave-one-out", "no nuisance refit")
 LEAST_GAIN = 0.02

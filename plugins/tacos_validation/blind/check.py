@@ -12,9 +12,10 @@ from typing import Any
 
 from tacos_framework.contracts import Executor
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress
 from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
+from tacos_framework.study.progress import Progress
+from tacos_gap.procedures.diagnose import candidate_effects
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.generators.orders import (
     CAPTURES,
@@ -30,7 +31,6 @@ from tacos_validation.blind.real_cases import RealCase, real_cases
 from tacos_validation.blind.scoring import Figure, baselines, figures
 from tacos_validation.blind.solving import Diagnosing, Judging, Worker
 from tacos_validation.blind.tiers import Counts, orders
-from tacos_gap.procedures.diagnose import candidate_effects
 
 COMPARED = ("T0", "T1", "T2")
 """Tiers on which simpler ways are tried too."""

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.building import build, episode_of
 from tacos_framework.graph import signature_of
+from tacos_framework.plan.building import build, episode_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting

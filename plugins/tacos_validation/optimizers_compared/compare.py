@@ -13,16 +13,16 @@ from pydantic import JsonValue, ValidationError, model_validator
 
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.loading import load_recipe
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import FromCatalog, Recipe, Use
+from tacos_framework.recipe.loading import load_recipe
 from tacos_framework.report.page import write_page
 from tacos_framework.results import Results
 from tacos_framework.settings import Settings, setting
 from tacos_framework.simulation import EpisodeSpec, Evaluator
+from tacos_framework.study.progress import Progress
 from tacos_validation.optimizers_compared.contest import Run
 from tacos_validation.optimizers_compared.ledger import Ledger
 from tacos_validation.optimizers_compared.pages import Comparison, page, summary

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate
+from tacos_framework.variables.design_space import Candidate
 from tacos_validation.optimizers_compared.ledger import Ledger
 
 MOST_ASKED_PER_EVALUATION = 20

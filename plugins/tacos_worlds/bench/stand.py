@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.values import Episode, Light, Material, Object, Part, Trajectory, World
 from tacos_plugins.lighting.calibration import scale_light
 from tacos_plugins.lighting.emitters import photopic
 from tacos_plugins.lighting.transport import LightTransport
-from tacos_framework.values import Episode, Light, Material, Object, Part, Trajectory, World
 
 PANEL_DISTANCE_M = 0.8
 """From the middle of the target to that of the panel (paper, supplement, Image Statistics) [m]."""

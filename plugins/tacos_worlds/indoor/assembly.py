@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.lighting import with_illuminance
 from tacos_framework.values import Object, Part, World
+from tacos_plugins.lighting import with_illuminance
 from tacos_worlds.indoor.building import Building
 from tacos_worlds.indoor.finishes import Finish, TextureLibrary, materials_of
 from tacos_worlds.indoor.furnishing.catalogue import CLASS_NAMES

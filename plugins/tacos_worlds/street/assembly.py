@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.cache import content_key
-from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_framework.values import Object, Part, World
+from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_worlds.indoor.finishes import Finish, materials_of
 from tacos_worlds.indoor.mesh import Mesh, merged
 from tacos_worlds.street.city import CARRIAGEWAY_M, PAVEMENT_M, Town

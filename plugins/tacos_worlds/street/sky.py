@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.lighting import photopic, white_at
 from tacos_framework.values import Light
+from tacos_plugins.lighting import photopic, white_at
 from tacos_worlds.indoor.textures.noise import fractal, smoothstep
 
 SUN_DISTANCE_M = 10_000.0

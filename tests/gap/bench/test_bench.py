@@ -9,10 +9,10 @@ import pytest
 from pydantic import ValidationError
 
 from tacos_framework.errors import UserError
-from tacos_gap.bench import Bench, BenchSettings, recipe_renderer
-from tacos_gap.captures import read_captures, write_captures
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
+from tacos_gap.bench import Bench, BenchSettings, recipe_renderer
+from tacos_gap.captures import read_captures, write_captures
 from tacos_plugins.effects.radial import even_polynomial
 
 WIDTH, HEIGHT = 64, 48

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tacos_framework.loading import load_recipe
-from tacos_framework.running import run
+from tacos_framework.recipe.loading import load_recipe
+from tacos_framework.runner import run
 
 SMALL = """
 tacos: 1

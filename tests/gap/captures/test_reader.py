@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tacos_framework.settings import check
+from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_gap.captures import Board, read_captures
 from tacos_gap.captures.entries import FolderEntry
-from tacos_framework.settings import check
-from tacos_framework.yaml_reader import read_yaml
 from tests.docs.pages import ROOT, blocks
 from tests.gap.captures.folders import CAMERA, HEIGHT, WIDTH, describe, flat_folder, noisy, save, save_frames
 

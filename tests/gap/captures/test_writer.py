@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tacos_gap.captures import Board, Capture, Noise, read_captures, write_captures
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_gap.captures import Board, Capture, Noise, read_captures, write_captures
 
 WIDTH, HEIGHT = 16, 12
 NOISE = Noise((0.2,), (1.5,))

@@ -10,8 +10,8 @@ import pytest
 from tacos_gap.ambiguity import NextCapture
 from tacos_gap.findings import Cause, Diagnosis, Parameter
 from tacos_gap.locate import Place
-from tacos_gap.unknown import Unexplained
 from tacos_gap.report import words
+from tacos_gap.unknown import Unexplained
 
 NOTHING_LEFT = Unexplained(0.0, 1.0, 1.0, 0.0, None)
 NOT_ASKED: Any = None

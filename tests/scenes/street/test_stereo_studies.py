@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tacos_framework import Recipe, load_recipe, run
+from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.shipped import shipped_folder
 
 
 def planned(name: str, **sets: object) -> Plan:

@@ -9,8 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from tacos_framework.camera.geometry import agent_from_camera, pixel_rays
-from tacos_plugins.lighting import LightTransport, photopic
 from tacos_framework.values import Camera, Episode, Exposure, Rig
+from tacos_plugins.lighting import LightTransport, photopic
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_worlds.street.assembly import CLASS_NAMES, measuring_plane
 from tacos_worlds.street.city import draw_town

@@ -13,9 +13,9 @@ from safetensors.numpy import load_file
 from toy_study import comparable, run, toy_recipe
 
 from tacos_framework.errors import UserError
-from tacos_framework.loading import load_recipe
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
+from tacos_framework.recipe.loading import load_recipe
 from tacos_framework.simulation import Evaluator
 
 pytest.importorskip("torchvision", reason="the extra perception is not installed")

@@ -10,7 +10,7 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 from tacos_framework.errors import UserError
-from tacos_framework.shipped import shipped_folder
+from tacos_framework.packaged_resources import shipped_folder
 
 pytest.importorskip("torchvision", reason="the extra perception is not installed")
 

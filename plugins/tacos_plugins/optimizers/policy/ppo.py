@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from tacos_framework.contracts import Evaluated
-from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
+from tacos_framework.variables.design_space import Candidate, DesignSpace
 from tacos_plugins.optimizers.policy.designers import Designers, RewardScale
 from tacos_plugins.optimizers.told import check_told
 from tacos_plugins.optimizers.unit_cube import UnitCube
@@ -40,7 +40,7 @@ class Ppo:
 
     Examples
     --------
-    >>> from tacos_framework.design_space import Continuous
+    >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("hfov_deg", 50, 120, "deg"), Continuous("baseline_m", 0.01, 3, "m")])
     >>> search = Ppo(Ppo.Config(evaluations=8), space=space, rng=np.random.default_rng(1))
     >>> while not (reason := search.stop()):

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.geometry import pixel_rays
-from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_framework.values import Camera, Material, Part, World
+from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.renderers.mitsuba.light_sources import (
     area_emitter,
     bare_lights,

@@ -16,7 +16,7 @@ from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.shipped import shipped_folder
+from tacos_framework.packaged_resources import shipped_folder
 from tacos_plugins.tasks.learning.states import MODEL
 
 NONE = "none"

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_plugins.lighting import emitter_luminance_cd_m2, white_at
 from tacos_framework.values import Light
+from tacos_plugins.lighting import emitter_luminance_cd_m2, white_at
 from tacos_worlds.indoor.finishes import CHROME, WHITE_LACQUER, Finish
 from tacos_worlds.indoor.floor_plan import Rect
 from tacos_worlds.indoor.piece import BACKGROUND, Piece

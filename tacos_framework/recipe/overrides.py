@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from tacos_framework.errors import Fault
-from tacos_framework.yaml_reader import Document
+from tacos_framework.settings.yaml_reader import Document
 
 Path = tuple[str | int, ...]
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.procedure import ProcedureRecipe, is_procedure, procedure_from
-from tacos_framework.recipe import Recipe, recipe_from
-from tacos_framework.shipped import shipped_folder
-from tacos_framework.yaml_reader import read_yaml
+from tacos_framework.packaged_resources import shipped_folder
+from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure, procedure_from
+from tacos_framework.recipe.recipe import Recipe, recipe_from
+from tacos_framework.settings.yaml_reader import read_yaml
 
 
 def find_recipe(name: str | Path) -> Path:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from tacos_framework.contracts import formation_order
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.fitness import Constraint, Fitness, Term
+from tacos_framework.plan.checks import check_constraints, check_scores, find_cameras
 from tacos_framework.plan.design import find_space
 from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.judging import check_constraints, check_scores, find_cameras
 from tacos_framework.plan.nodes import find_nodes
 from tacos_framework.plan.parts import Part
 from tacos_framework.plan.plan import Plan

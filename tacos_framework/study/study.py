@@ -18,14 +18,14 @@ from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import Executor, State
 from tacos_framework.environment import describe_environment
 from tacos_framework.fitness import standard_errors
-from tacos_framework.parts import score_in_parts
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.progress import Progress, Silent
 from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
-from tacos_framework.search import Search, as_data
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
+from tacos_framework.study.parts import score_in_parts
+from tacos_framework.study.progress import Progress, Silent
+from tacos_framework.study.search import Search, as_data
 from tacos_framework.values import FrameBatch
 
 log = logging.getLogger(__name__)

@@ -1,4 +1,4 @@
-"""Writes the reference pages that follow from the code: ``python -m tacos_framework.reference FOLDER``.
+"""Writes the reference pages that follow from the code.
 
 The settings of a component are declared once, in its ``Config``; this page of the documentation, the checks
 of a recipe and its error messages all read them from there.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,15 +17,13 @@ from pydantic import BaseModel
 from tacos_framework import hookspecs
 from tacos_framework.components import Component
 from tacos_framework.contracts import acts_after_noise, formation_order
-from tacos_gap.captures.entries import FolderEntry
-from tacos_gap.captures.reader import MAX_FRAMES
 from tacos_framework.graph import signature_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 
 Schema = Mapping[str, Any]
 
-_NOTICE = "<!-- Written by `make docs` from the code; changes here are lost. -->"
+NOTICE = "<!-- Written by `make docs` from the code; changes here are lost. -->"
 _LONGEST_DEFAULT = 60  # characters; the defaults of a longer mapping stand in a table of its own
 _BOUNDS = {
     "exclusiveMinimum": "> {}",
@@ -120,7 +117,7 @@ def settings_page(components: Iterable[Component]) -> str:
     """The ports, scores and settings of components."""
     sections = [
         "# Settings of the components",
-        _NOTICE,
+        NOTICE,
         "Every component that ships with tacos-framework: its ports, what it reports, and its settings. "
         "`tacos plugins` lists those that are installed, others' included.",
     ]
@@ -184,7 +181,7 @@ def effects_page(components: Iterable[Component]) -> str:
         lines.append(f"| `{effect.name}` | {cls.stage} | {side} | {off} | {effect.summary} |")
     sections = [
         "# Effects",
-        _NOTICE,
+        NOTICE,
         "The effects that ship with tacos-framework, in the order in which they act whatever the order of a "
         "recipe. Bounds and meanings are among the [settings](settings.md); "
         "[what effects are](../explanation/effects.md) explains them.",
@@ -206,7 +203,7 @@ def recipe_page() -> str:
     """Every key of a recipe."""
     sections = [
         "# Keys of a recipe",
-        _NOTICE,
+        NOTICE,
         "The keys at the top of a recipe, then those inside them. "
         "[recipe.md](recipe.md) says how they work together.",
         settings_table(Recipe),
@@ -214,47 +211,11 @@ def recipe_page() -> str:
     return "\n\n".join(sections) + "\n"
 
 
-def captures_page() -> str:
-    """Every key of ``captures.yaml``."""
-    sections = [
-        "# Folders of captures",
-        _NOTICE,
-        "What a diagnosis reads: a folder with `captures.yaml`, images of a real camera, and what a "
-        "simulator expects of each. [Photograph captures](../how-to/photograph_captures.md) says how to take "
-        "them, `tacos captures simulate bench --out DIR` makes a folder to look at, and "
-        "`tacos captures check DIR` checks one.",
-        _CAPTURES_RULES,
-        "## Keys",
-        settings_table(FolderEntry),
-    ]
-    return "\n\n".join(sections) + "\n"
-
-
-_CAPTURES_RULES = f"""\
-## Files
-
-- Images are PNG or TIFF of 8 or 16 bits, `.npy`, or camera RAW (extra `raw`), in the order R, G, B; a mosaic
-  has one channel. Values are right-aligned (a 12-bit camera's reach up to 4095) and the camera's own: no
-  gamma added, not scaled, not rotated.
-- Paths start from the folder. `real` and `simulated` take a file, a list, or a glob, whose files come in the
-  order of their names, 10 after 9. Of the frames of a capture the first {MAX_FRAMES} are read.
-- `simulated` is linear, in digital numbers with the pedestal, without noise, not clipped: (height, width) or
-  (height, width, channels), one for all frames or one per frame, or a number where it is the same everywhere.
-  Any simulator may have made it. Where a capture names a `scene` instead, ours renders it: a bench recipe,
-  whose capture of the same `id` is taken. Dark frames expect the pedestal, boards need no expectation.
-- `chart.patches` is a table with the columns `id`, `x`, `y`, `width`, `height` [px] and `r`, `g`, `b` [linear
-  DN].
-- Pixels count from 0, and (0, 0) is the centre of the first.
-
-All that is wrong with a folder is said at once, with line and column. What is not wrong but tells little
-(frames that are constant, saturated, or single) is a limitation, which the check prints."""
-
-
 def hooks_page() -> str:
     """Every hook of `tacos_framework.hookspecs`."""
     sections = [
         "# Hooks",
-        _NOTICE,
+        NOTICE,
         "What a plugin module may implement, each marked with `tacos_framework.hookspecs.hookimpl`. "
         "A hook may leave out parameters it does not need.",
     ]
@@ -274,21 +235,19 @@ def default_components() -> list[Component]:
     ]
 
 
-PAGES: Mapping[str, Callable[[], str]] = {
-    "settings.md": lambda: settings_page(default_components()),
-    "effects.md": lambda: effects_page(default_components()),
-    "recipe_keys.md": recipe_page,
-    "captures.md": captures_page,
-    "hooks.md": hooks_page,
-}
-"""Each generated page and what writes it."""
+def pages() -> dict[str, Callable[[], str]]:
+    """Each generated page and what writes it: ours, and those that plugins of this distribution offer."""
+    own: dict[str, Callable[[], str]] = {
+        "settings.md": lambda: settings_page(default_components()),
+        "effects.md": lambda: effects_page(default_components()),
+        "recipe_keys.md": recipe_page,
+        "hooks.md": hooks_page,
+    }
+    offered = (page for of_plugin in Plugins.discover().hook.tacos_reference_pages() for page in of_plugin)
+    return own | {page.name: page.write for page in offered}
 
 
 def main(folder: Path) -> None:
     """Write all pages into a folder."""
-    for name, write in PAGES.items():
+    for name, write in pages().items():
         (folder / name).write_text(write(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))

@@ -10,7 +10,7 @@ from typing import Any
 import pluggy
 
 from tacos_framework import hookspecs
-from tacos_framework.components import CONTRACT_VERSION, KINDS, Component
+from tacos_framework.components import CONTRACT_VERSION, KINDS, Command, Component
 from tacos_framework.errors import Fault, UserError, did_you_mean
 
 GROUP = "tacos"
@@ -172,6 +172,14 @@ class Plugins:
     def hook(self) -> Any:
         """The observer hooks of all plugins (pluggy's hook relay)."""
         return self._manager.hook
+
+    def commands(self) -> list[Command]:
+        """The commands of ``tacos`` that plugins offer, by name; of two with one name the first stays."""
+        offered = (command for of_plugin in self.hook.tacos_commands() for command in of_plugin)
+        commands: dict[str, Command] = {}
+        for command in offered:
+            commands.setdefault(command.name, command)
+        return [commands[name] for name in sorted(commands)]
 
     @property
     def modules(self) -> tuple[str, ...]:

@@ -14,8 +14,8 @@ from tacos_framework.contracts import learns
 from tacos_framework.errors import UserError
 from tacos_framework.graph import signature_of
 from tacos_framework.plugins import Plugins
-from tacos_framework.procedure import SHARED_KEYS
 from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.procedure import SHARED_KEYS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 NODE_KINDS = ("scene", "renderer", "sensor", "task")

@@ -13,9 +13,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.overrides import with_overrides
+from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.settings import Settings, check, setting
-from tacos_framework.yaml_reader import Document, read_yaml
+from tacos_framework.settings.yaml_reader import Document, read_yaml
 
 FORMAT = 1
 """The recipe format this version reads (``tacos: 1``)."""

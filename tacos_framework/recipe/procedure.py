@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from pydantic import create_model
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.overrides import with_overrides
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import FORMAT, Recipe, Use
-from tacos_framework.settings import Settings, check, with_paths_from
-from tacos_framework.yaml_reader import Document
+from tacos_framework.errors import Fault
+from tacos_framework.recipe.overrides import with_overrides
+from tacos_framework.recipe.recipe import FORMAT, Recipe, Use
+from tacos_framework.settings import Settings, check
+from tacos_framework.settings.yaml_reader import Document
 
 SHARED_KEYS = ("tacos", "name", "seed", "notes", "executor")
 """Keys at the top of a procedure's recipe that are not settings of the procedure; as in `Recipe`."""
@@ -106,77 +104,3 @@ def procedure_from(
         faults.append(Fault(document.where(("use",)), "use is no name", "procedure.NAME"))
         use = ""
     return ProcedureRecipe(use, data, document=document, **shared), faults
-
-
-@dataclass(frozen=True)
-class ProcedurePlan:
-    """A procedure that was checked: its class, its settings, its executor."""
-
-    recipe: ProcedureRecipe
-    cls: type[Any]
-    config: Settings
-    executor_cls: type[Any]
-    executor_config: Settings
-
-    def as_data(self) -> dict[str, Any]:
-        """The resolved recipe as plain data: every default filled in, paths found."""
-        settings = self.config.model_dump(mode="json", by_alias=True)
-        return replace(self.recipe, settings=settings).as_data()
-
-    @property
-    def asks_for(self) -> frozenset[str]:
-        """The keywords of its `run`."""
-        return frozenset(inspect.signature(self.cls.run).parameters) - {"self"}
-
-
-def plan_procedure(recipe: ProcedureRecipe, plugins: Plugins, faults: Sequence[Fault] = ()) -> ProcedurePlan:
-    """Check a procedure's recipe against the installed plugins.
-
-    Raises
-    ------
-    UserError
-        With `faults` and all that are found here.
-    """
-    found = list(faults)
-    cls, config = _configured(recipe, plugins, "procedure", recipe.use, recipe.settings, (), found)
-    executor, executor_config = _configured(
-        recipe, plugins, "executor", recipe.executor.use, recipe.executor.settings, ("executor",), found
-    )
-    if found or cls is None or config is None or executor is None or executor_config is None:
-        raise UserError(found)
-    return ProcedurePlan(recipe, cls, config, executor, executor_config)
-
-
-def _configured(
-    recipe: ProcedureRecipe,
-    plugins: Plugins,
-    kind: str,
-    use: str,
-    settings: Mapping[str, Any],
-    path: tuple[str | int, ...],
-    faults: list[Fault],
-) -> tuple[type[Any] | None, Settings | None]:
-    if not use:
-        return None, None
-    try:
-        cls = plugins.resolve(use, kind, where=recipe.where((*path, "use")))
-    except UserError as error:
-        faults.extend(error.faults)
-        return None, None
-    if recipe.folder is not None:
-        settings = with_paths_from(recipe.folder, cls.Config, settings)
-    config, found, _ = check(cls.Config, dict(settings), lambda below: recipe.where((*path, *below)))
-    faults.extend(_with_shared_keys(cls, found) if kind == "procedure" else found)
-    return cls, config
-
-
-def _with_shared_keys(cls: type[Any], faults: Sequence[Fault]) -> list[Fault]:
-    """Suggest also the keys that every procedure's recipe has."""
-    known = [*SHARED_KEYS, "use", *cls.Config.model_fields]
-    suggested = []
-    for fault in faults:
-        name = fault.what.removeprefix("unknown key ").strip("'")
-        unknown = fault.what.startswith("unknown key") and "." not in name
-        remedy = did_you_mean(name, known) if unknown else fault.remedy
-        suggested.append(Fault(fault.where, fault.what, fault.expected, remedy))
-    return suggested

@@ -19,7 +19,7 @@ from safetensors.numpy import load_file, save
 
 from tacos_framework.contracts import State
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.yaml_writer import to_yaml
+from tacos_framework.settings.yaml_writer import to_yaml
 
 log = logging.getLogger(__name__)
 

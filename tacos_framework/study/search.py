@@ -8,12 +8,12 @@ from typing import Any
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Evaluated, Executor, State
-from tacos_framework.design_space import Candidate, DesignSpace
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
-from tacos_framework.relay import score_in_a_relay
-from tacos_framework.scoring import score_in_a_race
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
+from tacos_framework.study.relay import score_in_a_relay
+from tacos_framework.study.scoring import score_in_a_race
+from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 FINALISTS = 3
 """Candidates scored once more on common episodes where the search's own scores do not compare."""

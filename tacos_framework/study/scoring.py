@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
-from tacos_framework.racing import Race
 from tacos_framework.recipe import RaceSettings
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, joined
+from tacos_framework.study.racing import Race
 
 
 def score_in_a_race(

@@ -12,12 +12,13 @@ from tacos_framework import __version__
 from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plugins import Plugins
-from tacos_framework.procedure import ProcedureRecipe, plan_procedure
-from tacos_framework.progress import Progress, Silent
 from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_framework.results import Results
 from tacos_framework.study import run_study
+from tacos_framework.study.progress import Progress, Silent
 
 
 def run(

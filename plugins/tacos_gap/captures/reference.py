@@ -1,0 +1,43 @@
+"""The reference page of ``captures.yaml``."""
+
+from __future__ import annotations
+
+from tacos_framework.reference.pages import NOTICE, settings_table
+from tacos_gap.captures.entries import FolderEntry
+from tacos_gap.captures.reader import MAX_FRAMES
+
+
+def captures_page() -> str:
+    """Every key of ``captures.yaml``."""
+    sections = [
+        "# Folders of captures",
+        NOTICE,
+        "What a diagnosis reads: a folder with `captures.yaml`, images of a real camera, and what a "
+        "simulator expects of each. [Photograph captures](../how-to/photograph_captures.md) says how to take "
+        "them, `tacos captures simulate bench --out DIR` makes a folder to look at, and "
+        "`tacos captures check DIR` checks one.",
+        _CAPTURES_RULES,
+        "## Keys",
+        settings_table(FolderEntry),
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+_CAPTURES_RULES = f"""\
+## Files
+
+- Images are PNG or TIFF of 8 or 16 bits, `.npy`, or camera RAW (extra `raw`), in the order R, G, B; a mosaic
+  has one channel. Values are right-aligned (a 12-bit camera's reach up to 4095) and the camera's own: no
+  gamma added, not scaled, not rotated.
+- Paths start from the folder. `real` and `simulated` take a file, a list, or a glob, whose files come in the
+  order of their names, 10 after 9. Of the frames of a capture the first {MAX_FRAMES} are read.
+- `simulated` is linear, in digital numbers with the pedestal, without noise, not clipped: (height, width) or
+  (height, width, channels), one for all frames or one per frame, or a number where it is the same everywhere.
+  Any simulator may have made it. Where a capture names a `scene` instead, ours renders it: a bench recipe,
+  whose capture of the same `id` is taken. Dark frames expect the pedestal, boards need no expectation.
+- `chart.patches` is a table with the columns `id`, `x`, `y`, `width`, `height` [px] and `r`, `g`, `b` [linear
+  DN].
+- Pixels count from 0, and (0, 0) is the centre of the first.
+
+All that is wrong with a folder is said at once, with line and column. What is not wrong but tells little
+(frames that are constant, saturated, or single) is a limitation, which the check prints."""

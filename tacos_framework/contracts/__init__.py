@@ -1,0 +1,86 @@
+"""The contract of each kind of component, one Protocol a kind.
+
+Positional parameters are input ports, the return annotation is the output port, and keyword-only parameters
+are what the framework supplies: a component asks for those it needs and leaves out the rest.
+
+=================  ====================================================================================
+keyword            what the framework supplies
+=================  ====================================================================================
+rng                `numpy.random.Generator`, spawned by name from the study's seed
+rig                the `Rig` of the candidate
+exposure           the `Exposure` of the scenario
+illumination_lux   illuminance of the scenario [lux]
+effects            the recipe's effects of the stages pixel and readout, for sensors (`Effects`)
+state              the state of a trainable task
+budget             how much to train (`Budget`)
+=================  ====================================================================================
+
+Every component class has a ``Config`` (`tacos_framework.settings.Settings`) and is built as
+``Class(Class.Config(...))``; optimizers take the design space and a generator beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from tacos_framework.contracts.effect import STAGES, Effect, Stage, acts_after_noise, formation_order
+from tacos_framework.contracts.executor import Executor
+from tacos_framework.contracts.optimizer import Evaluated, Optimizer
+from tacos_framework.contracts.procedure import Procedure
+from tacos_framework.contracts.renderer import Renderer
+from tacos_framework.contracts.rig import RigBuilder
+from tacos_framework.contracts.scene import Scene
+from tacos_framework.contracts.sensor import Effects, Sensor
+from tacos_framework.contracts.task import Budget, Scorer, Scores, State, Task, Trainable, learns
+
+__all__ = [
+    "PROTOCOLS",
+    "STAGES",
+    "VERBS",
+    "Budget",
+    "Effect",
+    "Effects",
+    "Evaluated",
+    "Executor",
+    "Optimizer",
+    "Procedure",
+    "Renderer",
+    "RigBuilder",
+    "Scene",
+    "Scorer",
+    "Scores",
+    "Sensor",
+    "Stage",
+    "State",
+    "Task",
+    "Trainable",
+    "acts_after_noise",
+    "formation_order",
+    "learns",
+]
+
+PROTOCOLS: Mapping[str, type[Any]] = {
+    "scene": Scene,
+    "rig": RigBuilder,
+    "renderer": Renderer,
+    "effect": Effect,
+    "sensor": Sensor,
+    "task": Task,
+    "optimizer": Optimizer,
+    "executor": Executor,
+    "procedure": Procedure,
+}
+
+VERBS: Mapping[str, tuple[str, ...]] = {
+    "scene": ("episode",),
+    "rig": ("build", "derived"),
+    "renderer": ("capture",),
+    "effect": ("apply",),
+    "sensor": ("expose",),
+    "task": ("begin",),
+    "optimizer": ("ask", "tell", "stop", "state", "restore"),
+    "executor": ("map", "close"),
+    "procedure": ("run",),
+}
+"""The methods a component of each kind must have."""

@@ -1,0 +1,38 @@
+"""What a recipe may run that is no study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Protocol
+
+from tacos_framework.contracts.executor import Executor
+from tacos_framework.settings import Settings
+
+
+class Procedure(Protocol):
+    """What a recipe may run that is not a study: a calibration, a validation, a comparison, a diagnosis.
+
+    Its recipe has ``use: procedure.NAME`` at the top, and the settings of its ``Config`` beside it. Of the
+    keywords of `run` a procedure asks for those it needs; one that asks for `resume` can go on where a
+    broken run stopped.
+
+    ========  =============================================================================================
+    out       the results folder, `pathlib.Path`, there and empty (with `resume`: that of the broken run)
+    seed      seed of the recipe
+    plugins   the installed `Plugins`, to resolve other components
+    executor  the recipe's `Executor`, for work that can be shared out
+    progress  the `Progress` to tell: ``phase(title, steps)``, then ``step()`` for each
+    resume    whether to go on with a broken run
+    ========  =============================================================================================
+    """
+
+    Config: ClassVar[type[Settings]]
+
+    def run(
+        self, *, out: Any, seed: int, plugins: Any, executor: Executor, progress: Any, resume: bool
+    ) -> Mapping[str, Any]:
+        """Do it. Pictures and ``report.html`` go into `out`; what is returned becomes ``result.json``.
+
+        The entry ``summary`` of the result is a text in a few lines, which ``tacos-run`` prints.
+        """
+        ...

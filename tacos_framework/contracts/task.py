@@ -1,0 +1,95 @@
+"""Perception tasks, and those that learn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.settings import Settings
+from tacos_framework.values import FrameBatch
+
+Scores = Mapping[str, float]
+"""Named numbers of one episode. A score without meaning there (no obstacle on the path) is left out."""
+
+State = Mapping[str, NDArray[Any]]
+"""What a trainable task has learnt: named arrays, so that it can be kept without pickle."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much to train: passes over the batches, and settings of the recipe's ``train:``.
+
+    Where ``told`` is given, a task may tell it the losses of each step, by name.
+    """
+
+    epochs: int = 1
+    settings: Mapping[str, Any] | None = None
+    told: Callable[[Mapping[str, float]], None] | None = None
+
+
+class Scorer(Protocol):
+    """Scores one episode, batch by batch. The positional parameters of `update` are the task's ports."""
+
+    def update(self, frames: FrameBatch) -> None:
+        """Take in the next batch; batches come in order and do not overlap."""
+        ...
+
+    def scores(self) -> Scores:
+        """The scores of all that was taken in; at least those named in ``Task.scores`` that have meaning."""
+        ...
+
+
+class Task(Protocol):
+    """A perception task. ``scores`` names what its scorers report.
+
+    Further members are optional:
+
+    ``lacks(rig) -> str | None``
+        Why it cannot judge a rig's cameras, in a sentence; used as that of a `Sensor`.
+    ``lower_is_better: ClassVar[frozenset[str]]``
+        Those of the scores that are errors, of which reports call the smallest best. Of the others higher is
+        better.
+    """
+
+    Config: ClassVar[type[Settings]]
+    scores: ClassVar[tuple[str, ...]]
+
+    def begin(self, *, state: State | None) -> Scorer:
+        """A scorer for one episode; `state` is None for tasks that do not learn."""
+        ...
+
+
+class Trainable(Protocol):
+    """A task that learns. State goes in and comes out; the object itself keeps none.
+
+    A further member is optional:
+
+    ``Training: ClassVar[type[Settings]]``
+        The settings it takes from the recipe's ``train:`` through `Budget.settings`; those given are then
+        checked with the recipe, before anything is computed.
+    """
+
+    scores: ClassVar[tuple[str, ...]]
+
+    def begin(self, *, state: State | None) -> Scorer:
+        """A scorer that uses `state`."""
+        ...
+
+    def initial_state(self, *, rng: np.random.Generator) -> State:
+        """The state before any training of this study."""
+        ...
+
+    def fit(
+        self, batches: Iterable[FrameBatch], *, state: State, budget: Budget, rng: np.random.Generator
+    ) -> State:
+        """A new state, trained on the batches; `state` itself is left as it was."""
+        ...
+
+
+def learns(task: type[Any]) -> bool:
+    """Whether a task class is `Trainable`."""
+    return callable(getattr(task, "fit", None)) and callable(getattr(task, "initial_state", None))

@@ -1,0 +1,1 @@
+"""Image formation: capture -> effects -> sensor -> effects -> frames."""

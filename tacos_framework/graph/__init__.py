@@ -1,0 +1,9 @@
+"""The dataflow graph: typed ports, wiring, order, evaluation in batches."""
+
+from __future__ import annotations
+
+from tacos_framework.graph.graph import Graph
+from tacos_framework.graph.signature import Signature, signature_of
+from tacos_framework.graph.wiring import Node, wiring_faults
+
+__all__ = ["Graph", "Node", "Signature", "signature_of", "wiring_faults"]

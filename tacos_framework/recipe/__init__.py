@@ -1,0 +1,56 @@
+"""Recipes: one YAML file, or the same thing built in Python.
+
+=============  ============================================================================================
+``recipe``     what a study's recipe is, and reading it
+``procedure``  a recipe that is no study
+``loading``    finding recipes by path or name
+``overrides``  values put in from outside the file: ``--set`` and ``--with``
+=============  ============================================================================================
+"""
+
+from __future__ import annotations
+
+from tacos_framework.recipe.loading import find_recipe, load_recipe, read_any_recipe
+from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure
+from tacos_framework.recipe.recipe import (
+    FORMAT,
+    Between,
+    Choose,
+    Compare,
+    FromCatalog,
+    NodeUse,
+    RaceSettings,
+    Recipe,
+    Scenario,
+    StudySettings,
+    Test,
+    Train,
+    Use,
+    Weighted,
+    parse_recipe,
+    read_recipe,
+)
+
+__all__ = [
+    "FORMAT",
+    "Between",
+    "Choose",
+    "Compare",
+    "FromCatalog",
+    "NodeUse",
+    "ProcedureRecipe",
+    "RaceSettings",
+    "Recipe",
+    "Scenario",
+    "StudySettings",
+    "Test",
+    "Train",
+    "Use",
+    "Weighted",
+    "find_recipe",
+    "is_procedure",
+    "load_recipe",
+    "parse_recipe",
+    "read_any_recipe",
+    "read_recipe",
+]

@@ -1,0 +1,1 @@
+"""The reference pages, and the JSON Schema of recipes, that follow from the code."""
