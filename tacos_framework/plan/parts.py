@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.settings import Settings
@@ -20,7 +20,11 @@ class Part:
 
     def make(self, overrides: Mapping[str, Any] | None = None, **supplied: Any) -> Any:
         """Build the component, with some settings replaced."""
+        return self.cls(self.with_settings(overrides).config, **supplied)
+
+    def with_settings(self, overrides: Mapping[str, Any] | None) -> Part:
+        """The same with some settings replaced, by plain data."""
         if not overrides:
-            return self.cls(self.config, **supplied)
+            return self
         merged = {**self.config.model_dump(mode="json", by_alias=True), **overrides}
-        return self.cls(self.cls.Config.model_validate_json(json.dumps(merged)), **supplied)
+        return replace(self, config=self.cls.Config.model_validate_json(json.dumps(merged)))

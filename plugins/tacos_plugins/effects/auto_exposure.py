@@ -14,8 +14,7 @@ from tacos_framework.camera.colour import luminance
 from tacos_framework.camera.exposure import exposure_per_luminance
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 
 class AutoExposure:
@@ -72,14 +71,10 @@ class AutoExposure:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"target_mlx_s": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ()
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture as exposed by its metering; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

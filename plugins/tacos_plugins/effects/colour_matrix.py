@@ -11,9 +11,8 @@ from pydantic import field_validator
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_files_changed
 
 Row = tuple[float, float, float]
 Matrix = tuple[Row, Row, Row]
@@ -49,18 +48,12 @@ class ColourMatrix:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"matrix": IDENTITY}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"matrix": ((1.2, -0.1, -0.1), (-0.1, 1.2, -0.1), (-0.1, -0.1, 1.2))},
     )
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

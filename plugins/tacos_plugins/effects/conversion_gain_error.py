@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 
 
 class ConversionGainError:
@@ -41,7 +40,7 @@ class ConversionGainError:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"scale": 1.3},
         {"scale": 0.75},
     )
@@ -53,12 +52,6 @@ class ConversionGainError:
     def photon_scale(self) -> float:
         """Factor on the variance of the photon noise [1]."""
         return self.config.scale
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        if self.photon_scale == 1.0:
-            return image
-        return replace(image, photon_scale=image.photon_scale * self.photon_scale)
 
     def on_array(
         self,

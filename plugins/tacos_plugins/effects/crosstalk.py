@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
 
 
 class Crosstalk:
@@ -41,7 +40,7 @@ class Crosstalk:
     after_noise: ClassVar[bool] = True
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.02},)
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.02},)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -51,10 +50,6 @@ class Crosstalk:
         kernel = np.full((3, 3), self.config.share)
         kernel[1, 1] = 1 - 8 * self.config.share
         return kernel
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from tacos_framework.contracts import Stage
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
 
 
 class DarkCurrent:
@@ -54,7 +53,7 @@ class DarkCurrent:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"rate_dn_s": 0.0, "hot_share": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"rate_dn_s": 10.0},
         {"rate_dn_s": 1.0, "hot_share": 0.0002, "hot_rate_dn_s": 100.0},
         {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 20.0},
@@ -63,10 +62,6 @@ class DarkCurrent:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,

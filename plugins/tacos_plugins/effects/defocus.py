@@ -13,8 +13,7 @@ from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
 from tacos_framework.camera.depth_of_field import blur_by_depth, signed_radius
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 
 class Defocus:
@@ -57,17 +56,13 @@ class Defocus:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"radius_px": 0.0, "focus_m": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"radius_px": 1.5},
         {"radius_px": 4.0},
     )
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture out of focus, truth as a pinhole sees it; itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

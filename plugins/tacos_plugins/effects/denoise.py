@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 SIZE_PX = 5
 """Edge of the window [px]."""
@@ -52,7 +51,7 @@ class Denoise:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"strength": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"strength": 0.2},
         {"strength": 1.0},
         {"strength": 3.0},
@@ -60,12 +59,6 @@ class Denoise:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 _SAMPLING = {
     "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
@@ -43,7 +42,7 @@ class Jpeg:
 
     stage: ClassVar[Stage] = "codec"
     neutral: ClassVar[Mapping[str, Any]] = {"quality": 100}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"quality": 97, "subsampling": "4:2:0"},
         {"quality": 93, "subsampling": "4:2:0"},
         {"quality": 88, "subsampling": "4:2:0"},
@@ -59,12 +58,6 @@ class Jpeg:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

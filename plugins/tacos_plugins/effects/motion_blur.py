@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework.camera.blur import blur, kernel_of, line_transfer
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 
 class MotionBlur:
@@ -39,7 +38,7 @@ class MotionBlur:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"length_px": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"length_px": 5.0, "angle_deg": 0.0},
         {"length_px": 5.0, "angle_deg": 45.0},
         {"length_px": 5.0, "angle_deg": 90.0},
@@ -48,10 +47,6 @@ class MotionBlur:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with motion blur in every view; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

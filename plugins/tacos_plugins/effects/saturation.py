@@ -11,9 +11,8 @@ from scipy.special import ndtr
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
 
 
 class Saturation:
@@ -43,14 +42,10 @@ class Saturation:
     after_noise: ClassVar[bool] = True
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"level_dn": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ()
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,

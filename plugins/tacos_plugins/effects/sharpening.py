@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_files_changed
 
 
 class Sharpening:
@@ -38,7 +37,7 @@ class Sharpening:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 70
     neutral: ClassVar[Mapping[str, Any]] = {"amount": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"amount": 0.5, "radius_px": 1.0},
         {"amount": 0.5, "radius_px": 2.0},
     )
@@ -55,12 +54,6 @@ class Sharpening:
         kernel = -self.config.amount * np.outer(bell, bell)
         kernel[reach, reach] += 1 + self.config.amount
         return kernel
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -13,9 +13,8 @@ from scipy.interpolate import PchipInterpolator
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments, moments_behind
-from tacos_plugins.effects.samples import with_files_changed
 
 _STEPS = 4096  # of the table that stands for the cubic
 
@@ -60,7 +59,7 @@ class ToneCurve:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"gamma": 1.0, "knots": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"gamma": 0.85},
         {"gamma": 1.2},
         {"gamma": 0.45},
@@ -94,12 +93,6 @@ class ToneCurve:
         step = np.minimum(place.astype(np.int32), _STEPS - 1)
         table = self._table.astype(t.dtype)
         return table[step] + (place - step.astype(t.dtype)) * np.diff(table)[step]
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -1,0 +1,117 @@
+"""Captures of a real camera as an effect sees them, and what it may declare of them for a diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import ImageContext, ImageGeometry
+
+
+class ObservedCapture(Protocol):
+    """Real frames of one thing under one setting, and what the simulator expects of them."""
+
+    @property
+    def kind(self) -> str:
+        """dark, flat, bracket, edge, board, chart, scene or sequence."""
+        ...
+
+    @property
+    def group(self) -> str | None:
+        """Captures of one group vary only in their exposure time."""
+        ...
+
+    @property
+    def real_dn(self) -> NDArray[np.float32]:
+        """(N, H, W, C) files [DN]."""
+        ...
+
+    @property
+    def expected_dn(self) -> NDArray[np.float32] | None:
+        """(1 or N, H, W, C) noise-free expectation with the pedestal; None where there is none [DN]."""
+        ...
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(H, W), False where the expectation says nothing."""
+        ...
+
+    @property
+    def geometry(self) -> ImageGeometry:
+        """Where the pixels lie."""
+        ...
+
+    @property
+    def context(self) -> ImageContext:
+        """What else is known."""
+        ...
+
+    @property
+    def frames(self) -> int:
+        """Number of real frames."""
+        ...
+
+    @property
+    def is_structured(self) -> bool:
+        """Whether it shows edges or texture, rather than an even field."""
+        ...
+
+
+Captures = Sequence[ObservedCapture]
+
+
+@dataclass(frozen=True)
+class LookAlike:
+    """An effect that some captures cannot tell from the one that declares it.
+
+    Parameters
+    ----------
+    effect
+        Name of the other effect, without ``effect.``.
+    holds
+        Whether these captures leave the two alike; this module has the usual reasons.
+    capture
+        The kind of capture that would tell them apart.
+    why
+        What that capture shows, in a few words.
+    """
+
+    effect: str
+    holds: Callable[[Captures], bool]
+    capture: str
+    why: str
+
+
+@dataclass(frozen=True)
+class ShownBy:
+    """Captures that it takes to speak of an effect.
+
+    Parameters
+    ----------
+    met
+        Whether captures will do; this module has the usual reasons.
+    remedy
+        What to photograph: ``kind dark: frames with the cap on``.
+    """
+
+    met: Callable[[Captures], bool]
+    remedy: str
+
+
+def of_kind(captures: Captures, *kinds: str) -> list[ObservedCapture]:
+    """The captures of some kinds."""
+    return [capture for capture in captures if capture.kind in kinds]
+
+
+def structured(captures: Captures) -> list[ObservedCapture]:
+    """The captures that show edges or texture."""
+    return [capture for capture in captures if capture.is_structured]
+
+
+def lit(captures: Captures) -> list[ObservedCapture]:
+    """All but those with the cap on."""
+    return [capture for capture in captures if capture.kind != "dark"]
