@@ -79,7 +79,6 @@ class AffineNoise:
         given = config.calibration
         self.calibration = load_calibration(given) if isinstance(given, str) else given
         self.bit_depth = config.bit_depth or self.calibration.bit_depth
-        self.white_level_dn = 2**self.bit_depth - 1
         if config.black_level_dn >= self.white_level_dn:
             raise UserError(
                 Fault(
@@ -94,6 +93,11 @@ class AffineNoise:
     def black_level_dn(self) -> float:
         """Pedestal of the files [DN]."""
         return self.config.black_level_dn
+
+    @property
+    def white_level_dn(self) -> float:
+        """Full scale of the files [DN]."""
+        return 2**self.bit_depth - 1
 
     def expect(
         self, light_cd_m2: NDArray[np.float32], *, camera: Camera, exposure: Exposure

@@ -106,7 +106,6 @@ class Emva:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-        self.white_level_dn = 2**config.bit_depth - 1
         faults = []
         if config.black_level_dn >= self.white_level_dn:
             faults.append(
@@ -130,6 +129,11 @@ class Emva:
     def black_level_dn(self) -> float:
         """Pedestal of the files [DN]."""
         return self.config.black_level_dn
+
+    @property
+    def white_level_dn(self) -> float:
+        """Full scale of the files [DN]."""
+        return 2**self.config.bit_depth - 1
 
     def expect(
         self, light_cd_m2: NDArray[np.float32], *, camera: Camera, exposure: Exposure
