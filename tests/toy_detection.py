@@ -65,8 +65,6 @@ class SquaresRenderer:
     class Config(Settings):
         side_px: int = setting(16, help="Edge of the squares.", unit="px")
 
-    reads: ClassVar[frozenset[str]] = frozenset({"width_px", "height_px"})
-
     def __init__(self, config: Config):
         self.config = config
 

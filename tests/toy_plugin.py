@@ -72,8 +72,6 @@ class ToyRenderer:
     class Config(Settings):
         pass
 
-    reads: ClassVar[frozenset[str]] = frozenset({"width_px", "height_px"})
-
     def __init__(self, config: Config):
         pass
 

@@ -30,18 +30,6 @@ class IntegratingSphere:
 
         near_m: float = setting(0.01, help="Surfaces nearer than this are not seen.", unit="m", gt=0)
 
-    reads: ClassVar[frozenset[str]] = frozenset(
-        {
-            "width_px",
-            "height_px",
-            "pixel_um",
-            "binning",
-            "focal_length_mm",
-            "principal_point_px",
-            "agent_from_camera",
-        }
-    )
-
     def __init__(self, config: Config) -> None:
         self.config = config
 
