@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import DARK
 
 
 class BlackLevel:
@@ -34,6 +35,15 @@ class BlackLevel:
         {"offset_dn": 2.0},
         {"offset_dn": -2.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "veiling-glare",
+            observed.one_scene_no_dark,
+            "dark",
+            "with the cap on there is no stray light, but still an offset",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (DARK,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

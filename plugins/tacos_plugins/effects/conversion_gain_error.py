@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import FLAT
 
 
 class ConversionGainError:
@@ -44,6 +45,7 @@ class ConversionGainError:
         {"scale": 1.3},
         {"scale": 0.75},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -8,11 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 
 class Crosstalk:
@@ -41,6 +42,7 @@ class Crosstalk:
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.02},)
+    shown_by: ClassVar[Sequence[ShownBy]] = (REPEATED_FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

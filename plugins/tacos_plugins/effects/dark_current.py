@@ -9,12 +9,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
 
 
 class DarkCurrent:
@@ -59,6 +60,7 @@ class DarkCurrent:
         {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 20.0},
         {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 200.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (DARKS_OF_TWO_TIMES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -11,9 +11,10 @@ from pydantic import model_validator
 
 from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
 from tacos_framework.camera.depth_of_field import blur_by_depth, signed_radius
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import EDGES
 
 
 class Defocus:
@@ -60,6 +61,15 @@ class Defocus:
         {"radius_px": 1.5},
         {"radius_px": 4.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "lens-blur",
+            observed.one_depth_one_place,
+            "edge",
+            "edges over the whole field: blur of the lens grows towards the corners",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (EDGES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 SIZE_PX = 5
 """Edge of the window [px]."""
@@ -56,6 +57,7 @@ class Denoise:
         {"strength": 1.0},
         {"strength": 3.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (REPEATED_FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -8,11 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import DARK, REPEATED_FLAT
 
 
 class Dsnu:
@@ -40,6 +41,18 @@ class Dsnu:
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"sigma_dn": 1.0},
         {"column_sigma_dn": 0.5},
+    )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "read-noise",
+            observed.no_repeats,
+            "dark",
+            "two or more frames of one setting tell fixed patterns from noise",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (
+        DARK,
+        REPEATED_FLAT,
     )
 
     def __init__(self, config: Config) -> None:

@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tacos_framework.camera.motion import Places
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import BOARDS
 
 
 class FocalLengthError:
@@ -40,6 +41,12 @@ class FocalLengthError:
         {"dx_px": 2.0},
         {"dy_px": 2.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "pose-error", observed.flat_on, "board", "tilted views tell the focal length from the distance"
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BOARDS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

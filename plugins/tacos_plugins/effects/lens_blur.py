@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.blur import airy_transfer, blur, gaussian_transfer, kernel_of
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import EDGES
 
 _STEP = 1.15  # from each blur to the next
 _REACH_SIGMAS = 4.0
@@ -50,6 +51,7 @@ class LensBlur:
         {"sigma_px": 0.5, "growth": 1.5},
         {"sigma_px": 2.0, "growth": 0.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (EDGES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

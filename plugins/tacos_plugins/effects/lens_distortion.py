@@ -11,9 +11,10 @@ from pydantic import model_validator
 
 from tacos_framework.camera.distortion import BrownConrady, Fisheye
 from tacos_framework.camera.motion import Places
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import BOARDS
 
 
 class LensDistortion:
@@ -64,6 +65,12 @@ class LensDistortion:
         {"p1": 0.002},
         {"p2": 0.002},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "pose-error", observed.one_view, "board", "further tilted views tell the lens from a bent board"
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BOARDS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments, moments_behind
+from tacos_plugins.effects.shown_by import BRACKET
 
 
 class Nonlinearity:
@@ -40,6 +41,21 @@ class Nonlinearity:
         {"a2": -0.1},
         {"a3": -0.1},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "exposure-error",
+            observed.one_level,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+        LookAlike(
+            "tone-curve",
+            observed.one_level,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BRACKET,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

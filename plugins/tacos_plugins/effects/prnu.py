@@ -8,11 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.fixed_pattern import PatternSettings, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import FLAT, REPEATED_FLAT
 
 
 class Prnu:
@@ -37,6 +38,18 @@ class Prnu:
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"sigma": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"sigma": 0.01},)
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "conversion-gain-error",
+            observed.no_repeats,
+            "flat",
+            "two or more frames of one setting tell fixed patterns from noise",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (
+        FLAT,
+        REPEATED_FLAT,
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import Places, source_of
 from tacos_framework.camera.resampling import nearest
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import MOTION
 
 
 class RollingShutter:
@@ -47,6 +48,15 @@ class RollingShutter:
         {"row_time_us": 30.0},
         {"row_time_us": -30.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "pose-error",
+            observed.one_velocity,
+            "sequence",
+            "another velocity: readout bends by it, a pose does not",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (MOTION,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

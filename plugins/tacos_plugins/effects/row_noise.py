@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import DARK
 
 
 class RowNoise:
@@ -42,6 +43,7 @@ class RowNoise:
         {"sigma_dn": 0.5},
         {"column_sigma_dn": 0.5},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (DARK,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

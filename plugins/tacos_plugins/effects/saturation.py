@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import BRACKET
 
 
 class Saturation:
@@ -43,9 +45,21 @@ class Saturation:
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"level_dn": None}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    shown_by: ClassVar[Sequence[ShownBy]] = (BRACKET,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The value that many pixels share at the top of a capture, below full scale."""
+        found = set()
+        for capture in captures:
+            top = float(capture.real_dn.max())
+            if top < capture.context.white_level_dn and np.mean(capture.real_dn >= top - 2) > 0.01:
+                found.add(top)
+        for level in sorted(found)[-2:]:
+            yield {"level_dn": level}
 
     def on_array(
         self,

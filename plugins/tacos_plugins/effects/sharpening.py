@@ -9,11 +9,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import EDGES
 
 
 class Sharpening:
@@ -41,6 +42,7 @@ class Sharpening:
         {"amount": 0.5, "radius_px": 1.0},
         {"amount": 0.5, "radius_px": 2.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (EDGES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

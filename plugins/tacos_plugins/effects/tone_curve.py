@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 from scipy.interpolate import PchipInterpolator
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments, moments_behind
+from tacos_plugins.effects.shown_by import BRACKET
 
 _STEPS = 4096  # of the table that stands for the cubic
 
@@ -64,6 +65,21 @@ class ToneCurve:
         {"gamma": 1.2},
         {"gamma": 0.45},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "exposure-error",
+            observed.one_exposure_of_a_scene,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+        LookAlike(
+            "exposure-error",
+            observed.one_level,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BRACKET,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

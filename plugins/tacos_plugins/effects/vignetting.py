@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.radial import brightens, even_polynomial
+from tacos_plugins.effects.shown_by import FLAT
 
 
 class Vignetting:
@@ -41,6 +42,21 @@ class Vignetting:
         {"k2": -0.2},
         {"k3": -0.2},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "illumination-gradient",
+            observed.one_flat_without_stack,
+            "flat",
+            "rotated by 90 degrees it tells vignetting from uneven light",
+        ),
+        LookAlike(
+            "lens-shading-correction",
+            observed.one_flat_without_stack,
+            "flat",
+            "a stack of frames: noise over the field tells light lost from values scaled",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

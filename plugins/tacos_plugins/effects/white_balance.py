@@ -8,11 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_plugins.effects.mosaic import mosaic_channels
 from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.shown_by import COLOURS
 
 
 class WhiteBalance:
@@ -34,6 +35,7 @@ class WhiteBalance:
         {"red": 1.1},
         {"blue": 1.1},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (COLOURS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
