@@ -42,13 +42,24 @@ def in_image_units(config: Settings, use: str, geometry: ImageGeometry, context:
     CandidateFailed
         Where a value is out of bounds there, or the camera's conversion gain is not known.
     """
+    photosites = _in_photosites(config, use, geometry, context)
+    if geometry.binning == 1.0:
+        return photosites
+    kind = type(config)
+    values = {name: getattr(photosites, name) for name in _of_photosites(kind)}
+    changed = {
+        name: value * binned(unit_of(kind, name), averaging_of(kind, name), geometry.binning)
+        for name, value in values.items()
+        if value is not None
+    }
+    # Bounds are those of photosites: in binned pixels a length may well be shorter.
+    return photosites.model_copy(update=changed) if changed else photosites
+
+
+def _in_photosites(config: Settings, use: str, geometry: ImageGeometry, context: ImageContext) -> Settings:
+    """Settings with physical values turned into pixels and digital numbers of the camera's photosites."""
     kind = type(config)
     changed: dict[str, Any] = {}
-    for name in _of_photosites(kind):
-        value = getattr(config, name)
-        if value is None or geometry.binning == 1.0:
-            continue
-        changed[name] = value * binned(unit_of(kind, name), averaging_of(kind, name), geometry.binning)
     for name, image_name in physical_settings(kind).items():
         value = getattr(config, name)
         if value is None:
@@ -60,9 +71,8 @@ def in_image_units(config: Settings, use: str, geometry: ImageGeometry, context:
                 f"{use} has {name} = {value:g} {unit_of(kind, name)}, but how many DN an electron makes on "
                 f"camera {geometry.camera!r} is not known: give {image_name} instead"
             )
-        factor = binned(unit, averaging_of(kind, image_name), geometry.binning)
         pedestal = context.black_level_dn if includes_pedestal(kind, image_name) else 0.0
-        changed |= {name: None, image_name: value * per * factor + pedestal}
+        changed |= {name: None, image_name: value * per + pedestal}
     if not changed:
         return config
     values = {name: getattr(config, name) for name in kind.model_fields}

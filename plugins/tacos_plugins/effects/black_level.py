@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARK
@@ -26,6 +26,13 @@ class BlackLevel:
 
         offset_dn: float = setting(
             0.0, help="Actual minus believed pedestal.", unit="DN", ge=-65535, le=65535
+        )
+        offset_share: float | None = physical(
+            "offset_dn",
+            help="The same over the range of the file's codes, for files of any depth.",
+            unit="of full scale",
+            ge=-1,
+            le=1,
         )
 
     stage: ClassVar[Stage] = "readout"

@@ -17,7 +17,7 @@ from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 
 class Crosstalk:
-    """Each pixel gives a `share` of its signal to each of its eight neighbours.
+    """Each photosite gives a `share` of its signal to each of its eight neighbours.
 
     The electrons are counted before they are shared (capacitive coupling between pixels), so the effect
     follows the noise and correlates it, at a distance of one pixel by about twice the share. Blur
@@ -34,7 +34,7 @@ class Crosstalk:
         """Settings of the effect."""
 
         share: float = setting(
-            0.0, help="Share of a pixel's signal that each neighbour gets.", ge=0, le=1 / 9
+            0.0, help="Share of a photosite's signal that each neighbour gets.", ge=0, le=1 / 9
         )
 
     stage: ClassVar[Stage] = "pixel"
@@ -47,10 +47,12 @@ class Crosstalk:
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    @property
-    def _kernel(self) -> NDArray[np.float64]:
-        kernel = np.full((3, 3), self.config.share)
-        kernel[1, 1] = 1 - 8 * self.config.share
+    def _kernel(self, binning: float) -> NDArray[np.float64]:
+        """(3, 3) shares between blocks of b x b photosites, of which only those at the rim give any away."""
+        side = (3 * binning - 2) / binning**2 * self.config.share
+        corner = self.config.share / binning**2
+        kernel = np.array([[corner, side, corner], [side, 0.0, side], [corner, side, corner]])
+        kernel[1, 1] = 1 - kernel.sum()
         return kernel
 
     def on_array(
@@ -62,7 +64,7 @@ class Crosstalk:
         rng: np.random.Generator,
     ) -> NDArray[np.floating]:
         """The samples, each mixed with its neighbours."""
-        return correlate(signal, self._kernel) if self.config.share else signal
+        return correlate(signal, self._kernel(geometry.binning)) if self.config.share else signal
 
     def moments(
         self,
@@ -75,4 +77,5 @@ class Crosstalk:
         """Moments of noise that was independent; next to the edges the variance is a little larger."""
         if self.config.share == 0:
             return mean_dn, variance_dn2
-        return correlate(mean_dn, self._kernel), correlate(variance_dn2, self._kernel**2)
+        kernel = self._kernel(geometry.binning)
+        return correlate(mean_dn, kernel), correlate(variance_dn2, kernel**2)

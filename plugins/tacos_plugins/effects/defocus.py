@@ -12,7 +12,7 @@ from pydantic import model_validator
 from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
 from tacos_framework.camera.depth_of_field import blur_by_depth, signed_radius
 from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.shown_by import EDGES
 
@@ -37,6 +37,13 @@ class Defocus:
         radius_px: float = setting(
             0.0, help="Radius of the disc all over the image.", unit="px", ge=0, le=100
         )
+        radius_um: float | None = physical(
+            "radius_px",
+            help="Radius of the disc on the sensor, in place of radius_px.",
+            unit="um",
+            ge=0,
+            le=1e3,
+        )
         focus_m: float | None = setting(
             None,
             help="Distance of focus; if given, the radius follows from the depth of each pixel.",
@@ -50,8 +57,9 @@ class Defocus:
 
         @model_validator(mode="after")
         def _one_radius(self) -> Defocus.Config:
-            if self.radius_px and self.focus_m is not None:
-                raise ValueError("radius_px and focus_m exclude each other: give one radius, or a focus")
+            for name in ("radius_px", "radius_um"):
+                if getattr(self, name) and self.focus_m is not None:
+                    raise ValueError(f"{name} and focus_m exclude each other: give one radius, or a focus")
             return self
 
     stage: ClassVar[Stage] = "optics"

@@ -22,6 +22,10 @@ class Demosaic:
     ``gradient-corrected`` (Malvar, He & Cutler 2004), linear as well; ``edge-aware`` (Hamilton & Adams
     1997), which interpolates along edges.
 
+    The mosaic is laid over the pixels of the image it is given. Of a binned camera these are averages of
+    photosites already, as of sensors that bin within a colour; a camera that reconstructs colours first and
+    averages afterwards has less false colour than this.
+
     References
     ----------
     Li, Gunturk & Zhang 2008, "Image demosaicing: a systematic survey", Proc. SPIE 6822.

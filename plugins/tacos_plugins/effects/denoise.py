@@ -33,6 +33,9 @@ class Denoise:
     chosen over bilateral or non-local ones because its strength is one continuous number with a meaning, and
     because it is fast.
 
+    The window counts pixels of the image it is given: at another binning the filter is another one, as is
+    that of a camera whose processing follows the binning.
+
     References
     ----------
     Lee 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Trans. PAMI

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
-from tacos_framework.settings import setting
+from tacos_framework.settings import physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
@@ -30,9 +30,27 @@ class Dsnu:
     class Config(PatternSettings):
         """Settings of the effect."""
 
-        sigma_dn: float = setting(0.0, help="Spread of the photosites' offsets.", unit="DN", ge=0, le=65535)
+        sigma_dn: float = setting(
+            0.0,
+            help="Spread of the photosites' offsets.",
+            unit="DN",
+            averaging="photosites",
+            ge=0,
+            le=65535,
+        )
         column_sigma_dn: float = setting(
-            0.0, help="Spread of the columns' offsets.", unit="DN", ge=0, le=65535
+            0.0,
+            help="Spread of the columns' offsets.",
+            unit="DN",
+            averaging="lines",
+            ge=0,
+            le=65535,
+        )
+        sigma_e: float | None = physical(
+            "sigma_dn", help="Spread of the photosites' offsets in electrons.", unit="e-", ge=0, le=1e6
+        )
+        column_sigma_e: float | None = physical(
+            "column_sigma_dn", help="Spread of the columns' offsets in electrons.", unit="e-", ge=0, le=1e6
         )
 
     stage: ClassVar[Stage] = "pixel"

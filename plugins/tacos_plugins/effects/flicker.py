@@ -21,8 +21,9 @@ class Flicker:
 
         1 + depth sin(2 pi row / period_rows + phase)
 
-    Rows are those of the full sensor. The lamp does not know of the camera, so each frame draws its own
-    phase. There is no wave in the dark, unlike with noise of rows.
+    Rows are those of the full sensor's photosites; a binned row averages over its own. The lamp does not
+    know of the camera, so each frame draws its own phase. There is no wave in the dark, unlike with noise of
+    rows.
     """
 
     class Config(Settings):
@@ -81,9 +82,9 @@ def lamp_wave(
     geometry
         The image.
     depth
-        Height of the wave over the mean [1].
+        Height of the wave over the mean, in a row of photosites [1].
     period_rows
-        Rows read out in one period [row].
+        Rows of the image in one period [row].
     phase_rad
         (N,) phase in the sensor's row 0 [rad].
 
@@ -99,6 +100,8 @@ def lamp_wave(
     [1.0, 1.5, 1.0, 0.5]
     """
     angle = 2 * math.pi * geometry.sensor_row / period_rows
+    row = math.pi / (period_rows * geometry.binning)  # half the phase from photosite to photosite
+    depth *= math.sin(row * geometry.binning) / (geometry.binning * math.sin(row))
     return np.asarray(1 + depth * np.sin(angle + phase_rad[:, None, None]))
 
 

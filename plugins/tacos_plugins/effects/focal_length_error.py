@@ -9,7 +9,7 @@ import numpy as np
 
 from tacos_framework.camera.motion import Places
 from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.shown_by import BOARDS
 
@@ -31,6 +31,12 @@ class FocalLengthError:
         )
         dy_px: float = setting(
             0.0, help="Real minus believed principal point, downwards.", unit="px", ge=-1e4, le=1e4
+        )
+        dx_um: float | None = physical(
+            "dx_px", help="The same to the right, on the sensor.", unit="um", ge=-1e5, le=1e5
+        )
+        dy_um: float | None = physical(
+            "dy_px", help="The same downwards, on the sensor.", unit="um", ge=-1e5, le=1e5
         )
 
     stage: ClassVar[Stage] = "optics"

@@ -27,6 +27,9 @@ class Jpeg:
     tone curve: list `effect.tone-curve` beside it where the camera has one. At a quality of 100 the
     effect is off altogether, though a real encoder still rounds there.
 
+    The blocks of 8 x 8 are pixels of the image it is given, binned or not: the file of a binned camera is
+    coded after the binning.
+
     References
     ----------
     ITU-T T.81 (1992), baseline process, as libjpeg scales its tables by quality.

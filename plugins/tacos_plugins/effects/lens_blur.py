@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.blur import airy_transfer, blur, gaussian_transfer, kernel_of
 from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.shown_by import EDGES
 
@@ -36,6 +36,13 @@ class LensBlur:
         """Settings of the effect."""
 
         sigma_px: float = setting(0.0, help="Standard deviation on the axis.", unit="px", ge=0, le=50)
+        sigma_um: float | None = physical(
+            "sigma_px",
+            help="Standard deviation on the axis and on the sensor, in place of sigma_px.",
+            unit="um",
+            ge=0,
+            le=500,
+        )
         growth: float = setting(
             0.0, help="Growth of the standard deviation from the axis to the corner.", ge=-1, le=20
         )

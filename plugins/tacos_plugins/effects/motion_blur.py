@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework.camera.blur import blur, kernel_of, line_transfer
 from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.contracts.observed import Captures, structured
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.shown_by import MOTION
 
@@ -31,6 +31,14 @@ class MotionBlur:
 
         length_px: float = setting(
             0.0, help="Length of the path during the exposure.", unit="px", ge=0, le=200
+        )
+        speed_deg_s: float | None = physical(
+            "length_px",
+            help="Speed of the camera's turn, in place of length_px: by it the path follows from exposure "
+            "time and focal length.",
+            unit="deg/s",
+            ge=0,
+            le=1e4,
         )
         angle_deg: float = setting(
             0.0,

@@ -31,7 +31,11 @@ class Prnu:
         """Settings of the effect."""
 
         sigma: float = setting(
-            0.0, help="Spread of the response, over its mean; 0.003 to 0.015 is usual.", ge=0, le=1
+            0.0,
+            help="Spread of the photosites' response, over its mean; 0.003 to 0.015 is usual.",
+            averaging="photosites",
+            ge=0,
+            le=1,
         )
 
     stage: ClassVar[Stage] = "pixel"

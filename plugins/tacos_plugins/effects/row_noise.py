@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARK
@@ -30,10 +30,26 @@ class RowNoise:
         """Settings of the effect."""
 
         sigma_dn: float = setting(
-            0.0, help="Standard deviation of the rows' offsets.", unit="DN", ge=0, le=65535
+            0.0,
+            help="Standard deviation of the rows' offsets.",
+            unit="DN",
+            averaging="lines",
+            ge=0,
+            le=65535,
         )
         column_sigma_dn: float = setting(
-            0.0, help="Standard deviation of the columns' offsets.", unit="DN", ge=0, le=65535
+            0.0,
+            help="Standard deviation of the columns' offsets.",
+            unit="DN",
+            averaging="lines",
+            ge=0,
+            le=65535,
+        )
+        sigma_e: float | None = physical(
+            "sigma_dn", help="That of the rows in electrons.", unit="e-", ge=0, le=1e6
+        )
+        column_sigma_e: float | None = physical(
+            "column_sigma_dn", help="That of the columns in electrons.", unit="e-", ge=0, le=1e6
         )
 
     stage: ClassVar[Stage] = "readout"

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.contracts.observed import Captures
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import BRACKET
@@ -22,7 +22,9 @@ class Saturation:
 
     Electrons above the full well are lost once they are counted, so the effect follows the noise: samples
     pile up at the level and their variance goes to zero. From the file's white level on it changes nothing
-    that the file would not cut off itself.
+    that the file would not cut off itself. Of a binned pixel it is the average that is cut off, where a
+    camera cuts off each photosite: close to the level, within the noise, the average comes out too high by a
+    fraction of that noise.
 
     References
     ----------
@@ -37,7 +39,11 @@ class Saturation:
             None,
             help="Level at which pixels are full, pedestal included; the white level by default.",
             unit="DN",
+            with_pedestal=True,
             gt=0,
+        )
+        level_e: float | None = physical(
+            "level_dn", help="Electrons above the pedestal at which pixels are full.", unit="e-", gt=0
         )
 
     stage: ClassVar[Stage] = "pixel"

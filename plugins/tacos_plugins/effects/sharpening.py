@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.blur import gaussian_transfer, kernel_of
 from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
@@ -16,11 +17,15 @@ from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import EDGES
 
+_REACH_SIGMAS = 4.0
+
 
 class Sharpening:
     """Unsharp mask: adds `amount` times the difference between the image and its Gaussian blur.
 
-    Overshoot stands at edges, and the power of noise rises at high frequencies.
+    Overshoot stands at edges, and the power of noise rises at high frequencies. The radius counts photosites:
+    edges of a binned image are overdrawn as much as by sharpening ahead of the binning, while noise that is
+    finer than a binned pixel is not there to be raised.
 
     References
     ----------
@@ -49,12 +54,11 @@ class Sharpening:
 
     @cached_property
     def _kernel(self) -> NDArray[np.float64]:
-        """(K, K) weights that sum to 1, as far as four standard deviations of the blur."""
-        reach = int(np.ceil(4 * self.config.radius_px))
-        bell = np.exp(-(np.arange(-reach, reach + 1) ** 2) / (2 * self.config.radius_px**2))
-        bell /= bell.sum()
-        kernel = -self.config.amount * np.outer(bell, bell)
-        kernel[reach, reach] += 1 + self.config.amount
+        """(K, K) weights that sum to 1."""
+        radius_px = self.config.radius_px
+        bell = kernel_of(gaussian_transfer(radius_px), reach_px=_REACH_SIGMAS * radius_px)
+        kernel = -self.config.amount * bell
+        kernel[len(bell) // 2, len(bell) // 2] += 1 + self.config.amount
         return kernel
 
     def on_array(
