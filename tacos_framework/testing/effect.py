@@ -159,7 +159,7 @@ class EffectConformance(ComponentConformance):
         assert fingerprint(first) == fingerprint(second)
 
     def test_it_leaves_its_input_as_it_was(self) -> None:
-        samples = self.sample()
+        samples = self.sample().copy()
         before = fingerprint(samples)
         self.on_array(samples, self.config)
         assert fingerprint(samples) == before
