@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from tacos_framework.plugins import Plugins
+from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis
-from tacos_gap.procedures.diagnose import candidate_effects
 from tacos_validation.blind.real_cases import real_cases
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "real"
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real captures ar
 @pytest.fixture(scope="module")
 def diagnosed(tmp_path_factory):
     """Diagnoses a case by its name, each once."""
-    effects = candidate_effects(Plugins.discover(), ())
+    effects = candidates(Plugins.discover())
     cases = {case.name: case for case in real_cases(DATA)}
     found: dict[str, Diagnosis] = {}
 
