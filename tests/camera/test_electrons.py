@@ -93,6 +93,10 @@ def test_photon_noise_can_be_scaled_without_touching_the_mean(scale):
     assert read.var() == pytest.approx(400.0 * scale, rel=0.03)
 
 
+def test_what_is_read_is_as_narrow_as_samples_are():
+    assert counted(100.0, size=2, read_noise_e=1.0).dtype == np.float32
+
+
 def test_an_offset_below_zero_is_kept_without_counts():
     assert set(counted(-3.0)) == {-3.0}
 
