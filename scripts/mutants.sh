@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Changes the physics, the fitness and the genetic algorithm a little, one change at a time, and sees which
+# changes no test notices. What is changed and which tests look stands in pyproject.toml, [tool.mutmut].
+#
+#     scripts/mutants.sh        all of it, for MUTANTS_MINUTES at most (default: 60)
+#
+# Works on a copy of the sources, in .mutants/: the working tree stays as it is. mutmut takes a module's name
+# from its path, so that in the copy the packages of plugins/ stand beside tacos_framework.
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+copy="$root/.mutants"
+bin="${VENV:-$root/.venv}/bin"
+
+rm -rf "$copy"
+mkdir "$copy"
+cd "$root"
+cp -r tacos_framework plugins/tacos_* tests recipes catalogs pyproject.toml "$copy"
+cd "$copy"
+timeout --signal=INT "${MUTANTS_MINUTES:-60}m" "$bin/mutmut" run --max-children "$(nproc)" ||
+    [ $? -eq 124 ] # what was seen until then counts
+"$bin/python" "$root/scripts/mutation_score.py"
