@@ -113,6 +113,13 @@ def test_the_photon_transfer_is_affine_with_the_gain_as_its_slope(signal_dn, gai
     assert (at_signal - at_zero) * photosites == pytest.approx(gain * signal_dn, abs=1e-9)
 
 
+def test_variances_keep_double_precision_whatever_they_come_from():
+    signal = np.float32([100.3])
+    assert photon_transfer_variance(signal, 0.3, 4.0)[0] == pytest.approx(
+        0.3 * float(signal[0]) + 1.44, rel=1e-15
+    )
+
+
 def test_the_full_well_fills_the_range_at_0_db():
     assert system_gain(8180, 4095, gain_db=0.0) * 8180 == pytest.approx(4095)
     assert system_gain(8180, 4095, gain_db=6.0) * 8180 == pytest.approx(4095 * 10**0.3)

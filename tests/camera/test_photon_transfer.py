@@ -79,6 +79,7 @@ def test_pixels_that_jump_are_left_out_and_counted():
     frames[::2, 20:140:24, 30:240:20] += 60  # in the middle of all bars but the first
     levels, fit = fitted(frames.astype(np.uint16))
     assert levels.outliers == 5 * 11
+    assert np.average(levels.fixed_dn2, weights=levels.pixels) < 0.2  # nor are their neighbours a pattern
     assert fit.photon_dn == pytest.approx(0.24, rel=0.03)
     assert measure_levels([bars()], white_level_dn=255).outliers == 0
 
@@ -126,8 +127,8 @@ def test_the_share_of_clipped_samples_is_over_all_frames():
 
 
 def test_where_nothing_is_even_there_is_no_level():
-    texture = np.random.default_rng(1).integers(20, 230, (60, 60))
-    levels = measure_levels([np.tile(texture, (4, 1, 1)).astype(np.uint16)], white_level_dn=255)
+    steep = np.tile(4 * np.arange(60), (4, 60, 1))
+    levels = measure_levels([steep.astype(np.uint16)], white_level_dn=255)
     assert len(levels.mean_dn) == 0
 
 
@@ -173,6 +174,18 @@ def test_edges_show_when_the_scene_moves():
     assert measure_levels([still], white_level_dn=255).edge_excess == pytest.approx(1.0, abs=0.05)
     moving = np.stack([np.roll(frame, i, axis=1) for i, frame in enumerate(still)])
     assert measure_levels([moving], white_level_dn=255).edge_excess > 2.0
+
+
+@pytest.mark.parametrize(("brighter_dn", "low", "high"), [(180, 30, 100), (255, 0.9, 1.2)])
+def test_the_edges_alone_show_it_and_only_where_nothing_is_clipped(brighter_dn, low, high):
+    """Noise of 2 everywhere, and five columns about an edge that jump by 60."""
+    frames = np.random.default_rng(1).normal(100, 2, (8, 144, 240))
+    frames[:, :, 120:] += brighter_dn - 100
+    frames[::2, :, 118:123] -= 60
+    if brighter_dn == 255:
+        frames[:, :, 118:] = np.where(np.arange(8)[:, None, None] % 2, 255, 195)
+    levels = measure_levels([np.clip(np.rint(frames), 0, 255).astype(np.uint16)], white_level_dn=255)
+    assert low < levels.edge_excess < high
 
 
 def test_both_greens_of_a_mosaic_count_together():
