@@ -10,13 +10,13 @@ set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 copy="$root/.mutants"
-bin="${VENV:-$root/.venv}/bin"
+bin="$root/.venv/bin"
 
 rm -rf "$copy"
 mkdir "$copy"
 cd "$root"
 cp -r tacos_framework plugins/tacos_* tests recipes catalogs pyproject.toml "$copy"
 cd "$copy"
-timeout --signal=INT "${MUTANTS_MINUTES:-60}m" "$bin/mutmut" run --max-children "$(nproc)" ||
+timeout --signal=INT "${MUTANTS_MINUTES:-60}m" "$bin/mutmut" run ||
     [ $? -eq 124 ] # what was seen until then counts
 "$bin/python" "$root/scripts/mutation_score.py"
