@@ -30,8 +30,9 @@ def main() -> None:
     for module, found in [*counts.items(), ("all", sum(counts.values(), Counter()))]:
         noticed, unnoticed = (sum(found[name] for name in names) for names in (NOTICED, UNNOTICED))
         name = module if module == "all" else f"`{module.replace('.', '/')}.py`"
-        score = f"{100 * noticed / max(noticed + unnoticed, 1):.1f} %"
-        print(f"| {name} | {noticed + unnoticed} | {noticed} | {unnoticed} | {score} |")
+        tried = noticed + unnoticed
+        score = f"{100 * noticed / tried:.1f} %" if tried else ""
+        print(f"| {name} | {tried} | {noticed} | {unnoticed} | {score} |")
     if skipped := sum(found["not checked"] for found in counts.values()):
         print(f"\nTime was up before {skipped} more were tried.")
     print("\nWhat a change was: cd .mutants && ../.venv/bin/mutmut show NAME")
