@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -34,6 +34,7 @@ class Haze:
 
     stage: ClassVar[Stage] = "scene"
     neutral: ClassVar[Mapping[str, Any]] = {"extinction_per_m": 0.0}
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"extinction_per_m": 0.02},)
 
     def __init__(self, config: Config) -> None:
         self.config = config
