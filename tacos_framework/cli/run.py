@@ -6,6 +6,7 @@ import argparse
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,7 +123,7 @@ def _read(arguments: argparse.Namespace) -> tuple[Recipe | ProcedureRecipe, list
 
 
 def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
-    from tacos_framework.settings.yaml_reader import read_yaml
+    from tacos_framework.settings.yaml_reader import read_yaml_draft
 
     sets: dict[str, Any] = {}
     for given in arguments.sets:
@@ -131,9 +132,14 @@ def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
             faults.append(Fault(f"--set {given}", "there is no '='", "--set key=value"))
             continue
         try:
-            sets[key] = read_yaml(value, name=f"--set {key}").data
+            document = read_yaml_draft(value, name=f"--set {key}")
         except UserError as error:
-            faults.extend(error.faults)
+            found = error.faults
+        else:
+            found = document.faults
+        faults.extend(replace(fault, where=f"--set {key}") for fault in found)
+        if not found:
+            sets[key] = document.data
     if arguments.seed is not None:
         sets["seed"] = arguments.seed
     if arguments.executor is not None:
