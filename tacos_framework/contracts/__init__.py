@@ -42,6 +42,7 @@ from tacos_framework.contracts.rig import RigBuilder
 from tacos_framework.contracts.scene import Scene
 from tacos_framework.contracts.sensor import Sensor
 from tacos_framework.contracts.task import Budget, Scorer, Scores, State, Task, Trainable, learns
+from tacos_framework.contracts.transform import Transform
 
 __all__ = [
     "FILE_STAGES",
@@ -68,6 +69,7 @@ __all__ = [
     "State",
     "Task",
     "Trainable",
+    "Transform",
     "acts_after_noise",
     "formation_order",
     "learns",
@@ -80,6 +82,7 @@ PROTOCOLS: Mapping[str, type[Any]] = {
     "renderer": Renderer,
     "effect": Effect,
     "sensor": Sensor,
+    "transform": Transform,
     "task": Task,
     "optimizer": Optimizer,
     "executor": Executor,
@@ -92,6 +95,7 @@ VERBS: Mapping[str, tuple[str, ...]] = {
     "renderer": ("capture",),
     "effect": (),
     "sensor": ("expect", "moments", "draw", "dn_per_electron"),
+    "transform": ("transform",),
     "task": ("begin",),
     "optimizer": ("ask", "tell", "stop", "state", "restore"),
     "executor": ("map", "close"),

@@ -7,6 +7,7 @@ and fit together is the business of `tacos_framework.plan`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -81,15 +82,6 @@ class Between(Settings):
 
     between: tuple[float, float] = setting(help="Lower and upper bound.")
     integer: bool = setting(False, help="Whole numbers only.")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _is_an_entry(cls, raw: Any) -> Any:
-        if not isinstance(raw, dict | Between):
-            raise ValueError(
-                "an entry such as {between: [1, 2]}; a fixed value stands under rig:, or in its node"
-            )
-        return raw
 
 
 class Choose(Settings):
@@ -307,15 +299,9 @@ class Recipe(Settings):
         """What design variables call each effect, ``effects.NAME.setting``."""
         return effect_names([(effect.use, effect.name) for effect in self.effects])
 
-    def mentions(self, path: Sequence[str | int]) -> bool:
-        """Whether a key stands in the recipe's text, be its value at fault."""
-        found: Any = self._document.data if self._document is not None else None
-        for step in path:
-            if isinstance(found, dict) and step in found:
-                found = found[step]
-            else:
-                return False
-        return bool(path)
+    def text_of(self, section: str) -> Any:
+        """A section as the recipe's text has it, be some of it at fault; None for a recipe built in Python."""
+        return self._document.data.get(section) if self._document is not None else None
 
     def without_echoes(self, faults: Sequence[Fault]) -> list[Fault]:
         """Without the faults of values that the text's reader has refused already."""
@@ -419,10 +405,22 @@ def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[A
         return document.where((key, *path))
 
     value, faults, paths = check(annotation, raw, where, key)
+    if key == "design" and isinstance(raw, dict):
+        plain = [len(path) == 1 and not isinstance(raw.get(path[0]), dict) for path in paths]
+        faults = [_no_entry(fault) if is_plain else fault for fault, is_plain in zip(faults, plain, strict=True)]
     if faults and isinstance(raw, dict) and key in ("nodes", "design", "constraints"):
         bad = {path[0] for path in paths if path}
         value, _, _ = check(annotation, {name: item for name, item in raw.items() if name not in bad}, where)
     return value, faults
+
+
+def _no_entry(fault: Fault) -> Fault:
+    """What to do about a design variable that is given a plain value."""
+    return replace(
+        fault,
+        expected="an entry such as {between: [1, 2]} or {choose: [a, b]}",
+        remedy="To fix it, move it under rig:, or among the settings of its node or effect.",
+    )
 
 
 def _draft(sections: dict[str, Any]) -> Recipe:

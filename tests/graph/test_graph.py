@@ -39,7 +39,7 @@ def faults(nodes):
 
 def test_ports_are_read_off_the_verb():
     sensor = signature_of(toy_plugin.ToySensor, "sensor")
-    assert sensor == Signature({"capture": Capture}, FrameBatch, frozenset({"exposure", "rng", "effects"}))
+    assert sensor == Signature({"capture": Capture}, FrameBatch, frozenset({"rig", "exposure"}))
     assert signature_of(toy_plugin.ToyScene, "scene").output is Episode
     assert signature_of(toy_plugin.WidthTask, "task") == Signature(
         {"frames": FrameBatch}, None, frozenset({"state"})
@@ -75,12 +75,12 @@ def test_unknown_nodes_and_ports_name_the_nearest():
 
 def test_cycles_are_shown_as_the_circle_they_are():
     class Loop:
-        def expose(self, frames: FrameBatch) -> FrameBatch: ...
+        def transform(self, frames: FrameBatch) -> FrameBatch: ...
 
-    signature = signature_of(Loop, "sensor")
+    signature = signature_of(Loop, "transform")
     looped = chain(
-        first=Node("first", "sensor", "sensor.loop", signature, {"frames": "second"}),
-        second=Node("second", "sensor", "sensor.loop", signature, {"frames": "first"}),
+        first=Node("first", "transform", "transform.loop", signature, {"frames": "second"}),
+        second=Node("second", "transform", "transform.loop", signature, {"frames": "first"}),
     )
     assert any(
         "in a circle: " in fault and "first" in fault and "second" in fault for fault in faults(looped)
