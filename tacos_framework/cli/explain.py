@@ -133,12 +133,13 @@ def _readers(plan: Plan, variable: str) -> list[str]:
 
 def _described(variable: Mapping[str, Any]) -> str:
     """One design variable in a line, from its `as_data`."""
-    name, unit = variable["name"], variable["unit"]
+    name = variable["name"]
+    unit = f" {variable['unit']}" if variable["unit"] not in ("", "1") else ""
     if variable["kind"] == "catalog":
         return f"{name}: one of {variable['values']} parts of {variable['catalog']}, {variable['scheme']}"
     if variable["kind"] == "categorical":
         return f"{name}: one of {', '.join(map(str, variable['values']))}"
-    return f"{name}: {variable['kind']}, {variable['lower']:g} to {variable['upper']:g} {unit}"
+    return f"{name}: {variable['kind']}, {variable['lower']:g} to {variable['upper']:g}{unit}"
 
 
 def _judged(plan: Plan) -> Iterator[str]:

@@ -43,7 +43,7 @@ def find_space(
     settable.check_values(variables)
     if rig is None:
         return None
-    given = {*fixed, *design, *(findings.recipe.text_of("design") or {})}
+    given = {*fixed, *findings.recipe.keys_of("design")}
     for name, info in rig.cls.Variables.model_fields.items():
         if info.is_required() and name not in given:
             findings.add(

@@ -55,8 +55,7 @@ def find_nodes(findings: Findings) -> tuple[dict[str, Part], Graph | None]:
 
 def _some_left_out(findings: Findings) -> bool:
     """Whether the recipe's text has nodes whose form is at fault, so that wires to them are not."""
-    document = findings.recipe.text_of("nodes")
-    return isinstance(document, dict) and len(document) > len(findings.recipe.nodes)
+    return len(findings.recipe.keys_of("nodes")) > len(findings.recipe.nodes)
 
 
 def _signature(findings: Findings, name: str, cls: type[Any], kind: str) -> Signature | None:

@@ -117,7 +117,7 @@ class Settable:
             known = recipe.effect_names
             form = "effects.NAME.setting, with an effect of the recipe"
         else:
-            parts, known, form = self.nodes, tuple(recipe.text_of("nodes") or recipe.nodes), ""
+            parts, known, form = self.nodes, recipe.keys_of("nodes"), ""
         if target.owner not in known:
             what = f"there is no {target.kind} {target.owner!r}"
             self._fault(variable, what, form, did_you_mean(target.owner, known))

@@ -36,7 +36,8 @@ def effect_names(uses: Sequence[tuple[str, str | None]]) -> tuple[str, ...]:
 def find_effect(effects: Sequence[Any], called: str) -> int | None:
     """The index of the effect called so in a recipe's plain data, by name or index; None if there is none."""
     if called.isdecimal():
-        return int(called) if int(called) < len(effects) else None
+        index = int(called)
+        return index if index < len(effects) and isinstance(effects[index], dict) else None
     entries = [effect if isinstance(effect, dict) else {} for effect in effects]
     given = [effect.get("name") for effect in entries]
     names = effect_names(
@@ -45,4 +46,5 @@ def find_effect(effects: Sequence[Any], called: str) -> int | None:
             for effect, name in zip(entries, given, strict=True)
         ]
     )
-    return names.index(called) if called in names else None
+    index = names.index(called) if called in names else None
+    return index if index is not None and isinstance(effects[index], dict) else None

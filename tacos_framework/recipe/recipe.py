@@ -299,9 +299,10 @@ class Recipe(Settings):
         """What design variables call each effect, ``effects.NAME.setting``."""
         return effect_names([(effect.use, effect.name) for effect in self.effects])
 
-    def text_of(self, section: str) -> Any:
-        """A section as the recipe's text has it, be some of it at fault; None for a recipe built in Python."""
-        return self._document.data.get(section) if self._document is not None else None
+    def keys_of(self, section: str) -> tuple[str, ...]:
+        """The keys of a section, those among them whose values are at fault and so no part of the recipe."""
+        written = self._document.data.get(section) if self._document is not None else None
+        return tuple(written if isinstance(written, dict) else getattr(self, section))
 
     def without_echoes(self, faults: Sequence[Fault]) -> list[Fault]:
         """Without the faults of values that the text's reader has refused already."""
