@@ -52,7 +52,7 @@ def find_space(
                 info.description or "",
                 "Give it under rig: (fixed) or design: (designed).",
             )
-    if len(variables) < len(design) or not variables:
+    if len(variables) < len(findings.recipe.keys_of("design")) or not variables:
         return None
     space = DesignSpace(tuple(variables))
     _check_corners(findings, rig, fixed, space, given)

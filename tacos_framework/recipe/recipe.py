@@ -87,7 +87,7 @@ class Between(Settings):
 class Choose(Settings):
     """One of some values: ``{choose: [a, b]}``."""
 
-    choose: tuple[str | float, ...] = setting(help="The values to choose from.", min_length=1)
+    choose: tuple[str | bool | int | float, ...] = setting(help="The values to choose from.", min_length=1)
 
 
 class FromCatalog(Settings):
