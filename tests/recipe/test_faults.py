@@ -257,8 +257,8 @@ def test_what_yaml_refuses_is_told_among_all_other_faults_and_once(toys):
         "r.yaml:10:43: 1e999 is too large for a number",
         "r.yaml:13:27: frames is 0",
         "r.yaml:13:35: anchor &n is not supported",
-        "r.yaml:14:38: there is no node 'word'",
-        "r.yaml:15:72: .nan is not a number that can be used",
+        "r.yaml:14:37: there is no node 'word'",
+        "r.yaml:15:75: .nan is not a number that can be used",
         "r.yaml:19:43: .NaN is not a number that can be used",
         "r.yaml:20:47: alias *n is not supported",
     ]
