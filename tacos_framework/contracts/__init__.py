@@ -10,6 +10,7 @@ rng                `numpy.random.Generator`, spawned by name from the study's se
 rig                the `Rig` of the candidate
 exposure           the `Exposure` of the scenario
 illumination_lux   illuminance of the scenario [lux]
+memory             a dictionary for what a transform must know of earlier frames of the episode
 state              the state of a trainable task
 budget             how much to train (`Budget`)
 =================  ====================================================================================

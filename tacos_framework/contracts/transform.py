@@ -12,12 +12,12 @@ class Transform(Protocol):
 
     Its ports are those of its `transform`, as the class annotates them: positional parameters are input
     ports, the return annotation is the output port, and any class may be either, also one that a plugin
-    defines. Of the keyword-only parameters ``rig``, ``exposure``, ``rng`` and ``illumination_lux`` it names
-    those it asks for.
+    defines. Of the keyword-only parameters ``rig``, ``exposure``, ``rng``, ``illumination_lux`` and
+    ``memory`` it names those it asks for.
 
-    The frames of an episode come in order, a few at a time, and candidates are evaluated in any order and
-    process. So a transform keeps nothing between calls: each value is made of the inputs alone, and what
-    follows from one frame to the next is for the task behind it.
+    The frames of an episode come in order, one or a few at a time. Candidates are evaluated in any order and
+    process, so the object itself keeps nothing between calls. What it must know of earlier frames it keeps in
+    ``memory``, a dictionary that is empty at the start of each episode and its own.
     """
 
     Config: ClassVar[type[Settings]]

@@ -259,8 +259,8 @@ def test_what_yaml_refuses_is_told_among_all_other_faults_and_once(toys):
         "r.yaml:13:35: anchor &n is not supported",
         "r.yaml:14:37: there is no node 'word'",
         "r.yaml:15:75: .nan is not a number that can be used",
-        "r.yaml:19:43: .NaN is not a number that can be used",
-        "r.yaml:20:47: alias *n is not supported",
+        "r.yaml:19:44: .NaN is not a number that can be used",
+        "r.yaml:20:49: alias *n is not supported",
     ]
 
 
