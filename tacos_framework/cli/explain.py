@@ -72,7 +72,6 @@ def _effects(plan: Plan) -> Iterator[str]:
         if late:
             yield f"  {stage}, after the noise: {', '.join(late)}"
 
-
     for part in plan.effects:
         cameras = "" if part.cameras is None else f", on {', '.join(part.cameras)}"
         yield f"  {part.name}: {part.use}{cameras}"

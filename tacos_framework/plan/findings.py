@@ -60,7 +60,9 @@ class Findings:
         """The ``cameras:`` of an effect; None where it has none, or they are at fault."""
         if raw is None:
             return None
-        names, faults, _ = check(_CAMERAS, raw, lambda b: self.recipe.where((*path, "cameras", *b)), "cameras")
+        names, faults, _ = check(
+            _CAMERAS, raw, lambda b: self.recipe.where((*path, "cameras", *b)), "cameras"
+        )
         self.faults.extend(faults)
         return names
 

@@ -105,7 +105,9 @@ class Settable:
         names = [s.name for s in self.findings.recipe.scenarios if isinstance(s, NamedScenario)]
         if target.owner and target.owner not in names:
             what = f"there is no scenario {target.owner!r}"
-            self._fault(variable, what, "scenario.KEY, or scenario.NAME.KEY", did_you_mean(target.owner, names))
+            self._fault(
+                variable, what, "scenario.KEY, or scenario.NAME.KEY", did_you_mean(target.owner, names)
+            )
             return False
         return True
 

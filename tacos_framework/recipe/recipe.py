@@ -152,8 +152,7 @@ def _count_of_scenarios(raw: Any) -> str:
 
 
 Scenarios = Annotated[
-    Annotated[Scenario, Tag("<one>")]
-    | Annotated[tuple[NamedScenario, ...], Tag("<several>")],
+    Annotated[Scenario, Tag("<one>")] | Annotated[tuple[NamedScenario, ...], Tag("<several>")],
     Discriminator(_count_of_scenarios),
 ]
 """``scenario:``, a mapping or a list of them."""
@@ -408,7 +407,9 @@ def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[A
     value, faults, paths = check(annotation, raw, where, key)
     if key == "design" and isinstance(raw, dict):
         plain = [len(path) == 1 and not isinstance(raw.get(path[0]), dict) for path in paths]
-        faults = [_no_entry(fault) if is_plain else fault for fault, is_plain in zip(faults, plain, strict=True)]
+        faults = [
+            _no_entry(fault) if is_plain else fault for fault, is_plain in zip(faults, plain, strict=True)
+        ]
     if faults and isinstance(raw, dict) and key in ("nodes", "design", "constraints"):
         bad = {path[0] for path in paths if path}
         value, _, _ = check(annotation, {name: item for name, item in raw.items() if name not in bad}, where)

@@ -209,9 +209,7 @@ class _Reader:
             self.loader = yaml.SafeLoader(self.text)
             data = self._stream()
             unread = frozenset(path for path in self.unread if _NOWHERE not in path)
-            return Document(
-                data, self.positions, self.name, faults=tuple(self.faults), unread=unread
-            )
+            return Document(data, self.positions, self.name, faults=tuple(self.faults), unread=unread)
         except yaml.reader.ReaderError as error:
             before = self.text[: error.position]
             position = Position(before.count("\n") + 1, error.position - before.rfind("\n"))

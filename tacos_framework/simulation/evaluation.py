@@ -155,9 +155,7 @@ def joined(parts: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
         name: tuple(episode for part in parts for episode in part.scenario_episodes.get(name, ()))
         for name in dict.fromkeys(name for part in parts for name in part.scenario_episodes)
     }
-    whole = replace(
-        parts[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds
-    )
+    whole = replace(parts[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds)
     try:
         return judged(whole, fitness)
     except CandidateFailed as error:

@@ -47,7 +47,9 @@ class Simulation:
     def initial_states(self) -> dict[str, State]:
         """The states of the trainable tasks before the study."""
         return {
-            name: self.plan.nodes[name].instance.initial_state(rng=generator(self.plan.recipe.seed, "state", name))
+            name: self.plan.nodes[name].instance.initial_state(
+                rng=generator(self.plan.recipe.seed, "state", name)
+            )
             for name in self.plan.trainable
         }
 

@@ -71,7 +71,9 @@ class Trial:
             wanted = self.plan.graph.nodes[scene].signature.supplied
             return component.episode(**{name: supplied[name] for name in supplied if name in wanted})
 
-        whole = self.kept.get((scene, replace(spec, block=(0, 1), scenario=None), lux, content_key(overrides)), make)
+        whole = self.kept.get(
+            (scene, replace(spec, block=(0, 1), scenario=None), lux, content_key(overrides)), make
+        )
         return block_of(whole, *spec.block)
 
     def stream(

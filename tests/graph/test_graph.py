@@ -197,8 +197,11 @@ def test_values_of_a_plugin_that_do_not_fit_are_named():
 
 
 def test_an_unwired_port_offers_what_gives_a_more_special_value():
-    (fault,) = [f for f in faults(chain(found=transform("found", Finder, frames="frames"), judge=judge()))
-                if "judge" in f]
+    (fault,) = [
+        f
+        for f in faults(chain(found=transform("found", Finder, frames="frames"), judge=judge()))
+        if "judge" in f
+    ]
     assert "a node that gives Tracks" in fault
     assert "Add in: {tracks: found}." in fault
 

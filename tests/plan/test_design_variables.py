@@ -112,10 +112,15 @@ def test_all_values_are_tried_and_each_fault_is_told_once(toys):
 
 def test_settings_that_must_be_given_may_be_designed_instead(toys):
     assert make_plan(recipe({}), toys).nodes["mean"].config.gain == 0.5
-    (fault,) = faults_of({"mean.gain": BETWEEN}, toys, nodes={
-        **STEREO["nodes"], "second": {"use": "transform.toy-mean", "in": {"frames": "isp"}},
-        "judge": {"use": "task.toy-level", "in": {"levels": "second"}},
-    })
+    (fault,) = faults_of(
+        {"mean.gain": BETWEEN},
+        toys,
+        nodes={
+            **STEREO["nodes"],
+            "second": {"use": "transform.toy-mean", "in": {"frames": "isp"}},
+            "judge": {"use": "task.toy-level", "in": {"levels": "second"}},
+        },
+    )
     assert "recipe.nodes.second.gain: 'gain' is missing" in fault
 
 
@@ -123,12 +128,18 @@ def test_settings_that_must_be_given_may_be_designed_instead(toys):
     ("sections", "message"),
     [
         ({"effects": [{"use": "effect.toy-dim", "cameras": ["lft"]}]}, "Did you mean 'left'?"),
-        ({"effects": [{"use": "effect.toy-dim", "cameras": ["lft"]}]}, "recipe.effects.0.cameras.0: rig.ster"),
+        (
+            {"effects": [{"use": "effect.toy-dim", "cameras": ["lft"]}]},
+            "recipe.effects.0.cameras.0: rig.ster",
+        ),
         (
             {"nodes": {"dim": {**STEREO["nodes"]["dim"], "cameras": ["up"]}}},
             "recipe.nodes.dim.cameras.0: rig.stereo has no camera 'up'",
         ),
-        ({"nodes": {"dim": {**STEREO["nodes"]["dim"], "cameras": []}}}, "recipe.nodes.dim.cameras: cameras is []"),
+        (
+            {"nodes": {"dim": {**STEREO["nodes"]["dim"], "cameras": []}}},
+            "recipe.nodes.dim.cameras: cameras is []",
+        ),
         ({"nodes": {"dim": {**STEREO["nodes"]["dim"], "cameras": "up"}}}, 'cameras is "up"'),
         ({"nodes": {"frames": {"use": "sensor.toy", "cameras": ["left"]}}}, "unknown key 'cameras'"),
         (
@@ -137,7 +148,10 @@ def test_settings_that_must_be_given_may_be_designed_instead(toys):
         ),
         ({"scenario": []}, "recipe.scenario: the list of scenarios is empty"),
         ({"scenario": [{"name": "a"}, {"name": "a"}]}, "recipe.scenario.1: two scenarios are called 'a'"),
-        ({"nodes": {"effects": {"use": "scene.toy"}}}, "a node is called 'effects', which under design: means"),
+        (
+            {"nodes": {"effects": {"use": "scene.toy"}}},
+            "a node is called 'effects', which under design: means",
+        ),
         ({"nodes": {"scenario": {"use": "scene.toy"}}}, "expected: another name"),
         ({"nodes": {"odd": {"use": "thing.odd"}}}, "no component 'thing.odd' is installed"),
     ],

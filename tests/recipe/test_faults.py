@@ -273,7 +273,9 @@ def test_a_node_or_variable_at_fault_brings_no_faults_of_what_leads_to_it(toys):
 
 def test_a_design_variable_that_is_a_plain_value_says_how_to_fix_it(toys):
     (fault,) = faults_of(RIGHT.replace("pitch_deg: {between: [-30, 30]}", "pitch_deg: 5"), toys)
-    assert fault.startswith("r.yaml:6:3: design.pitch_deg is 5\n  expected: an entry such as {between: [1, 2]}")
+    assert fault.startswith(
+        "r.yaml:6:3: design.pitch_deg is 5\n  expected: an entry such as {between: [1, 2]}"
+    )
     assert "move it under rig:" in fault
 
 
@@ -293,7 +295,7 @@ def test_a_procedure_s_recipe_tells_all_its_faults_too():
     with pytest.raises(UserError) as caught:
         plan_procedure(recipe, plugins, faults)
     found = [str(fault).splitlines()[0] for fault in caught.value.faults]
-    assert '--set name: name is 3' in found
+    assert "--set name: name is 3" in found
     assert "p.yaml:3:7: .nan is not a number that can be used" in found
     assert "p.yaml:5:44: .inf is not a number that can be used" in found
     assert "p.yaml:4:1: unknown key 'foo'" in found

@@ -127,7 +127,10 @@ def test_the_last_variable_cannot_be_fixed(tmp_path, toys):
         ({"scenario": []}, "--set scenario: the list of scenarios is empty"),
         ({"foo.bar": 1}, "--set foo.bar: unknown key 'foo'"),
         ({"test": {"seed": -1}}, "--set test: test.seed is -1"),
-        ({"study.race": {}, "study.race.min_blocks": 1}, "--set study.race.min_blocks: study.race.min_blocks"),
+        (
+            {"study.race": {}, "study.race.min_blocks": 1},
+            "--set study.race.min_blocks: study.race.min_blocks",
+        ),
         ({"study.race.min_blocks": 1, "study.race": 3}, "--set study.race: study.race is 3"),
     ],
 )
@@ -166,7 +169,15 @@ KEYS = st.lists(
 VALUES = st.sampled_from(
     ["", "1", "-1", "1e999", ".nan", "x", "[", "[]", "{}", "[1, 2]", "{between: [1, 2]}", "{choose: []}"]
     + ["{use: scene.toy}", "{use: task.toy-width, in: {frames: world}}", "true", "~", "{from: image_sensors}"]
-    + ["{choose: [a, 1, true]}", "{between: [.inf, 1]}", "'\\0'", '"\\uD800"', "!!x 1", "{a: 1, a: 2}", "9" * 45]
+    + [
+        "{choose: [a, 1, true]}",
+        "{between: [.inf, 1]}",
+        "'\\0'",
+        '"\\uD800"',
+        "!!x 1",
+        "{a: 1, a: 2}",
+        "9" * 45,
+    ]
     + ["[{name: a, weight: 0}]", "{use: procedure.diagnose}", "{use: ''}", "procedure.simulate-captures"]
 )
 
@@ -183,9 +194,7 @@ VALUES = st.sampled_from(
 def test_no_option_ends_in_a_traceback(file, toys, sets):
     from tacos_framework.cli import run as command
 
-    arguments = command.parser().parse_args(
-        [str(file), *(f"--set={key}={value}" for key, value in sets)]
-    )
+    arguments = command.parser().parse_args([str(file), *(f"--set={key}={value}" for key, value in sets)])
     try:
         recipe, faults = command._read(arguments)
         planned = command._plan_study if hasattr(recipe, "nodes") else command._plan_procedure

@@ -15,7 +15,9 @@ from tacos_framework.study.racing import contributions
 DAY, NIGHT = {"name": "day", "weight": 1}, {"name": "night", "weight": 3, "illumination_lux": 2}
 BOTH = {"scenario": [DAY, NIGHT], "fitness": [{"score": "width.brightness", "weight": 2}]}
 VALUES = {"focal_length_mm": 1.0, "pitch_deg": 0.0}
-FITNESS = {over: Fitness((Term("a", 2.0),), (("day", 1.0), ("night", 3.0)), over) for over in ("mean", "worst")}
+FITNESS = {
+    over: Fitness((Term("a", 2.0),), (("day", 1.0), ("night", 3.0)), over) for over in ("mean", "worst")
+}
 
 
 def scored(toys, recipe, values=VALUES, episodes=(EpisodeSpec(3, ("design", 0, 0)),)):
@@ -79,7 +81,9 @@ VARIANTS = {
     "races": {"study": {"race": {}, "episodes": 2, "blocks": 3}, "optimizer": {"population": 10}},
     "worst race": {"study": {"race": {}, "blocks": 6, "scenarios": "worst"}},
     "shared weights": merged(LEARNER, {"study": {"train_best": 1}}),
-    "branched weights": merged(LEARNER, {"nodes": {"learner": {"train": {"weights": "branched", "epochs": 2}}}}),
+    "branched weights": merged(
+        LEARNER, {"nodes": {"learner": {"train": {"weights": "branched", "epochs": 2}}}}
+    ),
     "compared": {"compare": {"cameras": ["flea3"], "evaluations": 3}, "rig": {"binning": 200}},
 }
 

@@ -63,8 +63,6 @@ class WantsFour(Doubling):
         return toy_plugin.Levels(frames.episode, (float(frames.images[0][3].mean()),), ())
 
 
-
-
 @pytest.mark.parametrize(
     ("component", "test"),
     [

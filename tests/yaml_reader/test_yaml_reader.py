@@ -244,7 +244,11 @@ def test_a_draft_holds_what_can_be_read_and_says_what_cannot() -> None:
     document = read_yaml_draft("a: [1, .nan]\nb: {c: *x, c: 2}\nd: 3\n", name="recipe.yaml")
     assert document.data == {"a": [1, None], "b": {"c": None}, "d": 3}
     assert document.unread == {("a", 1), ("b", "c")}
-    assert [fault.where for fault in document.faults] == ["recipe.yaml:1:8", "recipe.yaml:2:8", "recipe.yaml:2:12"]
+    assert [fault.where for fault in document.faults] == [
+        "recipe.yaml:1:8",
+        "recipe.yaml:2:8",
+        "recipe.yaml:2:12",
+    ]
     echo = Fault(document.where(("a", 1)), "a.1 is null")
     other = Fault(document.where(("d",)), "d is 3")
     assert document.without_echoes([*document.faults, echo, other]) == [*document.faults, other]
