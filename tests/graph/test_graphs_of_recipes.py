@@ -1,4 +1,4 @@
-"""Graphs that recipes may ask for: an ISP designed with the lens, branches from one renderer, day and night."""
+"""Graphs that recipes may ask for: an ISP designed with the lens, branches of one renderer, day and night."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ BASE = {
     "optimizer": {"use": "optimizer.random", "evaluations": 3, "batch": 3},
     "study": {"renew_episodes": "never"},
 }
+NOISY = {"nodes": {"raw": {"use": "sensor.toy", "sigma_dn": 4}}}
 ISP = {
     "design": {"tone.gamma": {"between": [1, 3]}, "clean.strength": {"between": [0, 1.5]}},
     "nodes": {
@@ -78,15 +79,15 @@ def evaluated(toys, changes, **values):
 
 
 def test_an_isp_is_designed_beside_the_lens(toys, tmp_path):
-    result = run(recipe(ISP), toys, tmp_path / "out")
+    result = run(recipe(NOISY, ISP), toys, tmp_path / "out")
     assert set(result["best"]["camera"]) == {"focal_length_mm", "tone.gamma", "clean.strength"}
     assert {"clean", "tone"} < set(result["seconds_by_node"])
     flat = {"clean.strength": 0.0}
-    off, dark = (evaluated(toys, [ISP], **{"tone.gamma": gamma, **flat}) for gamma in (1.0, 3.0))
+    off, dark = (evaluated(toys, [NOISY, ISP], **{"tone.gamma": gamma, **flat}) for gamma in (1.0, 3.0))
     assert dark.scores["width.brightness"] < 0.99 * off.scores["width.brightness"]
-    plain = evaluated(toys, [])
+    plain = evaluated(toys, [NOISY])
     assert off.scores == plain.scores  # an ISP that is off is none
-    clean = evaluated(toys, [ISP], **{"tone.gamma": 1.0, "clean.strength": 1.5})
+    clean = evaluated(toys, [NOISY, ISP], **{"tone.gamma": 1.0, "clean.strength": 1.5})
     assert clean.scores != plain.scores
 
 
