@@ -81,7 +81,7 @@ def run(
 
 
 def _run_procedure(
-    procedure_recipe: ProcedureRecipe | ProcedurePlan,
+    given: ProcedureRecipe | ProcedurePlan,
     out: Path,
     plugins: Plugins,
     executor: Executor | None,
@@ -89,8 +89,7 @@ def _run_procedure(
     progress: Progress,
     command: str,
 ) -> dict[str, Any]:
-    planned = isinstance(procedure_recipe, ProcedurePlan)
-    plan = procedure_recipe if planned else plan_procedure(procedure_recipe, plugins)
+    plan = given if isinstance(given, ProcedurePlan) else plan_procedure(given, plugins)
     recipe = plan.recipe
     if resume and "resume" not in plan.asks_for:
         raise UserError(

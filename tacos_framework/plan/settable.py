@@ -1,4 +1,4 @@
-"""What the design variables of a recipe set: whether there is such a setting, and whether it takes the values."""
+"""What the design variables of a recipe set: whether there is such a setting, and takes the values."""
 
 from __future__ import annotations
 
@@ -35,22 +35,21 @@ class Settable:
     def unit(self, variable: str) -> str | None:
         """Unit of a design variable; None, and a fault, when there is no such variable."""
         target = self.target(variable)
-        match target.kind:
-            case "rig" if self.rig is None:
+        if target.kind == "rig":
+            if self.rig is None:
                 return "1"
-            case "rig":
-                fields, owner = self.rig.cls.Variables.model_fields, self.rig.use
-            case "scenario":
-                fields, owner = Scenario.model_fields, "scenario"
-                if not self._is_scenario(variable, target):
-                    return None
-            case _:
-                part = self._part(variable, target)
-                if part is None:
-                    return None
-                if part == "faulty":
-                    return "1"
-                fields, owner = part.cls.Config.model_fields, part.use
+            fields, owner = self.rig.cls.Variables.model_fields, self.rig.use
+        elif target.kind == "scenario":
+            if not self._is_scenario(variable, target):
+                return None
+            fields, owner = Scenario.model_fields, "scenario"
+        else:
+            if not self._is_part(variable, target):
+                return None
+            part = self._part(target)
+            if part is None:
+                return "1"  # it is at fault already
+            fields, owner = part.cls.Config.model_fields, part.use
         if target.setting not in fields:
             what = f"{owner} has no variable {target.setting!r}"
             self._fault(variable, what, "", did_you_mean(target.setting, fields))
@@ -59,7 +58,7 @@ class Settable:
         return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
 
     def check_values(self, variables: Sequence[Variable]) -> None:
-        """Try the ends of each variable, or all it may choose, on what it sets; the rig is tried elsewhere."""
+        """Try the ends of each variable, or all it may choose, on what it sets; not on the rig."""
         targets = {variable.name: self.target(variable.name) for variable in variables}
         first: dict[Target, str] = {}
         for name, target in targets.items():
@@ -98,41 +97,39 @@ class Settable:
                 for scenario in scenarios
                 if target.owner in ("", getattr(scenario, "name", ""))
             ]
-        part = {"node": self.nodes, "effect": self.effects}.get(target.kind, {}).get(target.owner)
+        part = self._part(target)
         return [] if part is None else [(part.cls.Config, part.config.model_dump(mode="json", by_alias=True))]
 
-    def _is_scenario(self, variable: str, target: Target) -> bool:
-        names = [s.name for s in self.findings.recipe.scenarios if isinstance(s, NamedScenario)]
-        if target.owner and target.owner not in names:
-            what = f"there is no scenario {target.owner!r}"
-            self._fault(
-                variable, what, "scenario.KEY, or scenario.NAME.KEY", did_you_mean(target.owner, names)
-            )
-            return False
-        return True
+    def _part(self, target: Target) -> Part | None:
+        """The component a target belongs to; None where it is at fault, or none."""
+        parts: Mapping[str, Mapping[str, Part]] = {"node": self.nodes, "effect": self.effects}
+        return parts.get(target.kind, {}).get(target.owner)
 
-    def _part(self, variable: str, target: Target) -> Part | str | None:
-        """The component a target belongs to; ``"faulty"`` for one that is at fault already."""
+    def _is_scenario(self, variable: str, target: Target) -> bool:
+        """Whether there is such a scenario."""
+        names = [s.name for s in self.findings.recipe.scenarios if isinstance(s, NamedScenario)]
+        known = target.owner in ("", *names)
+        if not known:
+            what, expected = f"there is no scenario {target.owner!r}", "scenario.KEY, or scenario.NAME.KEY"
+            self._fault(variable, what, expected, did_you_mean(target.owner, names))
+        return known
+
+    def _is_part(self, variable: str, target: Target) -> bool:
+        """Whether there is such a node or effect, and for one camera where the variable is of one."""
         recipe = self.findings.recipe
+        known, expected = recipe.keys_of("nodes"), ""
         if target.kind == "effect":
-            parts: Mapping[str, Part] = self.effects
-            known = recipe.effect_names
-            form = "effects.NAME.setting, with an effect of the recipe"
-        else:
-            parts, known, form = self.nodes, recipe.keys_of("nodes"), ""
+            known, expected = recipe.effect_names, "effects.NAME.setting, with an effect of the recipe"
         if target.owner not in known:
             what = f"there is no {target.kind} {target.owner!r}"
-            self._fault(variable, what, form, did_you_mean(target.owner, known))
-            return None
-        part = parts.get(target.owner)
-        if part is None:
-            return "faulty"
-        if target.camera is not None and part.use.partition(".")[0] not in _OF_ONE_CAMERA:
-            what = f"{part.use} has no settings for one camera, {target.camera!r}"
-            remedy = f"Call it {target.owner}.{target.setting}."
-            self._fault(variable, what, "an effect or a sensor", remedy)
-            return None
-        return part
+            self._fault(variable, what, expected, did_you_mean(target.owner, known))
+            return False
+        part = self._part(target)
+        if part is None or target.camera is None or part.use.partition(".")[0] in _OF_ONE_CAMERA:
+            return True
+        what = f"{part.use} has no settings for one camera, {target.camera!r}"
+        self._fault(variable, what, "an effect or a sensor", f"Call it {target.owner}.{target.setting}.")
+        return False
 
     def _fault(self, variable: str, what: str, expected: str = "", remedy: str = "") -> None:
         self.findings.add(("design", variable), what, expected, remedy)

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def effect_names(uses: Sequence[tuple[str, str | None]]) -> tuple[str, ...]:
-    """A name for each effect: that it was given, or its component's without the kind, counted where it repeats.
+    """A name for each effect: that it was given, or its component's without the kind, counted if it repeats.
 
     Parameters
     ----------
@@ -35,9 +35,6 @@ def effect_names(uses: Sequence[tuple[str, str | None]]) -> tuple[str, ...]:
 
 def find_effect(effects: Sequence[Any], called: str) -> int | None:
     """The index of the effect called so in a recipe's plain data, by name or index; None if there is none."""
-    if called.isdecimal():
-        index = int(called)
-        return index if index < len(effects) and isinstance(effects[index], dict) else None
     entries = [effect if isinstance(effect, dict) else {} for effect in effects]
     given = [effect.get("name") for effect in entries]
     names = effect_names(
@@ -46,5 +43,6 @@ def find_effect(effects: Sequence[Any], called: str) -> int | None:
             for effect, name in zip(entries, given, strict=True)
         ]
     )
-    index = names.index(called) if called in names else None
-    return index if index is not None and isinstance(effects[index], dict) else None
+    known = {name: i for i, name in enumerate(names)}
+    index = int(called) if called.isdecimal() else known.get(called, len(effects))
+    return index if index < len(effects) and isinstance(effects[index], dict) else None

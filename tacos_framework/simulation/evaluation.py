@@ -96,7 +96,7 @@ def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
 
 
 def _judged_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
-    """Scores are weighted means over the scenarios; fitness and terms are such means, or those of the worst."""
+    """Scores are weighted means over the scenarios; fitness and terms too, or they are those of the worst."""
     columns = {
         name: tuple(_with_fitness(episode, fitness) for episode in episodes)
         for name, episodes in evaluation.scenario_episodes.items()

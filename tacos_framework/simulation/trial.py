@@ -98,7 +98,7 @@ class Trial:
         return EpisodeDraws(spec.seed, (*spec.name, *(() if common else (self.key,))))
 
     def output(self, node: Node, inputs: Mapping[str, Any], draws: EpisodeDraws, first_frame: int) -> Any:
-        """What a node that is neither scene nor task makes of its inputs, from that frame of the episode on."""
+        """What a node that is neither scene nor task makes of its inputs, which begin at a frame."""
         component = self.components[node.name]
         if node.kind == "sensor":
             (capture,) = inputs.values()

@@ -218,7 +218,7 @@ def test_a_verb_that_does_not_say_what_it_gives_is_no_node():
     class Silent:
         def transform(self, frames: FrameBatch): ...
 
-    with pytest.raises(TypeError, match="Silent.transform is not annotated with what it returns"):
+    with pytest.raises(TypeError, match=r"Silent\.transform is not annotated with what it returns"):
         signature_of(Silent, "transform")
 
 

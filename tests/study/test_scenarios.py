@@ -20,8 +20,8 @@ FITNESS = {
 }
 
 
-def scored(toys, recipe, values=VALUES, episodes=(EpisodeSpec(3, ("design", 0, 0)),)):
-    return Evaluator(recipe, toys)(ScoreJob(values, episodes))
+def scored(toys, recipe):
+    return Evaluator(recipe, toys)(ScoreJob(VALUES, (EpisodeSpec(3, ("design", 0, 0)),)))
 
 
 def alone(scenario):

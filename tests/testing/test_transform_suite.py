@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from tacos_framework.values import FrameBatch
 
 class TestMean(TransformConformance):
     component = toy_plugin.Mean
-    config = {"gain": 1.0}
+    config: ClassVar[Mapping[str, Any]] = {"gain": 1.0}
 
 
 class Doubling:
