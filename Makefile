@@ -6,7 +6,7 @@ one_thread := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 packages := tacos_framework plugins
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-demo demo test lint format docs slow clean
+.PHONY: help setup setup-demo demo test lint format docs slow mutants clean
 
 help: ## Say what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /make \1\t/' | expand -t 14
@@ -38,6 +38,10 @@ docs: setup ## Write the generated pages of docs/reference, and the code that ot
 slow: setup ## Run the slow tests (minutes each)
 	$(bin)/pytest -m slow tests
 
+mutants: ## See which small changes of the physics no test notices (a quarter of an hour)
+	@scripts/set_up.sh mutants
+	$(one_thread) scripts/mutants.sh
+
 clean: ## Remove the virtual environment and all that tools left behind, but no runs
-	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache dist
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .mutants dist
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -3,6 +3,7 @@
 #
 #     scripts/set_up.sh         the package and what it needs to run
 #     scripts/set_up.sh dev     and what its tests and checks need
+#     scripts/set_up.sh EXTRA   and an extra of pyproject.toml
 #
 # Makes the virtual environment .venv with the package installed editable, and sees to it that OpenGL works
 # without a display. What belongs to the system (python3-venv, Mesa) comes from apt-get where rights allow;

@@ -12,7 +12,18 @@ from typing import Any
 CONTRACT_VERSION = 1
 """Grows when a plugin written for the older number would no longer work."""
 
-KINDS = ("scene", "rig", "renderer", "effect", "sensor", "task", "optimizer", "executor", "procedure")
+KINDS = (
+    "scene",
+    "rig",
+    "renderer",
+    "effect",
+    "sensor",
+    "transform",
+    "task",
+    "optimizer",
+    "executor",
+    "procedure",
+)
 """The kinds of component; `tacos_framework.contracts` has one Protocol for each."""
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")

@@ -6,6 +6,7 @@ import math
 import statistics
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from tacos_framework.contracts import Scores
 from tacos_framework.errors import CandidateFailed
@@ -39,6 +40,10 @@ class Fitness:
     ----------
     terms_of
         The terms, each of another score.
+    scenarios
+        Name and weight of each scenario, where there are several.
+    over
+        Whether the weighted mean of the scenarios counts, or the worst of them.
 
     Examples
     --------
@@ -48,6 +53,8 @@ class Fitness:
     """
 
     terms_of: tuple[Term, ...]
+    scenarios: tuple[tuple[str, float], ...] = ()
+    over: Literal["mean", "worst"] = "mean"
 
     def __post_init__(self) -> None:
         names = [term.score for term in self.terms_of]
@@ -77,6 +84,36 @@ class Fitness:
                 f"scores that were reported: {', '.join(sorted(scores)) or 'none'}"
             )
         return {term.score: term.weight * _finite(term.score, scores[term.score]) for term in self.terms_of}
+
+    def weights(self, by_scenario: Mapping[str, Scores]) -> dict[str, float]:
+        """What the fitness of each scenario counts: their sum is 1, or the worst scenario's is.
+
+        Parameters
+        ----------
+        by_scenario
+            Scores of each scenario, all that the fitness takes among them.
+
+        Raises
+        ------
+        CandidateFailed
+            When a score is missing in a scenario.
+        """
+        values = {}
+        for name, scores in by_scenario.items():
+            try:
+                values[name] = self.value(scores)
+            except CandidateFailed as error:
+                raise CandidateFailed(f"in scenario {name!r}: {error}") from error
+        if self.over == "worst":
+            worst = min(values, key=lambda name: values[name])
+            return {name: float(name == worst) for name in values}
+        return self.mean_weights
+
+    @property
+    def mean_weights(self) -> dict[str, float]:
+        """The weights of the scenarios in a mean over them; their sum is 1."""
+        total = math.fsum(weight for _, weight in self.scenarios)
+        return {name: weight / total for name, weight in self.scenarios}
 
 
 @dataclass(frozen=True)
@@ -128,6 +165,18 @@ def mean_scores(episodes: Iterable[Scores]) -> dict[str, float]:
         for name, value in scores.items():
             columns.setdefault(name, []).append(_finite(name, value))
     return {name: math.fsum(values) / len(values) for name, values in columns.items()}
+
+
+def weighted_mean(by_scenario: Mapping[str, Scores], weights: Mapping[str, float]) -> dict[str, float]:
+    """For each score its weighted mean over the scenarios that report it and count."""
+    names = dict.fromkeys(name for scenario in weights for name in by_scenario[scenario])
+    means = {}
+    for name in names:
+        told = {s: by_scenario[s][name] for s in weights if name in by_scenario[s] and weights[s] > 0}
+        if told:
+            total = math.fsum(weights[s] for s in told)
+            means[name] = math.fsum(weights[s] * value for s, value in told.items()) / total
+    return means
 
 
 def _finite(name: str, value: float) -> float:

@@ -12,7 +12,8 @@ from tacos_framework import __version__
 from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.plan.procedure import plan_procedure
+from tacos_framework.plan import Plan
+from tacos_framework.plan.procedure import ProcedurePlan, plan_procedure
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
@@ -22,7 +23,7 @@ from tacos_framework.study.progress import Progress, Silent
 
 
 def run(
-    recipe: Recipe | ProcedureRecipe,
+    recipe: Recipe | ProcedureRecipe | Plan | ProcedurePlan,
     *,
     out: str | Path,
     plugins: Plugins | None = None,
@@ -37,7 +38,8 @@ def run(
     Parameters
     ----------
     recipe
-        What to do: a study or a procedure, from `load_recipe` or built in Python.
+        What to do: a study or a procedure, from `load_recipe` or built in Python; or its plan, where it was
+        checked already.
     out
         The results folder: new or empty, or with `resume` that of a run to go on with.
     plugins
@@ -64,7 +66,7 @@ def run(
     """
     plugins = plugins or Plugins.discover()
     progress = progress or Silent()
-    if isinstance(recipe, ProcedureRecipe):
+    if isinstance(recipe, ProcedureRecipe | ProcedurePlan):
         return _run_procedure(recipe, Path(out), plugins, executor, resume, progress, command)
     return run_study(
         recipe,
@@ -79,7 +81,7 @@ def run(
 
 
 def _run_procedure(
-    recipe: ProcedureRecipe,
+    given: ProcedureRecipe | ProcedurePlan,
     out: Path,
     plugins: Plugins,
     executor: Executor | None,
@@ -87,7 +89,8 @@ def _run_procedure(
     progress: Progress,
     command: str,
 ) -> dict[str, Any]:
-    plan = plan_procedure(recipe, plugins)
+    plan = given if isinstance(given, ProcedurePlan) else plan_procedure(given, plugins)
+    recipe = plan.recipe
     if resume and "resume" not in plan.asks_for:
         raise UserError(
             Fault("--resume", f"{recipe.use} cannot go on with a broken run", "", "Start it anew.")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -34,6 +35,9 @@ _KINDS = {
     "task.toy-learner": "Learner",
     "effect.toy-dim": "Dim",
     "effect.toy-offset": "Offset",
+    "effect.toy-invert": "Invert",
+    "transform.toy-mean": "Mean",
+    "task.toy-level": "Level",
 }
 
 
@@ -222,3 +226,81 @@ class Offset:
 
     def on_array(self, samples, *, geometry, context, rng):
         return samples + self.config.offset_dn if self.config.offset_dn else samples
+
+
+class Invert:
+    """Makes bright what is dark, by a share."""
+
+    class Config(Settings):
+        share: float = setting(0.0, help="Share of the negative.", ge=0, le=1)
+        steps: int = setting(1, help="Steps of the result.", unit="DN", ge=1, le=64)
+        mode: Literal["all", "red"] = setting("all", help="Which channels.")
+
+    stage = "isp"
+    neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
+
+    def __init__(self, config: Config):
+        self.config = config
+
+    def on_array(self, samples, *, geometry, context, rng):
+        share = samples.dtype.type(self.config.share)
+        return samples * (1 - share) + (255 - samples) * share if share else samples
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Mean of each frame of the first and the last camera: a value that only the toys know."""
+
+    episode: Episode
+    first_dn: tuple[float, ...]
+    last_dn: tuple[float, ...]
+
+
+class Mean:
+    """What is left of frames is their mean."""
+
+    class Config(Settings):
+        gain: float = setting(help="Factor on the mean.", ge=0, le=10)
+
+    built: ClassVar[int] = 0
+
+    def __init__(self, config: Config):
+        self.config = config
+        Mean.built += 1
+
+    def transform(self, frames: FrameBatch, *, exposure: Exposure, memory: dict[str, Any]) -> Levels:
+        assert exposure.time_s > 0
+        memory["frames"] = memory.get("frames", 0) + len(frames.episode)
+        first, last = (
+            tuple(self.config.gain * float(image.mean()) for image in frames.images[camera])
+            for camera in (0, -1)
+        )
+        return Levels(frames.episode, first, last)
+
+
+class Level:
+    """Reports how bright the frames are, as a transform tells it."""
+
+    class Config(Settings):
+        pass
+
+    scores: ClassVar[tuple[str, ...]] = ("first", "last")
+
+    def __init__(self, config: Config):
+        pass
+
+    def begin(self, *, state: State | None) -> LevelScorer:
+        return LevelScorer()
+
+
+class LevelScorer:
+    def __init__(self) -> None:
+        self._first: list[float] = []
+        self._last: list[float] = []
+
+    def update(self, levels: Levels) -> None:
+        self._first.extend(levels.first_dn)
+        self._last.extend(levels.last_dn)
+
+    def scores(self) -> Scores:
+        return {"first": float(np.mean(self._first)), "last": float(np.mean(self._last))}

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import tacos_framework
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
+from tacos_framework.runner import run as run_recipe
 
 LEARNER: Mapping[str, Any] = {
     "nodes": {
@@ -83,7 +83,7 @@ def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
 
 def run(recipe: Recipe, toys: Plugins, out: Path, **options: Any) -> dict[str, Any]:
     """Run a recipe without its report."""
-    return tacos_framework.run(recipe, out=out, plugins=toys, report=False, **options)
+    return run_recipe(recipe, out=out, plugins=toys, report=False, **options)
 
 
 def comparable(result: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import argparse
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,8 @@ from tacos_framework.cli.exits import DONE, INTERRUPTED, exit_status
 from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
+    from tacos_framework.plan import Plan
+    from tacos_framework.plan.procedure import ProcedurePlan
     from tacos_framework.plugins import Plugins
     from tacos_framework.recipe import Recipe
     from tacos_framework.recipe.procedure import ProcedureRecipe
@@ -71,8 +74,8 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
     recipe, faults = _read(arguments)
     if arguments.resume and arguments.out is None:
         faults.append(Fault("--resume", "which run is not said", "", "Name its folder with --out."))
-    explained = _explain_study if isinstance(recipe, Recipe) else _explain_procedure
-    explanation = explained(recipe, plugins, faults)
+    planned = _plan_study if isinstance(recipe, Recipe) else _plan_procedure
+    plan, explanation = planned(recipe, plugins, faults)
     if arguments.explain:
         print(explanation())
     if arguments.check:
@@ -87,28 +90,30 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
     with progress_for(quiet=arguments.quiet) as progress:
         result = run(
-            recipe, out=out, plugins=plugins, resume=arguments.resume, progress=progress, command=command
+            plan, out=out, plugins=plugins, resume=arguments.resume, progress=progress, command=command
         )
     print(summary(result, out))
     return INTERRUPTED if result.get("stopped") == BROKEN_OFF else DONE
 
 
-def _explain_study(recipe: Any, plugins: Plugins, faults: list[Fault]) -> Callable[[], str]:
-    """Check a study's recipe; returns what explains it."""
+def _plan_study(recipe: Any, plugins: Plugins, faults: list[Fault]) -> tuple[Plan, Callable[[], str]]:
+    """Check a study's recipe; returns its plan, and what explains it."""
     from tacos_framework.cli.explain import explain
     from tacos_framework.plan import make_plan
 
     plan = make_plan(recipe, plugins, faults)
-    return lambda: explain(plan)
+    return plan, lambda: explain(plan)
 
 
-def _explain_procedure(recipe: Any, plugins: Plugins, faults: list[Fault]) -> Callable[[], str]:
-    """Check a procedure's recipe; returns what explains it."""
+def _plan_procedure(
+    recipe: Any, plugins: Plugins, faults: list[Fault]
+) -> tuple[ProcedurePlan, Callable[[], str]]:
+    """Check a procedure's recipe; returns its plan, and what explains it."""
     from tacos_framework.cli.explain import explain_procedure
     from tacos_framework.plan.procedure import plan_procedure
 
     plan = plan_procedure(recipe, plugins, faults)
-    return lambda: explain_procedure(plan)
+    return plan, lambda: explain_procedure(plan)
 
 
 def _read(arguments: argparse.Namespace) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
@@ -122,7 +127,7 @@ def _read(arguments: argparse.Namespace) -> tuple[Recipe | ProcedureRecipe, list
 
 
 def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
-    from tacos_framework.settings.yaml_reader import read_yaml
+    from tacos_framework.settings.yaml_reader import read_yaml_draft
 
     sets: dict[str, Any] = {}
     for given in arguments.sets:
@@ -131,9 +136,14 @@ def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
             faults.append(Fault(f"--set {given}", "there is no '='", "--set key=value"))
             continue
         try:
-            sets[key] = read_yaml(value, name=f"--set {key}").data
+            document = read_yaml_draft(value, name=f"--set {key}")
         except UserError as error:
-            faults.extend(error.faults)
+            found = error.faults
+        else:
+            found = document.faults
+        faults.extend(replace(fault, where=f"--set {key}") for fault in found)
+        if not found:
+            sets[key] = document.data
     if arguments.seed is not None:
         sets["seed"] = arguments.seed
     if arguments.executor is not None:

@@ -10,6 +10,7 @@ rng                `numpy.random.Generator`, spawned by name from the study's se
 rig                the `Rig` of the candidate
 exposure           the `Exposure` of the scenario
 illumination_lux   illuminance of the scenario [lux]
+memory             a dictionary for what a transform must know of earlier frames of the episode
 state              the state of a trainable task
 budget             how much to train (`Budget`)
 =================  ====================================================================================
@@ -42,6 +43,7 @@ from tacos_framework.contracts.rig import RigBuilder
 from tacos_framework.contracts.scene import Scene
 from tacos_framework.contracts.sensor import Sensor
 from tacos_framework.contracts.task import Budget, Scorer, Scores, State, Task, Trainable, learns
+from tacos_framework.contracts.transform import Transform
 
 __all__ = [
     "FILE_STAGES",
@@ -68,6 +70,7 @@ __all__ = [
     "State",
     "Task",
     "Trainable",
+    "Transform",
     "acts_after_noise",
     "formation_order",
     "learns",
@@ -80,6 +83,7 @@ PROTOCOLS: Mapping[str, type[Any]] = {
     "renderer": Renderer,
     "effect": Effect,
     "sensor": Sensor,
+    "transform": Transform,
     "task": Task,
     "optimizer": Optimizer,
     "executor": Executor,
@@ -92,6 +96,7 @@ VERBS: Mapping[str, tuple[str, ...]] = {
     "renderer": ("capture",),
     "effect": (),
     "sensor": ("expect", "moments", "draw", "dn_per_electron"),
+    "transform": ("transform",),
     "task": ("begin",),
     "optimizer": ("ask", "tell", "stop", "state", "restore"),
     "executor": ("map", "close"),

@@ -9,7 +9,7 @@ from typing import Any
 import networkx
 
 from tacos_framework.graph.wiring import Node, wiring_faults
-from tacos_framework.values import Episode
+from tacos_framework.values import Episode, FrameBatch
 
 
 class Graph:
@@ -56,6 +56,15 @@ class Graph:
         """These nodes and all that they feed, in order."""
         reached = set(names).union(*(networkx.descendants(self._links, name) for name in names))
         return tuple(name for name in self.order if name in reached)
+
+    @property
+    def shown(self) -> str:
+        """The node whose frames a picture of the study shows: those a task takes of the first sensor."""
+        sensor = self.of_kind("sensor")[0]
+        taken = {source for task in self.of_kind("task") for source in self.nodes[task].sources.values()}
+        behind = self.reached_from([sensor])
+        frames = [n for n in behind if n in taken and self.nodes[n].signature.output is FrameBatch]
+        return frames[0] if frames else sensor
 
     def stream(
         self,

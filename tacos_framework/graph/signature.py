@@ -1,4 +1,4 @@
-"""The ports of a component, read off the annotations of its verb."""
+"""The ports of a component: fixed by its kind, or read off the annotations of its verb."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from typing import Any, get_type_hints
 from tacos_framework.contracts import FILE_STAGES
 from tacos_framework.values import Capture, FrameBatch
 
-_VERB = {"scene": "episode", "renderer": "capture", "task": "begin"}
-"""The kinds that can be nodes, and the verb whose signature gives their ports."""
+NODE_KINDS = ("scene", "renderer", "effect", "sensor", "transform", "task")
+"""The kinds that can be nodes."""
+
+_VERB = {"scene": "episode", "renderer": "capture", "transform": "transform", "task": "begin"}
+"""The kinds whose ports a verb's signature gives."""
 
 
 @dataclass(frozen=True)
 class Signature:
-    """The ports of a component, read off the annotations of its verb.
+    """The ports of a component.
 
     Parameters
     ----------
@@ -25,13 +28,13 @@ class Signature:
     output
         Type of the output port; None for tasks, which end a path.
     supplied
-        Keyword-only parameters: what the framework supplies.
+        What the framework supplies beside: keyword-only parameters of the verb.
     verb
         The method that is called; none for those that the framework drives.
     """
 
-    inputs: Mapping[str, type[Any]]
-    output: type[Any] | None
+    inputs: Mapping[str, Any]
+    output: Any
     supplied: frozenset[str]
     verb: str = ""
 
@@ -39,10 +42,16 @@ class Signature:
 def signature_of(cls: type[Any], kind: str) -> Signature:
     """The ports of a component class.
 
+    Effects and sensors work on plain arrays, and the framework brings them to views and images: an effect
+    that acts before digitisation takes and gives a `Capture`, one that acts on files a `FrameBatch`, and a
+    sensor turns the one into the other.
+
     Raises
     ------
     TypeError
-        When a port has no annotation.
+        When a port has no annotation, or a verb does not say what it gives.
+    NameError
+        When an annotation names what cannot be found.
     """
     if kind == "sensor":
         return Signature({"capture": Capture}, FrameBatch, frozenset({"rig", "exposure"}))
@@ -59,7 +68,9 @@ def signature_of(cls: type[Any], kind: str) -> Signature:
             )
         inputs, _, _ = _ports(output.update, output)
         output = None
-    return Signature(inputs, output, supplied, verb.__name__)
+    elif output in (None, type(None)):
+        raise TypeError(f"{cls.__name__}.{verb.__name__} is not annotated with what it returns")
+    return Signature(inputs, output, supplied, _VERB[kind])
 
 
 def _ports(verb: Callable[..., Any], cls: type[Any]) -> tuple[dict[str, Any], Any, frozenset[str]]:

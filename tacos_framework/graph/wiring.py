@@ -10,6 +10,7 @@ import networkx
 
 from tacos_framework.errors import Fault, did_you_mean
 from tacos_framework.graph.signature import Signature
+from tacos_framework.graph.types import fits, type_name
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,14 @@ def wiring_faults(nodes: Mapping[str, Node], where: Where) -> list[Fault]:
                     "one scene upstream of each node",
                 )
             )
+        if node.kind != "scene" and not scenes:
+            faults.append(
+                Fault(
+                    where((node.name,)),
+                    f"node {node.name!r} ({node.use}) depends on no scene",
+                    "one scene upstream of each node",
+                )
+            )
         if node.kind != "task" and not any(
             nodes[n].kind == "task" for n in networkx.descendants(links, node.name)
         ):
@@ -86,12 +95,12 @@ def _port_faults(node: Node, nodes: Mapping[str, Node], where: Where) -> Iterato
     ports = node.signature.inputs
     for port in ports:
         if port not in node.sources:
-            fitting = [n.name for n in nodes.values() if n.signature.output is ports[port]]
+            fitting = _giving(ports[port], nodes, node)
             example = f"in: {{{port}: {fitting[0] if fitting else 'NODE'}}}"
             yield Fault(
                 where((node.name,)),
                 f"port {port!r} of node {node.name!r} ({node.use}) is not wired",
-                f"a node that gives {_type_name(ports[port])}",
+                f"a node that gives {type_name(ports[port])}",
                 f"Add {example}.",
             )
     for port, source in node.sources.items():
@@ -107,19 +116,21 @@ def _port_faults(node: Node, nodes: Mapping[str, Node], where: Where) -> Iterato
             yield Fault(
                 place,
                 f"node {source!r} is a task and gives nothing on",
-                f"a node that gives {_type_name(ports[port])}",
+                f"a node that gives {type_name(ports[port])}",
             )
-        elif not issubclass(given, ports[port]):
-            fitting = [n.name for n in nodes.values() if n.signature.output is ports[port]]
+        elif not fits(given, ports[port]):
+            fitting = _giving(ports[port], nodes, node)
             remedy = f"Wire it to {' or '.join(map(repr, fitting))}." if fitting else ""
             yield Fault(
                 place,
-                f"port {port!r} takes {_type_name(ports[port])}, but node {source!r} "
-                f"({nodes[source].use}) gives {_type_name(given)}",
+                f"port {port!r} takes {type_name(ports[port])}, but node {source!r} "
+                f"({nodes[source].use}) gives {type_name(given)}",
                 "",
                 remedy,
             )
 
 
-def _type_name(kind: Any) -> str:
-    return getattr(kind, "__name__", str(kind))
+def _giving(taken: Any, nodes: Mapping[str, Node], but: Node) -> list[str]:
+    """The other nodes that give what a port takes."""
+    outputs = {node.name: node.signature.output for node in nodes.values() if node is not but}
+    return [name for name, given in outputs.items() if given is not None and fits(given, taken)]

@@ -3,20 +3,28 @@
 ==============  ========================================================================================
 ``plan``        what a plan is
 ``parts``       a component class with its checked settings
-``making``      the whole recipe, section by section
+``planner``     the whole recipe, section by section
 ``findings``    what all sections share: components found by name, and every fault with its place
 ``nodes``       the graph
+``effects``     the effects, their names and cameras
 ``rig``         what builds the cameras, and which of its variables are fixed
 ``design``      what is free, and within which bounds
+``targets``     what a design variable's name says it sets
+``settable``    whether there is such a setting, and whether it takes the values
+``starting``    settings that are given only as design variables
+``cameras``     whether the cameras named are those of the rig
 ``camera_fit``  whether sensors and tasks can work with any camera the design may choose
-``judging``     constraints, fitness, and the cameras off the shelf
+``checks``      constraints, scenarios, fitness, and the cameras off the shelf
+``building``    components outside of a graph
+``procedure``   recipes that are no study
 ==============  ========================================================================================
 """
 
 from __future__ import annotations
 
-from tacos_framework.plan.parts import Part
+from tacos_framework.plan.parts import EffectPart, Part
 from tacos_framework.plan.plan import Plan
 from tacos_framework.plan.planner import make_plan
+from tacos_framework.plan.targets import Target, target_of
 
-__all__ = ["Part", "Plan", "make_plan"]
+__all__ = ["EffectPart", "Part", "Plan", "Target", "make_plan", "target_of"]

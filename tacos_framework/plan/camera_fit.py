@@ -35,7 +35,7 @@ def check_cameras_fit(
         return
     rigs = _choosable_rigs(findings.recipe, rig, fixed, space)
     for name, part in asking.items():
-        reasons = [part.make().lacks(each) for each in rigs]
+        reasons = [part.instance.lacks(each) for each in rigs]
         wanted, remedy = _FITTING_CAMERA.get(part.use.partition(".")[0], _FITTING_CAMERA["task"])
         if reasons and all(reasons):
             findings.add(
@@ -52,7 +52,7 @@ def _choosable_rigs(recipe: Recipe, rig: Part, fixed: Mapping[str, Any], space: 
     own = {name: value for name, value in corner.items() if "." not in name}
     choices = [v for v in space.variables if isinstance(v, CatalogChoice) and v.name in own]
     tried = [{**own, choice.name: row.as_dict()} for choice in choices for row in choice.rows] or [own]
-    builder = rig.make()
+    builder = rig.instance
     built = []
     for values in tried:
         variables, faults, _ = check(rig.cls.Variables, {**fixed, **values}, recipe.where)

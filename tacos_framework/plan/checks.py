@@ -8,7 +8,7 @@ from tacos_framework.catalog import OffTheShelf, load_cameras
 from tacos_framework.errors import UserError, did_you_mean
 from tacos_framework.plan.findings import Findings
 from tacos_framework.plan.parts import Part
-from tacos_framework.recipe import Recipe, Weighted
+from tacos_framework.recipe import NamedScenario, Recipe, Weighted
 
 
 def check_constraints(findings: Findings, rig: Part | None) -> None:
@@ -21,6 +21,17 @@ def check_constraints(findings: Findings, rig: Part | None) -> None:
             findings.add(path, f"{name!r} has no bound", "min, max, or both")
         elif bounds.min is not None and bounds.max is not None and bounds.min > bounds.max:
             findings.add(path, f"min {bounds.min:g} is above max {bounds.max:g}")
+
+
+def check_scenarios(findings: Findings) -> None:
+    """Several scenarios are told apart by name."""
+    recipe = findings.recipe
+    if not recipe.scenarios:
+        findings.add(("scenario",), "the list of scenarios is empty", "a scenario, or several")
+    names = [scenario.name for scenario in recipe.scenarios if isinstance(scenario, NamedScenario)]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            findings.add(("scenario", i), f"two scenarios are called {name!r}", "a name for each")
 
 
 def check_scores(findings: Findings, nodes: Mapping[str, Part]) -> None:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan.parts import Part
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, Use
 from tacos_framework.settings import Path, Settings, check, with_paths_from
+
+_CAMERAS = Annotated[tuple[str, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class Findings:
 
     def in_order(self) -> list[Fault]:
         """The faults of each file by line and column."""
-        return sorted(self.faults, key=_place)
+        return sorted(self.recipe.without_echoes(self.faults), key=_place)
 
     def add(self, path: Path, what: str, expected: str = "", remedy: str = "") -> None:
         """Keep a fault at a place in the recipe."""
@@ -52,7 +56,17 @@ class Findings:
         self.faults.extend(faults)
         return config
 
-    def component(self, use: str, kind: str, path: Path) -> type[Any] | None:
+    def cameras(self, raw: Any, path: Path) -> tuple[str, ...] | None:
+        """The ``cameras:`` of an effect; None where it has none, or they are at fault."""
+        if raw is None:
+            return None
+        names, faults, _ = check(
+            _CAMERAS, raw, lambda b: self.recipe.where((*path, "cameras", *b)), "cameras"
+        )
+        self.faults.extend(faults)
+        return names
+
+    def component(self, use: str, kind: str | None, path: Path) -> type[Any] | None:
         """The class of a component; None where there is no such component of that kind."""
         try:
             return self.plugins.resolve(use, kind, where=self.recipe.where((*path, "use")))
@@ -72,15 +86,14 @@ class Findings:
         config = self.checked(cls.Config, dict(settings), path)
         if config is None:
             return None
-        part = Part(use, cls, config)
         if use.partition(".")[0] in ("optimizer", "executor"):  # these are built by the study, for good
-            return part
+            return Part(use, cls, config)
         try:
-            part.make()  # what a component refuses, such as a file that is not there, shows now
+            built = cls(config)  # what a component refuses, such as a file that is not there, shows now
         except UserError as error:
             self.adopt(path, error)
             return None
-        return part
+        return Part(use, cls, config, built)
 
 
 def _place(fault: Fault) -> tuple[str, int, int]:

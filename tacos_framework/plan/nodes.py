@@ -4,11 +4,24 @@ from __future__ import annotations
 
 from typing import Any
 
+from tacos_framework.components import KINDS
 from tacos_framework.contracts import learns
-from tacos_framework.graph import Graph, Node, signature_of, wiring_faults
+from tacos_framework.graph import NODE_KINDS, Graph, Node, Signature, signature_of, wiring_faults
 from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import Part
+from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.starting import with_starting_values
 from tacos_framework.recipe import NodeUse
+
+_NO_NODES = {
+    "rig": "Put it under rig:.",
+    "optimizer": "Put it under optimizer:.",
+    "executor": "Put it under executor:.",
+    "procedure": "A procedure has a recipe of its own, with this at its top.",
+}
+"""Kinds that cannot be nodes, and where they stand instead."""
+
+_RESERVED = {"effects": "the effects of the recipe", "scenario": "the scenario"}
+"""Names under which design variables mean something else."""
 
 
 def find_nodes(findings: Findings) -> tuple[dict[str, Part], Graph | None]:
@@ -17,23 +30,22 @@ def find_nodes(findings: Findings) -> tuple[dict[str, Part], Graph | None]:
     parts: dict[str, Part] = {}
     nodes: dict[str, Node] = {}
     for name, use in recipe.nodes.items():
+        if name in _RESERVED:
+            what = f"a node is called {name!r}, which under design: means {_RESERVED[name]}"
+            findings.add(("nodes", name), what, "another name")
         kind = use.use.partition(".")[0]
-        if kind not in ("scene", "renderer", "sensor", "task"):
-            findings.add(
-                ("nodes", name, "use"),
-                f"{use.use} cannot be a node",
-                "a scene, renderer, sensor or task",
-                {"effect": "List it under effects:.", "rig": "Put it under rig:."}.get(kind, ""),
-            )
+        if kind in _NO_NODES:
+            expected = f"a {', '.join(NODE_KINDS[:-1])} or {NODE_KINDS[-1]}"
+            findings.add(("nodes", name, "use"), f"{use.use} cannot be a node", expected, _NO_NODES[kind])
             continue
-        cls = findings.component(use.use, kind, ("nodes", name))
-        if cls is None:
+        cls = findings.component(use.use, kind if kind in KINDS else None, ("nodes", name))
+        if cls is None or (signature := _signature(findings, name, cls, kind)) is None:
             continue
-        nodes[name] = Node(name, kind, use.use, signature_of(cls, kind), use.inputs)
-        _check_training(findings, name, use, cls)
-        if part := findings.configured(cls, use.use, use.settings, ("nodes", name)):
+        nodes[name] = Node(name, kind, use.use, signature, use.inputs)
+        _check_training(findings, name, use, cls, signature)
+        if part := _part(findings, name, use, cls):
             parts[name] = part
-    if len(nodes) < len(recipe.nodes):
+    if len(nodes) < len(recipe.nodes) or _some_left_out(findings):
         return parts, None
     _check_lessons(findings)
     wiring = wiring_faults(nodes, lambda path: recipe.where(("nodes", *path)))
@@ -41,12 +53,43 @@ def find_nodes(findings: Findings) -> tuple[dict[str, Part], Graph | None]:
     return parts, None if wiring or not nodes else Graph(nodes)
 
 
-def _check_training(findings: Findings, name: str, use: NodeUse, cls: type[Any]) -> None:
+def _some_left_out(findings: Findings) -> bool:
+    """Whether the recipe's text has nodes whose form is at fault, so that wires to them are not."""
+    return len(findings.recipe.keys_of("nodes")) > len(findings.recipe.nodes)
+
+
+def _signature(findings: Findings, name: str, cls: type[Any], kind: str) -> Signature | None:
+    try:
+        return signature_of(cls, kind)
+    except (TypeError, NameError) as error:
+        findings.add(("nodes", name, "use"), f"its ports cannot be told: {error}", "", "Correct the plugin.")
+        return None
+
+
+def _part(findings: Findings, name: str, use: NodeUse, cls: type[Any]) -> Part | None:
+    """The component of a node; an effect may act on some cameras only."""
+    path = ("nodes", name)
+    settings = with_starting_values(findings.recipe, "node", name, cls, use.settings)
+    if use.use.partition(".")[0] != "effect":
+        return findings.configured(cls, use.use, settings, path)
+    cameras = findings.cameras(settings.pop("cameras", None), path)
+    part = findings.configured(cls, use.use, settings, path)
+    if part is None:
+        return None
+    return EffectPart(part.use, part.cls, part.config, part.built, name, cameras)
+
+
+def _check_training(
+    findings: Findings, name: str, use: NodeUse, cls: type[Any], signature: Signature
+) -> None:
     if use.train is None:
         return
     path = ("nodes", name, "train")
     if not learns(cls):
         findings.add(path, f"{use.use} does not learn", "", "Remove train:.")
+    elif len(signature.inputs) != 1:
+        ports = ", ".join(signature.inputs)
+        findings.add(path, f"{use.use} has the ports {ports}", "one port, for what learns in a study")
     elif (kind := getattr(cls, "Training", None)) is not None:
         findings.checked(kind, use.train.settings, path)
 

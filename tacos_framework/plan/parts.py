@@ -4,27 +4,62 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 from tacos_framework.settings import Settings
 
 
 @dataclass(frozen=True)
 class Part:
-    """A component class with its checked settings."""
+    """A component class with its checked settings.
+
+    Parameters
+    ----------
+    use
+        The component, ``kind.name``.
+    cls
+        Its class.
+    config
+        Its settings.
+    built
+        The component as it was built when the recipe was checked; None where it was not.
+    """
 
     use: str
     cls: type[Any]
     config: Settings
+    built: Any = field(default=None, compare=False, repr=False)
+
+    @property
+    def instance(self) -> Any:
+        """The component with exactly these settings: that of the check, where there is one."""
+        return self.make() if self.built is None else self.built
 
     def make(self, overrides: Mapping[str, Any] | None = None, **supplied: Any) -> Any:
-        """Build the component, with some settings replaced."""
+        """Build the component anew, with some settings replaced."""
         return self.cls(self.with_settings(overrides).config, **supplied)
 
-    def with_settings(self, overrides: Mapping[str, Any] | None) -> Part:
+    def with_settings(self, overrides: Mapping[str, Any] | None) -> Self:
         """The same with some settings replaced, by plain data."""
         if not overrides:
             return self
         merged = {**self.config.model_dump(mode="json", by_alias=True), **overrides}
-        return replace(self, config=self.cls.Config.model_validate_json(json.dumps(merged)))
+        config = self.cls.Config.model_validate_json(json.dumps(merged))
+        return replace(self, config=config, built=None)
+
+
+@dataclass(frozen=True)
+class EffectPart(Part):
+    """An effect, what design variables call it, and which cameras have it.
+
+    Parameters
+    ----------
+    name
+        Its name among the effects of the recipe, or that of its node.
+    cameras
+        Names of the cameras it acts on; None for all of the rig.
+    """
+
+    name: str = ""
+    cameras: tuple[str, ...] | None = None

@@ -11,7 +11,8 @@ from tacos_framework.catalog import OffTheShelf
 from tacos_framework.contracts import learns
 from tacos_framework.fitness import Constraint, Fitness
 from tacos_framework.graph import Graph
-from tacos_framework.plan.parts import Part
+from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.targets import Target, target_of
 from tacos_framework.recipe import Recipe
 from tacos_framework.settings import Settings
 from tacos_framework.variables.design_space import DesignSpace
@@ -47,10 +48,14 @@ class Plan:
     space: DesignSpace
     fitness: Fitness
     constraints: tuple[Constraint, ...]
-    effects: tuple[Part, ...]
+    effects: tuple[EffectPart, ...]
     optimizer: Part
     executor: Part
     cameras: tuple[OffTheShelf, ...] = ()
+
+    def target(self, variable: str) -> Target:
+        """What a design variable of that name sets."""
+        return target_of(variable, self.recipe.effect_names)
 
     @property
     def trainable(self) -> tuple[str, ...]:

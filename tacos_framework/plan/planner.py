@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tacos_framework.contracts import formation_order
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.fitness import Constraint, Fitness, Term
-from tacos_framework.plan.checks import check_constraints, check_scores, find_cameras
+from tacos_framework.plan.checks import check_constraints, check_scenarios, check_scores, find_cameras
 from tacos_framework.plan.design import find_space
+from tacos_framework.plan.effects import find_effects
 from tacos_framework.plan.findings import Findings
 from tacos_framework.plan.nodes import find_nodes
-from tacos_framework.plan.parts import Part
 from tacos_framework.plan.plan import Plan
 from tacos_framework.plan.rig import find_rig
 from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
+from tacos_framework.recipe import NamedScenario, Recipe
 
 
 def make_plan(recipe: Recipe, plugins: Plugins, faults: Sequence[Fault] = ()) -> Plan:
@@ -46,10 +45,11 @@ def _plan(findings: Findings) -> Plan | None:
     recipe = findings.recipe
     nodes, graph = find_nodes(findings)
     rig, fixed = find_rig(findings)
-    space = find_space(findings, rig, fixed, nodes)
+    effects = find_effects(findings)
+    check_scenarios(findings)
+    space = find_space(findings, rig, fixed, nodes, effects)
     check_constraints(findings, rig)
     check_scores(findings, nodes)
-    effects = _effects(findings)
     optimizer = findings.part(recipe.optimizer, "optimizer", ("optimizer",)) if recipe.optimizer else None
     executor = findings.part(recipe.executor, "executor", ("executor",))
     cameras = find_cameras(findings, rig)
@@ -62,18 +62,16 @@ def _plan(findings: Findings) -> Plan | None:
         rig=rig,
         fixed=fixed,
         space=space,
-        fitness=Fitness(tuple(Term(term.score, term.weight) for term in recipe.fitness)),
+        fitness=_fitness(recipe),
         constraints=tuple(Constraint(name, b.min, b.max) for name, b in recipe.constraints.items()),
-        effects=effects,
+        effects=tuple(effects.values()),
         optimizer=optimizer,
         executor=executor,
         cameras=cameras,
     )
 
 
-def _effects(findings: Findings) -> tuple[Part, ...]:
-    """The effects in the order of image formation."""
-    uses = enumerate(findings.recipe.effects)
-    parts = [findings.part(use, "effect", ("effects", i)) for i, use in uses]
-    found = [part for part in parts if part is not None]
-    return tuple(sorted(found, key=lambda part: formation_order(part.cls)))
+def _fitness(recipe: Recipe) -> Fitness:
+    terms = tuple(Term(term.score, term.weight) for term in recipe.fitness)
+    weights = tuple((s.name, s.weight) for s in recipe.scenarios if isinstance(s, NamedScenario))
+    return Fitness(terms, weights, recipe.study.scenarios)

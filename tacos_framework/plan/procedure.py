@@ -48,7 +48,7 @@ def plan_procedure(recipe: ProcedureRecipe, plugins: Plugins, faults: Sequence[F
         recipe, plugins, "executor", recipe.executor.use, recipe.executor.settings, ("executor",), found
     )
     if found or cls is None or config is None or executor is None or executor_config is None:
-        raise UserError(found)
+        raise UserError(recipe.without_echoes(found))
     return ProcedurePlan(recipe, cls, config, executor, executor_config)
 
 

@@ -1,11 +1,13 @@
 """Recipes: one YAML file, or the same thing built in Python.
 
-=============  ============================================================================================
-``recipe``     what a study's recipe is, and reading it
-``procedure``  a recipe that is no study
-``loading``    finding recipes by path or name
-``overrides``  values put in from outside the file: ``--set`` and ``--with``
-=============  ============================================================================================
+================  =========================================================================================
+``recipe``        what a study's recipe is, and reading it
+``procedure``     a recipe that is no study
+``loading``       finding recipes by path or name
+``overrides``     values put in from outside the file: ``--set`` and ``--with``
+``fixing``        a design variable that ``--set`` fixes
+``effect_names``  what design variables call the effects
+================  =========================================================================================
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ from tacos_framework.recipe.recipe import (
     Between,
     Choose,
     Compare,
+    EffectUse,
     FromCatalog,
+    NamedScenario,
     NodeUse,
     RaceSettings,
     Recipe,
@@ -36,7 +40,9 @@ __all__ = [
     "Between",
     "Choose",
     "Compare",
+    "EffectUse",
     "FromCatalog",
+    "NamedScenario",
     "NodeUse",
     "ProcedureRecipe",
     "RaceSettings",

@@ -10,7 +10,7 @@ from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure, procedure_from
 from tacos_framework.recipe.recipe import Recipe, recipe_from
-from tacos_framework.settings.yaml_reader import read_yaml
+from tacos_framework.settings.yaml_reader import read_yaml_draft
 
 
 def find_recipe(name: str | Path) -> Path:
@@ -39,7 +39,7 @@ def read_any_recipe(
     effects: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
     """The recipe of a study or of a procedure, and the faults of its form; see `read_recipe`."""
-    document = read_yaml(find_recipe(name))
+    document = read_yaml_draft(find_recipe(name))
     read = procedure_from if is_procedure(document) else recipe_from
     return read(document, sets or {}, effects)
 

@@ -7,9 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from tacos_framework.errors import Fault
+from tacos_framework.recipe.fixing import fix_variable
 from tacos_framework.settings.yaml_reader import Document
 
 Path = tuple[str | int, ...]
+
+_OF_A_VARIABLE = frozenset({"between", "integer", "choose", "from", "scheme", "columns", "distance"})
+"""The keys an entry of ``design:`` may have."""
 
 
 def with_overrides(
@@ -22,7 +26,8 @@ def with_overrides(
     document
         A recipe; a mapping. Its data is changed.
     sets
-        Dotted keys such as ``nodes.world.frames`` or ``fitness.0.weight``, and the values to put there.
+        Dotted keys such as ``nodes.world.frames`` or ``fitness.0.weight``, and the values to put there. A
+        plain value for a design variable, ``design.pitch_deg``, fixes it.
     effects
         Effects to add to its ``effects:``.
 
@@ -34,42 +39,65 @@ def with_overrides(
     faults: list[Fault] = []
     elsewhere: dict[Path, str] = {}
     for dotted, value in sets.items():
-        path, found = _set(data, dotted, value)
+        paths, found = _set(data, dotted, value)
         faults += found
-        if not found:
+        for path in paths:
+            stale = [known for known in elsewhere if known[: len(path)] == path]
+            for known in stale:
+                del elsewhere[known]
             elsewhere[path] = f"--set {dotted}"
     own = data.get("effects") or []
     if effects and isinstance(own, list):
         data["effects"] = [*own, *effects]
         elsewhere |= {("effects", len(own) + i): f"added effect {i + 1}" for i in range(len(effects))}
-    return replace(document, elsewhere=elsewhere), faults
+    unread = frozenset(
+        path for path in document.unread if not any(path[: len(given)] == given for given in elsewhere)
+    )
+    return replace(document, elsewhere=elsewhere, unread=unread), faults
 
 
-def _set(data: dict[str, Any], dotted: str, value: Any) -> tuple[Path, list[Fault]]:
+def _set(data: dict[str, Any], dotted: str, value: Any) -> tuple[list[Path], list[Fault]]:
     """Put `value` at a dotted key; where that is."""
     where = f"--set {dotted}"
     steps = dotted.split(".")
     if not all(steps):
-        return (), [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
+        return [], [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
+    if steps[0] == "design" and len(steps) > 1 and isinstance(data.get("design"), dict):
+        name, below = _variable(steps[1:], data["design"])
+        if not below and not isinstance(value, dict):
+            return fix_variable(data, name, value, where)
+        steps = ["design", name, *below]
     target: Any = data
     path: list[str | int] = []
     for step in steps[:-1]:
         if isinstance(target, dict):
-            target = target.setdefault(step, {})
+            if target.get(step) is None:  # absent, or a key with nothing behind it
+                target[step] = {}
+            target = target[step]
             path.append(step)
         elif _is_index(target, step):
             target = target[int(step)]
             path.append(int(step))
         else:
-            return (), [Fault(where, f"there is nothing below {step!r}", "a mapping")]
+            return [], [Fault(where, f"there is nothing below {step!r}", "a mapping")]
     last = steps[-1]
     if isinstance(target, dict):
         target[last] = value
-        return (*path, last), []
+        return [(*path, last)], []
     if _is_index(target, last):
         target[int(last)] = value
-        return (*path, int(last)), []
-    return (), [Fault(where, f"cannot be set: {'.'.join(steps[:-1])!r} is not a mapping", "a mapping")]
+        return [(*path, int(last))], []
+    return [], [Fault(where, f"cannot be set: {'.'.join(steps[:-1])!r} is not a mapping", "a mapping")]
+
+
+def _variable(steps: Sequence[str], design: Mapping[str, Any]) -> tuple[str, list[str]]:
+    """The design variable that steps below ``design`` lead to, whose name may have dots, and what follows."""
+    for length in range(len(steps), 0, -1):
+        if (name := ".".join(steps[:length])) in design:
+            return name, list(steps[length:])
+    if len(steps) > 1 and steps[-1] in _OF_A_VARIABLE:
+        return ".".join(steps[:-1]), [steps[-1]]
+    return ".".join(steps), []
 
 
 def _is_index(target: Any, step: str) -> bool:

@@ -53,6 +53,10 @@ class ProcedureRecipe:
     notes: tuple[str, ...] = ()
     document: Document | None = None
 
+    def without_echoes(self, faults: Sequence[Fault]) -> list[Fault]:
+        """Without the faults of values that the text's reader has refused already."""
+        return list(faults) if self.document is None else self.document.without_echoes(faults)
+
     def where(self, path: Sequence[str | int]) -> str:
         """File, line and column of a key; its dotted name for a recipe built in Python."""
         if self.document is not None:
@@ -88,6 +92,7 @@ def procedure_from(
 ) -> tuple[ProcedureRecipe, list[Fault]]:
     """A procedure's recipe from its document, and the faults of its form; see `read_recipe`."""
     document, faults = with_overrides(document, sets, effects)
+    faults += document.faults
     data = dict(document.data)
     if "tacos" not in data:
         faults.append(
@@ -103,4 +108,4 @@ def procedure_from(
     if not isinstance(use, str):
         faults.append(Fault(document.where(("use",)), "use is no name", "procedure.NAME"))
         use = ""
-    return ProcedureRecipe(use, data, document=document, **shared), faults
+    return ProcedureRecipe(use, data, document=document, **shared), document.without_echoes(faults)

@@ -7,15 +7,17 @@ and fit together is the business of `tacos_framework.plan`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.recipe.effect_names import effect_names
 from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.settings import Settings, check, setting
-from tacos_framework.settings.yaml_reader import Document, read_yaml
+from tacos_framework.settings.yaml_reader import Document, read_yaml_draft
 
 FORMAT = 1
 """The recipe format this version reads (``tacos: 1``)."""
@@ -53,6 +55,19 @@ class Train(BaseModel):
         return dict(self.model_extra or {})
 
 
+class EffectUse(Use):
+    """An effect of the camera, and which of the rig's cameras have it."""
+
+    name: str | None = Field(
+        None,
+        description="What design variables call it; its component's name if absent.",
+        pattern=r"^[a-z][a-z0-9_-]*$",
+    )
+    cameras: tuple[str, ...] | None = Field(
+        None, description="The cameras it acts on; all of the rig if absent.", min_length=1
+    )
+
+
 class NodeUse(Use):
     """A node of the graph: a component, wired by ``in: {port: node}``."""
 
@@ -72,7 +87,7 @@ class Between(Settings):
 class Choose(Settings):
     """One of some values: ``{choose: [a, b]}``."""
 
-    choose: tuple[str | float, ...] = setting(help="The values to choose from.", min_length=1)
+    choose: tuple[str | bool | int | float, ...] = setting(help="The values to choose from.", min_length=1)
 
 
 class FromCatalog(Settings):
@@ -94,6 +109,8 @@ class FromCatalog(Settings):
 
 
 def _kind_of_variable(raw: Any) -> str:
+    if not isinstance(raw, dict | Between | Choose | FromCatalog):
+        return "<between>"  # which says what an entry looks like
     keys = raw if isinstance(raw, dict) else raw.model_dump(by_alias=True)
     return next((f"<{key}>" for key in ("from", "choose") if key in keys), "<between>")
 
@@ -121,6 +138,24 @@ class Scenario(Settings):
     gain_db: float = setting(5.0, help="Gain of the calibrated pixel; larger pixels need less.", unit="dB")
     exposure_ms: float = setting(30.0, help="Exposure time.", unit="ms", gt=0)
     f_number: float = setting(2.0, help="Focal length over aperture.", gt=0)
+
+
+class NamedScenario(Scenario):
+    """One of several scenarios."""
+
+    name: str = setting(help="What results and design variables call it.", pattern=r"^[a-z][a-z0-9_]*$")
+    weight: float = setting(1.0, help="Its weight in the mean over the scenarios.", gt=0)
+
+
+def _count_of_scenarios(raw: Any) -> str:
+    return "<several>" if isinstance(raw, list | tuple) else "<one>"
+
+
+Scenarios = Annotated[
+    Annotated[Scenario, Tag("<one>")] | Annotated[tuple[NamedScenario, ...], Tag("<several>")],
+    Discriminator(_count_of_scenarios),
+]
+"""``scenario:``, a mapping or a list of them."""
 
 
 class Weighted(Settings):
@@ -155,6 +190,9 @@ class StudySettings(Settings):
         0,
         help="Trainings on the best camera before the test, each in a new world; not with frozen weights.",
         ge=0,
+    )
+    scenarios: Literal["mean", "worst"] = setting(
+        "mean", help="Of several scenarios, whether the weighted mean of their fitness counts, or the worst."
     )
     common_random_numbers: bool = setting(
         True, help="Candidates of a generation see the same episodes and noise."
@@ -219,9 +257,11 @@ class Recipe(Settings):
     rig: Use = setting(help="The component that builds cameras; variables given here are fixed.")
     design: dict[str, Variable] = setting(help="Variables of the rig, or node.setting.", min_length=1)
     constraints: dict[str, Bounds] = setting({}, help="Bounds on quantities the rig derives.")
-    scenario: Scenario = setting(Scenario(), help="Light and exposure.")
-    effects: tuple[Use, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
-    nodes: dict[Name, NodeUse] = setting(help="The graph: scene, renderer, sensor and tasks.", min_length=1)
+    scenario: Scenarios = setting(
+        Scenario(), help="Light and exposure; or a list of several, each with a name and a weight."
+    )
+    effects: tuple[EffectUse, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
+    nodes: dict[Name, NodeUse] = setting(help="The graph: components, wired by their ports.", min_length=1)
     fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
     optimizer: Use = setting(help="The derivative-free optimizer.")
     executor: Use = setting(Use(use="executor.local"), help="Where candidates are evaluated.")
@@ -247,6 +287,25 @@ class Recipe(Settings):
                 f"weights, so that each goes on where the one before stopped: set branched or frozen"
             )
         return self
+
+    @property
+    def scenarios(self) -> tuple[Scenario, ...]:
+        """The scenarios each candidate is scored in; more than one of them have names and weights."""
+        return (self.scenario,) if isinstance(self.scenario, Scenario) else self.scenario
+
+    @property
+    def effect_names(self) -> tuple[str, ...]:
+        """What design variables call each effect, ``effects.NAME.setting``."""
+        return effect_names([(effect.use, effect.name) for effect in self.effects])
+
+    def keys_of(self, section: str) -> tuple[str, ...]:
+        """The keys of a section, those among them whose values are at fault and so no part of the recipe."""
+        written = self._document.data.get(section) if self._document is not None else None
+        return tuple(written if isinstance(written, dict) else getattr(self, section))
+
+    def without_echoes(self, faults: Sequence[Fault]) -> list[Fault]:
+        """Without the faults of values that the text's reader has refused already."""
+        return list(faults) if self._document is None else self._document.without_echoes(faults)
 
     def where(self, path: Sequence[str | int]) -> str:
         """File, line and column of a key; its dotted name for a recipe built in Python."""
@@ -292,12 +351,12 @@ def read_recipe(
     UserError
         When the file cannot be read as YAML at all.
     """
-    return recipe_from(read_yaml(Path(source)), sets or {}, effects)
+    return recipe_from(read_yaml_draft(Path(source)), sets or {}, effects)
 
 
 def parse_recipe(text: str, *, name: str = "recipe") -> tuple[Recipe, list[Fault]]:
     """As `read_recipe`, from text."""
-    return recipe_from(read_yaml(text, name=name), {}, ())
+    return recipe_from(read_yaml_draft(text, name=name), {}, ())
 
 
 def recipe_from(
@@ -306,10 +365,10 @@ def recipe_from(
     """As `read_recipe`, from a YAML document."""
     data = document.data
     if not isinstance(data, dict):
-        raise UserError(
-            Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
-        )
+        form = Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
+        raise UserError([*document.faults, form])
     document, faults = with_overrides(document, sets, effects)
+    faults += document.faults
     sections: dict[str, Any] = {}
     if "tacos" not in data:
         faults.append(
@@ -326,7 +385,8 @@ def recipe_from(
                     Fault(document.where(()), f"{key!r} is missing", "", f"Add it: {field.description}")
                 )
             continue
-        value, found = _section(document, key, field.annotation, data[key])
+        annotation = Scenarios if key == "scenario" else field.annotation  # a field keeps no discriminator
+        value, found = _section(document, key, annotation, data[key])
         faults += found
         if value is not None:
             sections[key] = value
@@ -335,7 +395,7 @@ def recipe_from(
         _, found, _ = check(Recipe, data, lambda path: document.where(path))
         faults += found
     recipe._document = document
-    return recipe, faults
+    return recipe, document.without_echoes(faults)
 
 
 def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[Any, list[Fault]]:
@@ -345,10 +405,24 @@ def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[A
         return document.where((key, *path))
 
     value, faults, paths = check(annotation, raw, where, key)
+    if key == "design" and isinstance(raw, dict):
+        plain = [len(path) == 1 and not isinstance(raw.get(path[0]), dict) for path in paths]
+        faults = [
+            _no_entry(fault) if is_plain else fault for fault, is_plain in zip(faults, plain, strict=True)
+        ]
     if faults and isinstance(raw, dict) and key in ("nodes", "design", "constraints"):
         bad = {path[0] for path in paths if path}
         value, _, _ = check(annotation, {name: item for name, item in raw.items() if name not in bad}, where)
     return value, faults
+
+
+def _no_entry(fault: Fault) -> Fault:
+    """What to do about a design variable that is given a plain value."""
+    return replace(
+        fault,
+        expected="an entry such as {between: [1, 2]} or {choose: [a, b]}",
+        remedy="To fix it, move it under rig:, or among the settings of its node or effect.",
+    )
 
 
 def _draft(sections: dict[str, Any]) -> Recipe:

@@ -17,7 +17,8 @@ from pydantic import BaseModel
 from tacos_framework import hookspecs
 from tacos_framework.components import Component
 from tacos_framework.contracts import acts_after_noise, formation_order
-from tacos_framework.graph import signature_of
+from tacos_framework.graph import NODE_KINDS, signature_of
+from tacos_framework.graph.types import type_name
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 
@@ -143,12 +144,12 @@ def _component(component: Component) -> Iterator[str]:
 
 
 def _facts(kind: str, cls: type[Any]) -> Iterator[str]:
-    if kind in ("scene", "renderer", "sensor", "task"):
+    if kind in NODE_KINDS:
         signature = signature_of(cls, kind)
         for port, taken in signature.inputs.items():
-            yield f"input port `{port}`: {taken.__name__}"
+            yield f"input port `{port}`: {type_name(taken)}"
         if signature.output is not None:
-            yield f"gives: {signature.output.__name__}"
+            yield f"gives: {type_name(signature.output)}"
     if kind == "task":
         yield f"scores: {_listed(cls.scores)}"
     if kind == "effect":

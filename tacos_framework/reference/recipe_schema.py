@@ -12,15 +12,15 @@ from pydantic.json_schema import GenerateJsonSchema
 from tacos_framework.catalog import camera_names, catalog_names
 from tacos_framework.contracts import learns
 from tacos_framework.errors import UserError
-from tacos_framework.graph import signature_of
+from tacos_framework.graph import NODE_KINDS, signature_of
+from tacos_framework.graph.types import type_name
 from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
+from tacos_framework.recipe import EffectUse, Recipe
 from tacos_framework.recipe.procedure import SHARED_KEYS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-NODE_KINDS = ("scene", "renderer", "sensor", "task")
-SETTING_OF_A_NODE = r"^[a-z][a-z0-9_]*\.[a-z][A-Za-z0-9_.]*$"
-"""A name under ``design:`` that means a setting of a node, or of the scenario."""
+SETTING_OF_A_NODE = r"^[a-z][a-z0-9_]*\.[A-Za-z0-9_.-]+$"
+"""A name under ``design:`` that means a setting of a node, of an effect, or of the scenario."""
 
 Schema = dict[str, Any]
 
@@ -64,14 +64,19 @@ def recipe_schema(plugins: Plugins) -> RecipeSchema:
         by_kind.setdefault(component.kind, {})[component.use] = component.summary
         try:
             cls = plugins.resolve(component.use)
+            described = _component(cls, component.kind, component.use, component.summary)
         except UserError as error:
             undescribed[component.use] = error.faults[0].what
-        except Exception as error:  # noqa: BLE001 - a stranger's import must not spoil the schema of others
+        except Exception as error:  # noqa: BLE001 - a stranger's code must not spoil the schema of others
             undescribed[component.use] = f"its import failed: {type(error).__name__}: {error}"
         if component.use in undescribed:
-            definitions[component.use] = {"type": "object", "description": component.summary}
+            described = {"type": "object", "description": component.summary}
+        definitions[component.use] = described
+        if component.kind == "effect":
+            definitions[_node(component.use)] = described
+            definitions[component.use] = _listed_effect(described)
+        if component.use in undescribed:
             continue
-        definitions[component.use] = _component(cls, component.kind, component.use, component.summary)
         if component.kind == "rig":
             designs.append(_designs_of(cls, component.use))
     properties = study["properties"]
@@ -79,7 +84,7 @@ def recipe_schema(plugins: Plugins) -> RecipeSchema:
     properties["nodes"]["additionalProperties"] = _one_of(by_kind, *NODE_KINDS)
     properties["nodes"].pop("patternProperties", None)
     properties["nodes"]["propertyNames"] = {"pattern": "^[a-z][a-z0-9_]*$"}
-    properties["effects"] = {**properties["effects"], "items": _one_of(by_kind, "effect")}
+    properties["effects"] = {**properties["effects"], "items": _one_of(by_kind, "effect", listed=True)}
     properties["optimizer"] = _one_of(by_kind, "optimizer")
     properties["executor"] = _one_of(by_kind, "executor")
     definitions["Design"] = properties["design"]["additionalProperties"]
@@ -108,6 +113,8 @@ def _component(cls: type[Any], kind: str, use: str, summary: str) -> Schema:
     settings = _model_schema(cls.Config, place)
     own = {"use": {"const": use, "description": summary}}
     required = ["use", *settings.get("required", [])]
+    if kind == "effect":
+        own["cameras"] = _property_of(EffectUse, "cameras")
     if kind in NODE_KINDS:
         ports = signature_of(cls, kind).inputs
         if ports:
@@ -133,7 +140,7 @@ def _wiring(ports: Mapping[str, type[Any]]) -> Schema:
         "type": "object",
         "description": "Which node feeds each port.",
         "properties": {
-            port: {"type": "string", "description": f"The node that gives the {taken.__name__}."}
+            port: {"type": "string", "description": f"The node that gives the {type_name(taken)}."}
             for port, taken in ports.items()
         },
         "required": list(ports),
@@ -141,7 +148,29 @@ def _wiring(ports: Mapping[str, type[Any]]) -> Schema:
     }
 
 
-def _one_of(by_kind: Mapping[str, Mapping[str, str]], *kinds: str) -> Schema:
+def _listed_effect(node: Schema) -> Schema:
+    """An effect as it stands under ``effects:``, from what it is as a node: named, and not wired."""
+    if "properties" not in node:
+        return node
+    properties = {key: value for key, value in node["properties"].items() if key != "in"}
+    return {
+        **node,
+        "properties": {**properties, "name": _property_of(EffectUse, "name")},
+        "required": [key for key in node["required"] if key != "in"],
+    }
+
+
+def _property_of(model: type[BaseModel], name: str) -> Schema:
+    found: Schema = _model_schema(model, "{model}")["properties"][name]
+    return found
+
+
+def _node(use: str) -> str:
+    """The definition of an effect as a node."""
+    return f"{use}.node"
+
+
+def _one_of(by_kind: Mapping[str, Mapping[str, str]], *kinds: str, listed: bool = False) -> Schema:
     """Any component of some kinds; its name decides which settings it takes."""
     summaries = {use: summary for kind in kinds for use, summary in by_kind.get(kind, {}).items()}
     chosen: Schema = {
@@ -150,7 +179,8 @@ def _one_of(by_kind: Mapping[str, Mapping[str, str]], *kinds: str) -> Schema:
         "properties": {"use": {"enum": list(summaries), "enumDescriptions": list(summaries.values())}},
     }
     if summaries:  # `allOf` must not be empty
-        chosen["allOf"] = [_where_use_is(use, {"$ref": f"#/$defs/{use}"}) for use in summaries]
+        names = {use: _node(use) if use.startswith("effect.") and not listed else use for use in summaries}
+        chosen["allOf"] = [_where_use_is(use, {"$ref": f"#/$defs/{name}"}) for use, name in names.items()]
     return chosen
 
 

@@ -13,7 +13,7 @@ YAML 1.2.2 core schema: https://yaml.org/spec/1.2.2/#103-core-schema
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
@@ -70,6 +70,10 @@ class Document:
         What to call the text in messages, usually its file.
     elsewhere
         What to call, in messages, entries that were put there from elsewhere, such as the command line.
+    faults
+        What the text says that was refused, where the rest can still be looked at.
+    unread
+        Paths of the values among it that were read as None, for want of a better one.
 
     Examples
     --------
@@ -84,15 +88,28 @@ class Document:
     positions: Mapping[tuple[str | int, ...], Position]
     name: str
     elsewhere: Mapping[tuple[str | int, ...], str] = field(default_factory=dict)
+    faults: tuple[Fault, ...] = ()
+    unread: frozenset[tuple[str | int, ...]] = frozenset()
 
     def where(self, path: Sequence[str | int] = ()) -> str:
-        """``name:line:column`` of the entry, or of its nearest ancestor that exists."""
+        """``name:line:column`` of the entry, or of its nearest ancestor that exists.
+
+        An entry from elsewhere, and all that stands below it, has the name of where it came from.
+        """
         known = tuple(path)
-        while known and known not in self.positions and known not in self.elsewhere:
+        for length in range(len(known), 0, -1):
+            if known[:length] in self.elsewhere:
+                return self.elsewhere[known[:length]]
+        while known and known not in self.positions:
+            if made := next((name for key, name in self.elsewhere.items() if key[: len(known)] == known), ""):
+                return made  # it stands there only because something below was put in
             known = known[:-1]
-        if known in self.elsewhere:
-            return self.elsewhere[known]
         return _where(self.name, self.positions.get(known, Position(1, 1)))
+
+    def without_echoes(self, faults: Iterable[Fault]) -> list[Fault]:
+        """The faults, but for those that only say once more that a value could not be read."""
+        unread = {self.where(path) for path in self.unread}
+        return [fault for fault in faults if fault in self.faults or fault.where not in unread]
 
 
 def read_yaml(source: Path | str, name: str | None = None) -> Document:
@@ -109,6 +126,20 @@ def read_yaml(source: Path | str, name: str | None = None) -> Document:
     ------
     UserError
         With every fault that can be found in one pass.
+    """
+    document = read_yaml_draft(source, name)
+    if document.faults:
+        raise UserError(document.faults)
+    return document
+
+
+def read_yaml_draft(source: Path | str, name: str | None = None) -> Document:
+    """As `read_yaml`, where what was refused is looked at together with other faults.
+
+    Raises
+    ------
+    UserError
+        When there is no document to look at: the file cannot be read, or is not YAML.
     """
     if isinstance(source, Path):
         name = str(source) if name is None else name
@@ -170,12 +201,15 @@ class _Reader:
         self.name = name
         self.faults: list[Fault] = []
         self.positions: dict[tuple[str | int, ...], Position] = {}
+        self.unread: set[tuple[str | int, ...]] = set()
 
     def document(self) -> Document:
-        """The whole text, or all that is wrong with it."""
+        """The whole text with what was refused in it, or all that is wrong where it is no YAML."""
         try:
             self.loader = yaml.SafeLoader(self.text)
             data = self._stream()
+            unread = frozenset(path for path in self.unread if _NOWHERE not in path)
+            return Document(data, self.positions, self.name, faults=tuple(self.faults), unread=unread)
         except yaml.reader.ReaderError as error:
             before = self.text[: error.position]
             position = Position(before.count("\n") + 1, error.position - before.rfind("\n"))
@@ -187,9 +221,7 @@ class _Reader:
             self._fault(_position(error.problem_mark or error.context_mark), what, remedy=remedy)
         except (ValueError, OverflowError) as error:  # PyYAML lets chr() and int() of absurd escapes pass
             self._fault(_position(self.loader.get_mark()), f"this is not valid YAML: {error}")
-        if self.faults:
-            raise UserError(self.faults)
-        return Document(data, self.positions, self.name)
+        raise UserError(self.faults)
 
     def _fault(self, position: Position, what: str, expected: str = "", remedy: str = "") -> None:
         self.faults.append(Fault(_where(self.name, position), what, expected, remedy))
@@ -217,6 +249,7 @@ class _Reader:
             raise UserError(self.faults)
         if isinstance(event, yaml.AliasEvent):
             self._fault(position, f"alias *{event.anchor} is not supported", remedy="Write the value out.")
+            self.unread.add(path)
             return None
         if event.anchor is not None:
             self._fault(position, f"anchor &{event.anchor} is not supported", remedy="Remove it.")
@@ -226,7 +259,7 @@ class _Reader:
             return self._mapping(path, depth)
         if isinstance(event, yaml.SequenceStartEvent):
             return self._list(path, depth)
-        return self._scalar(event, position)
+        return self._scalar(event, path, position)
 
     def _list(self, path: tuple[str | int, ...], depth: int) -> list[Any]:
         items: list[Any] = []
@@ -275,16 +308,19 @@ class _Reader:
             )
         return None
 
-    def _scalar(self, event: yaml.ScalarEvent, position: Position) -> Any:
+    def _scalar(self, event: yaml.ScalarEvent, path: tuple[str | int, ...], position: Position) -> Any:
         text = event.value
         if found := _NOT_STORABLE.search(text):
             self._fault(position, f"text holds the character {found[0]!r}, which no file can")
+            self.unread.add(path)
+            return None
         if not event.implicit[0]:  # quoted or block text
             return text
         try:
             return _plain_scalar(text)
         except ValueError as error:
             self._fault(position, str(error), "a finite number" if len(text) < _LONGEST_NUMBER else "")
+            self.unread.add(path)
             return None
 
 

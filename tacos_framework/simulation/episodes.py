@@ -22,12 +22,16 @@ class EpisodeSpec:
         Number of frames; None leaves it to the scene.
     block
         Which part of the episode to score by itself, counted from 0, of how many equal parts.
+    scenario
+        The scenario it is seen in, where the recipe has several; None for each of them in turn. World, path
+        and noise are the same in all, the light is not.
     """
 
     seed: int
     name: tuple[str | int, ...]
     frames: int | None = None
     block: tuple[int, int] = (0, 1)
+    scenario: str | None = None
 
 
 def block_of(episode: Episode, index: int, count: int) -> Episode:

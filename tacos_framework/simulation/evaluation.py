@@ -8,7 +8,7 @@ from typing import Any
 
 from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.fitness import Fitness, mean_scores
+from tacos_framework.fitness import Fitness, mean_scores, weighted_mean
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,10 @@ class Evaluation:
         States of the trainable tasks after training on this candidate.
     cached
         Taken from an earlier, equal evaluation.
+    scenario_episodes
+        Where there are several scenarios, the scores of each episode in each of them.
+    scenarios
+        Then also the scores and the fitness of each scenario by itself.
     dropped
         Why it was not scored on all episodes, in a sentence; its fitness is then what its place in the race
         stands for, not the sum of `terms`, which are of the episodes it saw.
@@ -56,6 +60,19 @@ class Evaluation:
     states: Mapping[str, State] = field(default_factory=dict)
     cached: bool = False
     dropped: str | None = None
+    scenario_episodes: Mapping[str, Sequence[Scores]] = field(default_factory=dict)
+    scenarios: Mapping[str, Scores] = field(default_factory=dict)
+
+    @property
+    def blocks(self) -> tuple[Scores, ...]:
+        """The scores of each episode; with several scenarios those of all, called ``scenario/node.score``."""
+        if not self.scenario_episodes:
+            return tuple(self.episodes)
+        columns = self.scenario_episodes.items()
+        return tuple(
+            {f"{name}/{score}": value for name, episodes in columns for score, value in episodes[i].items()}
+            for i in range(len(next(iter(self.scenario_episodes.values()))))
+        )
 
 
 def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
@@ -66,6 +83,8 @@ def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     CandidateFailed
         When no episode reports a score that the fitness takes.
     """
+    if evaluation.scenario_episodes:
+        return _judged_in_scenarios(evaluation, fitness)
     scores = mean_scores(evaluation.episodes)
     return replace(
         evaluation,
@@ -73,6 +92,35 @@ def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
         fitness=fitness.value(scores),
         terms=fitness.terms(scores),
         episodes=tuple(_with_fitness(episode, fitness) for episode in evaluation.episodes),
+    )
+
+
+def _judged_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+    """Scores are weighted means over the scenarios; fitness and terms too, or they are those of the worst."""
+    columns = {
+        name: tuple(_with_fitness(episode, fitness) for episode in episodes)
+        for name, episodes in evaluation.scenario_episodes.items()
+    }
+    means = {name: mean_scores(episodes) for name, episodes in evaluation.scenario_episodes.items()}
+    counts = fitness.weights(means)
+    scenarios = {name: {**scores, "fitness": fitness.value(scores)} for name, scores in means.items()}
+    episodes = []
+    for i in range(len(next(iter(columns.values())))):
+        row = {name: column[i] for name, column in columns.items()}
+        episode = weighted_mean(row, fitness.mean_weights)
+        episode.pop("fitness", None)
+        if all("fitness" in row[name] for name, weight in counts.items() if weight > 0):
+            episode["fitness"] = weighted_mean(row, counts)["fitness"]
+        episodes.append(episode)
+    terms = weighted_mean({name: fitness.terms(scores) for name, scores in means.items()}, counts)
+    return replace(
+        evaluation,
+        scores=weighted_mean(means, fitness.mean_weights),
+        fitness=weighted_mean(scenarios, counts)["fitness"],
+        terms=terms,
+        episodes=tuple(episodes),
+        scenario_episodes=columns,
+        scenarios=scenarios,
     )
 
 
@@ -103,8 +151,12 @@ def joined(parts: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
     if failed is not None:
         return replace(failed, images=images, seconds=seconds)
     episodes = tuple(episode for part in parts for episode in part.episodes)
-    whole = replace(parts[0], episodes=episodes, images=images, seconds=seconds)
+    columns = {
+        name: tuple(episode for part in parts for episode in part.scenario_episodes.get(name, ()))
+        for name in dict.fromkeys(name for part in parts for name in part.scenario_episodes)
+    }
+    whole = replace(parts[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds)
     try:
         return judged(whole, fitness)
     except CandidateFailed as error:
-        return replace(whole, failed=str(error), episodes=())
+        return replace(whole, failed=str(error), episodes=(), scenario_episodes={})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any, TypeVar
 
-from tacos_framework.plan import make_plan
+from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.simulation.jobs import Job
@@ -19,15 +19,16 @@ class Evaluator:
 
     Parameters
     ----------
-    recipe
-        What to simulate.
+    study
+        What to simulate: a recipe, or its plan, whose components this process then uses as they were checked.
     plugins
         The host's plugins; None discovers the installed ones. Other processes discover them anew and
         register the modules that were registered by hand.
     """
 
-    def __init__(self, recipe: Recipe, plugins: Plugins | None = None):
-        self.recipe = recipe
+    def __init__(self, study: Recipe | Plan, plugins: Plugins | None = None):
+        self._plan = study if isinstance(study, Plan) else None
+        self.recipe = study.recipe if isinstance(study, Plan) else study
         self._plugins = plugins
         self._modules = plugins.modules if plugins else ()
         self._simulation: Simulation | None = None
@@ -44,7 +45,8 @@ class Evaluator:
     def simulation(self) -> Simulation:
         """The simulation of this process."""
         if self._simulation is None:
-            self._simulation = Simulation(make_plan(self.recipe, self._plugins or self._discover()))
+            plan = self._plan or make_plan(self.recipe, self._plugins or self._discover())
+            self._simulation = Simulation(plan)
         return self._simulation
 
     def _discover(self) -> Plugins:
@@ -54,4 +56,4 @@ class Evaluator:
         return plugins
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_plugins": None, "_simulation": None}
+        return {**self.__dict__, "_plan": None, "_plugins": None, "_simulation": None}

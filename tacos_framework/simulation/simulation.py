@@ -12,12 +12,14 @@ from tacos_framework.cache import Recent, content_key
 from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
-from tacos_framework.plan import Part, Plan
+from tacos_framework.plan import EffectPart, Part, Plan
 from tacos_framework.randomness import generator
+from tacos_framework.recipe import NamedScenario
 from tacos_framework.settings import Settings
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation, judged
+from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import train
 from tacos_framework.simulation.trial import Trial
@@ -36,15 +38,18 @@ class Simulation:
     def __init__(self, plan: Plan):
         self.plan = plan
         recipe = plan.recipe
-        self._rig = plan.rig.make()
-        self._components = {name: _placed(name, part) for name, part in plan.nodes.items()}
+        self._rig = plan.rig.instance
         kept = max(recipe.study.episodes, recipe.test.episodes if recipe.test else 1)
-        self._episodes: Recent[Episode] = Recent(size=min(kept, 4) + bool(plan.trainable))
+        lights = len({scenario.illumination_lux for scenario in recipe.scenarios})
+        size = max(min(kept, 4), lights) + lights * bool(plan.trainable)
+        self._episodes: Recent[Episode] = Recent(size)
 
     def initial_states(self) -> dict[str, State]:
         """The states of the trainable tasks before the study."""
         return {
-            name: self._components[name].initial_state(rng=generator(self.plan.recipe.seed, "state", name))
+            name: self.plan.nodes[name].instance.initial_state(
+                rng=generator(self.plan.recipe.seed, "state", name)
+            )
             for name in self.plan.trainable
         }
 
@@ -88,8 +93,8 @@ class Simulation:
             if broken:
                 return replace(evaluation, failed="; ".join(broken))
             try:
-                trial = self._trial(values, variables, clock)
-                scored = self._scored(evaluation, trial, episodes, states, training)
+                trials = self._trials(values, variables, clock)
+                scored = self._scored(evaluation, trials, episodes, states, training)
                 return scored if partial else judged(scored, self.plan.fitness)
             except CandidateFailed as error:
                 return replace(evaluation, failed=str(error), seconds=clock.seconds)
@@ -100,30 +105,40 @@ class Simulation:
     def _scored(
         self,
         evaluation: Evaluation,
-        trial: Trial,
+        trials: Mapping[str, Trial],
         episodes: Sequence[EpisodeSpec],
         states: Mapping[str, State],
         training: EpisodeSpec | None,
     ) -> Evaluation:
         """The evaluation with the scores of each episode, and what they cost."""
+        trial = next(iter(trials.values()))
         for component in trial.components.values():  # before anything is rendered in vain
-            component = component.sensor if isinstance(component, PlacedSensor) else component
-            if callable(lacks := getattr(component, "lacks", None)) and (reason := lacks(trial.rig)):
-                raise CandidateFailed(reason)
+            sensors = (
+                [component.sensor, *component.by_camera.values()]
+                if isinstance(component, PlacedSensor)
+                else [component]
+            )
+            for each in sensors:
+                if callable(lacks := getattr(each, "lacks", None)) and (reason := lacks(trial.rig)):
+                    raise CandidateFailed(reason)
         images = 0
         states = dict(states)
         if training is not None:
             for name in self.plan.trainable:
-                states[name], rendered = train(trial, name, states[name], training)
+                learning = [trials[key] for key in _scenarios(trials, training)]
+                states[name], rendered = train(learning, name, states[name], training)
                 images += rendered
-        per_episode: list[Scores] = []
+        columns: dict[str, list[Scores]] = {name: [] for name in trials}
         for spec in episodes:
-            scores, rendered = score(trial, spec, states)
-            per_episode.append(scores)
-            images += rendered
+            for name in _scenarios(trials, spec):
+                scores, rendered = score(trials[name], spec, states)
+                columns[name].append(scores)
+                images += rendered
+        several = isinstance(self.plan.recipe.scenario, tuple)
         return replace(
             evaluation,
-            episodes=tuple(per_episode),
+            episodes=() if several else tuple(columns[""]),
+            scenario_episodes={name: tuple(column) for name, column in columns.items()} if several else {},
             images=images,
             seconds=trial.clock.seconds,
             states=states if training is not None else {},
@@ -131,7 +146,7 @@ class Simulation:
 
     def batches(self, task: str, values: Mapping[str, Any], spec: EpisodeSpec) -> Iterator[FrameBatch]:
         """What a task of one port is given of an episode that a candidate sees, without scoring it."""
-        trial = self._trial(values, self.plan.rig_variables(values), Clock())
+        trial = self._trial(values, spec)
         scene = self.plan.graph.scene_of(task)
         episode = trial.episode(scene, spec)
         for inputs in trial.stream(scene, episode, spec, [task]):
@@ -139,58 +154,65 @@ class Simulation:
             yield batch
 
     def sample(self, values: Mapping[str, Any], spec: EpisodeSpec, position: float) -> FrameBatch:
-        """One frame of the first sensor node, at a position in 0..1 along the episode."""
+        """One frame as tasks see it, at a position in 0..1 along the episode."""
         graph = self.plan.graph
-        sensor = graph.of_kind("sensor")[0]
-        scene = graph.scene_of(sensor)
-        trial = self._trial(values, self.plan.rig_variables(values), Clock())
-        episode = trial.episode(scene, spec)
+        shown = graph.shown
+        trial = self._trial(values, spec)
+        episode = trial.episode(graph.scene_of(shown), spec)
         frame = round(position * (len(episode) - 1))
         batch = episode[frame : frame + 1]
-        outputs: dict[str, Any] = {scene: batch}
+        outputs: dict[str, Any] = {graph.scene_of(shown): batch}
         draws = trial.draws(spec)
-        for name in graph.leading_to(sensor):
+        for name in graph.leading_to(shown):
             node = graph.nodes[name]
             inputs = {port: outputs[source] for port, source in node.sources.items()}
-            outputs[name] = trial.output(node, inputs, draws)
-        return outputs[sensor]
+            outputs[name] = trial.output(node, inputs, draws, batch.first_frame)
+        return outputs[shown]
 
-    def _trial(self, values: Mapping[str, Any], variables: Settings, clock: Clock) -> Trial:
-        overrides: dict[str, dict[str, Any]] = {}
-        for name, value in values.items():
-            node, _, setting = name.partition(".")
-            if setting:
-                overrides.setdefault(node, {})[setting] = value
-        scenario = self.plan.recipe.scenario.model_copy(update=overrides.pop("scenario", {}))
-        components = {
-            name: _placed(name, self.plan.nodes[name], overrides[name]) if name in overrides else component
-            for name, component in self._components.items()
-        }
-        exposure = Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
-        return Trial(
-            plan=self.plan,
-            rig=self._rig.build(variables),
-            exposure=exposure,
-            scenario=scenario,
-            components=components,
-            overrides=overrides,
-            formation=ImageFormation(exposure, [placed_effect(part.use, part) for part in self.plan.effects]),
-            kept=self._episodes,
-            key=content_key(values),
-            clock=clock,
-        )
+    def _trial(self, values: Mapping[str, Any], spec: EpisodeSpec) -> Trial:
+        """A candidate in the scenario of an episode; in the first, where it is of all."""
+        trials = self._trials(values, self.plan.rig_variables(values), Clock())
+        return trials[_scenarios(trials, spec)[0]]
 
-
-def _placed(name: str, part: Part, overrides: Mapping[str, Any] | None = None) -> Any:
-    """The component of a node, or what places it in image formation."""
-    match part.use.partition(".")[0]:
-        case "sensor":
-            return PlacedSensor(part.use, name, part.make(overrides))
-        case "effect":
-            return placed_effect(name, part, overrides)
-    return part.make(overrides)
+    def _trials(self, values: Mapping[str, Any], variables: Settings, clock: Clock) -> dict[str, Trial]:
+        """A candidate in each scenario, by name; the only one, where it has none, is called ``""``."""
+        plan = self.plan
+        overrides = overrides_of(values, plan.recipe.effect_names)
+        components = {name: placed(name, part, overrides.nodes) for name, part in plan.nodes.items()}
+        effects = [placed(part.name, part, overrides.effects) for part in plan.effects]
+        rig, key = self._rig.build(variables), content_key(values)
+        trials = {}
+        for given in plan.recipe.scenarios:
+            name = given.name if isinstance(given, NamedScenario) else ""
+            scenario = given.model_copy(update=overrides.of_scenario(name))
+            exposure = Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
+            trials[name] = Trial(
+                plan=plan,
+                rig=rig,
+                exposure=exposure,
+                scenario=scenario,
+                components=components,
+                overrides=overrides.nodes.settings,
+                formation=ImageFormation(exposure, effects),
+                kept=self._episodes,
+                key=key,
+                clock=clock,
+            )
+        return trials
 
 
-def placed_effect(name: str, part: Part, overrides: Mapping[str, Any] | None = None) -> PlacedEffect:
-    """An effect of a recipe, for all cameras."""
-    return PlacedEffect(part.use, name, part.cls, part.with_settings(overrides).config)
+def _scenarios(trials: Mapping[str, Trial], spec: EpisodeSpec) -> list[str]:
+    """The scenarios an episode is seen in."""
+    return list(trials) if spec.scenario is None else [spec.scenario]
+
+
+def placed(name: str, part: Part, overrides: SettingOverrides) -> Any:
+    """The component of a node or effect with a candidate's settings, or what places it in image formation."""
+    whole, own = overrides.parts(name, part)
+    if part.use.partition(".")[0] == "sensor":
+        by_camera = {camera: each.instance for camera, each in own.items()}
+        return PlacedSensor(part.use, name, whole.instance, by_camera)
+    if isinstance(part, EffectPart):
+        configs = {camera: each.config for camera, each in own.items()}
+        return PlacedEffect(part.use, name, part.cls, whole.config, configs, part.cameras)
+    return whole.instance

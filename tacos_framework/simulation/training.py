@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -18,13 +20,13 @@ KEPT_BYTES = 512 * 2**20
 """Memory that frames may take between the passes of training over them [bytes]."""
 
 
-def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[State, int]:
+def train(trials: Sequence[Trial], task: str, state: State, spec: EpisodeSpec) -> tuple[State, int]:
     """Train a task on frames of a candidate.
 
     Parameters
     ----------
-    trial
-        The candidate.
+    trials
+        The candidate in each scenario, which take turns batch by batch.
     task
         The task node.
     state
@@ -36,15 +38,16 @@ def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[Sta
     -------
     The new state, and how many images were rendered.
     """
+    trial = trials[0]
     settings = trial.plan.recipe.nodes[task].train
     if settings is None or settings.weights == "frozen":
         return state, 0
     scene = trial.plan.graph.scene_of(task)
     spec = replace(spec, frames=settings.frames)
     with trial.clock.of(scene):
-        episode = trial.episode(scene, spec)
+        episodes = [each.episode(scene, spec) for each in trials]
     room = KEPT_BYTES if settings.epochs > 1 else 0  # nothing is kept for a pass that never comes
-    frames = TrainingFrames(trial, scene, episode, spec, task, room)
+    frames = TrainingFrames(trials, scene, episodes, spec, task, room)
     rng = generator(spec.seed, *spec.name, task, "fit")
     with trial.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
@@ -54,37 +57,52 @@ def train(trial: Trial, task: str, state: State, spec: EpisodeSpec) -> tuple[Sta
 
 @dataclass
 class TrainingFrames:
-    """What a task of one port learns from, the same in each iteration.
+    """What a task of one port learns from, the same in each iteration; scenarios take turns batch by batch.
 
     The first batches stay for the passes to come, as many as fit into `room_bytes`; the rest are rendered
     anew, so that memory stays flat however long the episode is.
     """
 
-    trial: Trial
+    trials: Sequence[Trial]
     scene: str
-    episode: Episode
+    episodes: Sequence[Episode]
     spec: EpisodeSpec
     task: str
     room_bytes: int
     images: int = 0
     _kept: list[FrameBatch] = field(default_factory=list)
+    _full: bool = False
 
     def __iter__(self) -> Iterator[FrameBatch]:
+        begun = len(self._kept)
         yield from self._kept
-        for inputs in self.trial.stream(self.scene, self.episode[self._begun :], self.spec, [self.task]):
-            (batch,) = inputs[self.task].values()
+        for turn, batch in self._rendered(begun):
             self.images += len(batch.episode) * len(batch.images)
-            self._keep(batch)
+            self._keep(turn, batch)
             yield batch
 
-    @property
-    def _begun(self) -> int:
-        """How many frames, counted from the first, are kept."""
-        return sum(len(batch.episode) for batch in self._kept)
+    def _rendered(self, begun: int) -> Iterator[tuple[int, FrameBatch]]:
+        """The batches after the first `begun`, the scenarios in turn; each with its number."""
+        count = len(self.trials)
+        streams = [self._stream(i, self._kept[i:begun:count]) for i in range(count)]
+        for turn in itertools.count(begun):
+            inputs = next(streams[turn % count], None)
+            if inputs is None:
+                return
+            (batch,) = inputs[self.task].values()
+            yield turn, batch
 
-    def _keep(self, batch: FrameBatch) -> None:
-        follows = batch.episode.first_frame == self.episode.first_frame + self._begun
-        if follows and sum(kept.nbytes for kept in (*self._kept, batch)) <= self.room_bytes:
+    def _stream(self, scenario: int, kept: Sequence[FrameBatch]) -> Iterator[Mapping[str, Any]]:
+        """What follows in a scenario on the batches that are kept of it."""
+        rest = self.episodes[scenario][sum(len(batch.episode) for batch in kept) :]
+        return iter(self.trials[scenario].stream(self.scene, rest, self.spec, [self.task]))
+
+    def _keep(self, turn: int, batch: FrameBatch) -> None:
+        """Keep a batch while there is room; only what follows on those kept already."""
+        if turn != len(self._kept) or self._full:
+            return
+        self._full = sum(kept.nbytes for kept in (*self._kept, batch)) > self.room_bytes
+        if not self._full:
             self._kept.append(batch)
 
 

@@ -71,7 +71,9 @@ class Trial:
             wanted = self.plan.graph.nodes[scene].signature.supplied
             return component.episode(**{name: supplied[name] for name in supplied if name in wanted})
 
-        whole = self.kept.get((scene, replace(spec, block=(0, 1)), lux, content_key(overrides)), make)
+        whole = self.kept.get(
+            (scene, replace(spec, block=(0, 1), scenario=None), lux, content_key(overrides)), make
+        )
         return block_of(whole, *spec.block)
 
     def stream(
@@ -85,7 +87,7 @@ class Trial:
 
         def call(node: Node, inputs: Mapping[str, Any], batch: Episode) -> Any:
             with self.at_work(node.name):
-                return self.output(node, inputs, draws)
+                return self.output(node, inputs, draws, batch.first_frame)
 
         wanted = [getattr(type(self.components[task]), "frames_per_update", 1) for task in tasks]
         yield from self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks)
@@ -95,8 +97,8 @@ class Trial:
         common = self.plan.recipe.study.common_random_numbers
         return EpisodeDraws(spec.seed, (*spec.name, *(() if common else (self.key,))))
 
-    def output(self, node: Node, inputs: Mapping[str, Any], draws: EpisodeDraws) -> Any:
-        """What a node that is neither scene nor task makes of its inputs."""
+    def output(self, node: Node, inputs: Mapping[str, Any], draws: EpisodeDraws, first_frame: int) -> Any:
+        """What a node that is neither scene nor task makes of its inputs, which begin at a frame."""
         component = self.components[node.name]
         if node.kind == "sensor":
             (capture,) = inputs.values()
@@ -109,10 +111,12 @@ class Trial:
             "exposure": self.exposure,
             "illumination_lux": self.scenario.illumination_lux,
         }
-        wanted = {name: value for name, value in supplied.items() if name in node.signature.supplied}
-        if "rng" in node.signature.supplied:
-            first = next((v.episode.first_frame for v in inputs.values() if hasattr(v, "episode")), 0)
-            wanted["rng"] = draws.rng(first, node.name)
+        asked = node.signature.supplied
+        wanted = {name: value for name, value in supplied.items() if name in asked}
+        if "rng" in asked:
+            wanted["rng"] = draws.rng(first_frame, node.name)
+        if "memory" in asked:
+            wanted["memory"] = draws.memory(node.name)
         made = getattr(component, node.signature.verb)(**inputs, **wanted)
         return self.formation.light(made, draws) if node.kind == "renderer" else made
 

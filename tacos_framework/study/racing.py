@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import Scores
-from tacos_framework.fitness import Fitness
+from tacos_framework.fitness import Fitness, Term, mean_scores
 
 Key = Hashable
 
@@ -39,7 +39,8 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
     Parameters
     ----------
     blocks
-        Scores of each block; a block leaves out a score that has no meaning there.
+        Scores of each block; a block leaves out a score that has no meaning there. With several scenarios
+        they are called ``scenario/node.score``.
     fitness
         The weighted sum.
 
@@ -56,7 +57,10 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
     n = len(blocks)
     total = 0.0
     deviations = np.zeros(n)
-    for term in fitness.terms_of:
+    terms = _counted_terms(blocks, fitness)
+    if terms is None:
+        return None
+    for term in terms:
         reported = np.array([term.score in scores for scores in blocks])
         m = int(reported.sum())
         if m < 2:
@@ -66,6 +70,27 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
         scale = n / m * math.sqrt(m * (n - 1) / ((m - 1) * n))
         deviations[reported] += term.weight * scale * (values - values.mean())
     return total + deviations
+
+
+def _counted_terms(blocks: Sequence[Scores], fitness: Fitness) -> tuple[Term, ...] | None:
+    """The terms of the fitness over all scenarios, or of the worst so far; None where they cannot be told."""
+    if not fitness.scenarios:
+        return fitness.terms_of
+    means = mean_scores(blocks)
+    by_scenario = {
+        name: {
+            term.score: means[key] for term in fitness.terms_of if (key := f"{name}/{term.score}") in means
+        }
+        for name, _ in fitness.scenarios
+    }
+    if any(len(scores) < len(fitness.terms_of) for scores in by_scenario.values()):
+        return None
+    return tuple(
+        Term(f"{name}/{term.score}", weight * term.weight)
+        for name, weight in fitness.weights(by_scenario).items()
+        if weight > 0
+        for term in fitness.terms_of
+    )
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ def score_in_a_race(
     """
     race = Race(fitness, rules.standard_errors, rules.min_blocks)
     for key, rival in rivals.items():
-        race.saw(key, rival.episodes)
+        race.saw(key, rival.blocks)
     found: dict[str, list[Evaluation]] = {key: [] for key in jobs}
     running = list(jobs)
     blocks = len(next(iter(jobs.values())).episodes) if jobs else 0
@@ -54,7 +54,7 @@ def score_in_a_race(
                 race.withdraw(key)
                 running.remove(key)
             else:
-                race.saw(key, evaluation.episodes)
+                race.saw(key, evaluation.blocks)
         if last < blocks:
             out = race.drop()
             running = [key for key in running if key not in out]

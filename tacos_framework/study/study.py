@@ -41,7 +41,7 @@ BROKEN_OFF = "interrupted by the user"
 
 
 def run_study(
-    recipe: Recipe,
+    study: Recipe | Plan,
     *,
     out: Path,
     plugins: Plugins,
@@ -52,24 +52,24 @@ def run_study(
     report: bool = True,
 ) -> dict[str, Any]:
     """Run a study; see `tacos_framework.run`."""
-    plan = make_plan(recipe, plugins)
-    data = recipe.as_data()
+    plan = study if isinstance(study, Plan) else make_plan(study, plugins)
+    data = plan.recipe.as_data()
     results, checkpoint = Results.resume(out, data) if resume else (Results.create(out, data), None)
     parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
     packages = {part.cls.__module__.partition(".")[0] for part in parts}
     with results, results.logging({"tacos_framework", *packages}):
         evaluates = executor or plan.executor.make()
-        study = Study(plan, plugins, results, evaluates, progress or Silent(), command)
+        running = Study(plan, plugins, results, evaluates, progress or Silent(), command)
         try:
-            study.restore(checkpoint)
-            study.run()
+            running.restore(checkpoint)
+            running.run()
         except KeyboardInterrupt:
-            study.interrupted = True
+            running.interrupted = True
             log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
         finally:
             if executor is None:
                 evaluates.close()
-        result = study.finish()
+        result = running.finish()
         if report:
             from tacos_framework.report import write_report
 
@@ -97,7 +97,7 @@ class Study:
         self._executor = executor
         self._progress = progress
         self._command = command
-        self._evaluate = Evaluator(plan.recipe, plugins)
+        self._evaluate = Evaluator(plan, plugins)
         self._seconds_before = 0.0
         self._started = time.monotonic()
         self._seconds_by_node: dict[str, float] = {}
@@ -299,6 +299,7 @@ class Study:
             "episodes": list(test.episodes) if test else [],
             "spread": standard_errors(test.episodes) if test else {},
             "evaluations": search.evaluations,
+            **({"scenarios": test.scenarios} if test and test.scenarios else {}),
             "free": list(search.space.names) if search.space else [],
         }
 
@@ -331,6 +332,7 @@ def _best(evaluation: Evaluation) -> dict[str, Any]:
         "fitness": data["fitness"],
         "scores": data["scores"],
         "terms": data["terms"],
+        **({"scenarios": data["scenarios"]} if data["scenarios"] else {}),
     }
 
 
@@ -346,6 +348,7 @@ def _line(evaluation: Evaluation) -> dict[str, Any]:
         "failed": evaluation.failed,
         "cached": evaluation.cached,
         "dropped": evaluation.dropped,
+        **({"scenarios": evaluation.scenarios} if evaluation.scenarios else {}),
     }
 
 

@@ -28,6 +28,7 @@ _SUITES = (
     "scene",
     "sensor",
     "task",
+    "transform",
 )
 pytest.register_assert_rewrite(*(f"{__name__}.{suite}" for suite in _SUITES))
 
@@ -41,6 +42,7 @@ from tacos_framework.testing.rig import RigConformance  # noqa: E402
 from tacos_framework.testing.scene import SceneConformance  # noqa: E402
 from tacos_framework.testing.sensor import SensorConformance  # noqa: E402
 from tacos_framework.testing.task import TaskConformance, TrainableConformance  # noqa: E402
+from tacos_framework.testing.transform import TransformConformance  # noqa: E402
 
 __all__ = [
     "ComponentConformance",
@@ -54,4 +56,5 @@ __all__ = [
     "SensorConformance",
     "TaskConformance",
     "TrainableConformance",
+    "TransformConformance",
 ]

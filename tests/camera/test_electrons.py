@@ -93,6 +93,10 @@ def test_photon_noise_can_be_scaled_without_touching_the_mean(scale):
     assert read.var() == pytest.approx(400.0 * scale, rel=0.03)
 
 
+def test_what_is_read_is_as_narrow_as_samples_are():
+    assert counted(100.0, size=2, read_noise_e=1.0).dtype == np.float32
+
+
 def test_an_offset_below_zero_is_kept_without_counts():
     assert set(counted(-3.0)) == {-3.0}
 
@@ -107,6 +111,13 @@ def test_the_photon_transfer_is_affine_with_the_gain_as_its_slope(signal_dn, gai
     at_zero, at_signal = photon_transfer_variance([0.0, signal_dn], gain, read_noise_e, photosites=photosites)
     assert at_zero * photosites == pytest.approx((gain * read_noise_e) ** 2)
     assert (at_signal - at_zero) * photosites == pytest.approx(gain * signal_dn, abs=1e-9)
+
+
+def test_variances_keep_double_precision_whatever_they_come_from():
+    signal = np.float32([100.3])
+    assert photon_transfer_variance(signal, 0.3, 4.0)[0] == pytest.approx(
+        0.3 * float(signal[0]) + 1.44, rel=1e-15
+    )
 
 
 def test_the_full_well_fills_the_range_at_0_db():

@@ -59,3 +59,9 @@ def test_the_samples_are_left_as_they_were():
     samples = np.float32([1.4, 300.0])
     digitise(samples, 255)
     assert samples.tolist() == pytest.approx([1.4, 300.0])
+
+
+def test_luminance_keeps_double_precision_whatever_it_comes_from():
+    light, reflectance = np.float32([1234.5]), np.float32([0.18])
+    exact = float(light[0]) * float(reflectance[0]) / np.pi
+    assert lambertian_luminance(light, reflectance)[0] == pytest.approx(exact, rel=1e-15)

@@ -40,6 +40,28 @@ def test_points_behind_the_camera_have_no_pixel():
     assert depth[0] < 0
 
 
+def test_points_beside_the_camera_have_no_pixel_and_close_ones_have():
+    pose = geometry.agent_from_camera((0, 0, 0), 0)
+    pixels, depth = geometry.project([[0.0, 1.0, 0.0], [0.01, 0.0, 0.0]], a_camera(), pose)
+    assert np.isnan(pixels[0]).all()
+    assert pixels[1].tolist() == pytest.approx([319.5, 239.5])
+    assert depth.tolist() == pytest.approx([0.0, 0.01])
+
+
+def test_many_poses_are_inverted_at_once():
+    poses = np.stack([geometry.agent_from_camera((k, 2, 3), 20 * k, 40) for k in range(3)])
+    np.testing.assert_allclose(geometry.invert_pose(poses) @ poses, np.tile(np.eye(4), (3, 1, 1)), atol=1e-12)
+
+
+def test_poses_and_pixels_keep_double_precision_whatever_they_come_from():
+    narrow = np.float32(geometry.agent_from_camera((0.1, 0.2, 0.3), 20.0, 40.0))
+    assert geometry.invert_pose(narrow).dtype == np.float64
+    exact = narrow.astype(np.float64)
+    np.testing.assert_array_equal(geometry.world_from_camera(narrow, narrow), exact @ exact)
+    np.testing.assert_array_equal(geometry.world_from_camera(narrow, np.eye(4)), exact)
+    assert geometry.world_from_camera(narrow, narrow).dtype == np.float64
+
+
 @given(angles, angles)
 def test_pitch_is_up_and_yaw_is_left(pitch_deg, yaw_deg):
     pose = geometry.agent_from_camera((0, 0, 0), pitch_deg, yaw_deg)
@@ -62,9 +84,10 @@ def test_matrix_maps_pixel_edges_and_depths_to_the_edges_of_clip_space():
         np.testing.assert_allclose(clip[3], depth)
 
 
-def test_matrix_refuses_a_depth_range_that_does_not_rise():
-    with pytest.raises(ValueError, match=r"rise from above 0, not 2 \.\. 1 m"):
-        geometry.projection_matrix(a_camera(), 2, 1)
+@pytest.mark.parametrize(("near_m", "far_m"), [(2, 1), (2, 2), (0, 1)])
+def test_matrix_refuses_a_depth_range_that_does_not_rise(near_m, far_m):
+    with pytest.raises(ValueError, match=rf"rise from above 0, not {near_m} \.\. {far_m} m"):
+        geometry.projection_matrix(a_camera(), near_m, far_m)
 
 
 @given(st.tuples(st.floats(-30, 30), st.floats(-30, 30), st.floats(-30, 30)))
@@ -76,6 +99,20 @@ def test_frustum_planes_keep_what_the_matrix_keeps(point):
     margin = min(w - abs(x), w - abs(y), w - abs(z))
     if abs(margin) > 1e-6:
         assert inside == (margin > 0)
+
+
+def test_frustum_planes_tell_how_far_the_edges_of_the_image_and_the_depth_range_are():
+    camera = a_camera(principal_point_px=(100.0, 400.0))
+    planes = geometry.frustum_planes(geometry.projection_matrix(camera, 0.5, 20.0))
+    np.testing.assert_allclose(np.linalg.norm(planes[:, :3], axis=1), 1.0)
+    corners_px = np.array([[-0.5, -0.5], [639.5, -0.5], [639.5, 479.5], [-0.5, 479.5]])
+    rays = np.column_stack([(corners_px - camera.centre_px) / camera.focal_length_px, np.ones(4)])
+    distance = 3.0 * rays @ planes[:, :3].T + planes[:, 3]
+    on_edge = [[0, 2], [1, 2], [1, 3], [0, 3]]  # left, right, first row, last row
+    for corner, edges in enumerate(on_edge):
+        np.testing.assert_allclose(distance[corner, edges], 0.0, atol=1e-9)
+        np.testing.assert_array_less(0.1, np.delete(distance[corner], edges))
+    np.testing.assert_allclose(distance[:, 4:], np.tile([3.0 - 0.5, 20.0 - 3.0], (4, 1)))
 
 
 def test_pixel_rays_project_back_to_their_pixels():

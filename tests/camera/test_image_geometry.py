@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tacos_framework.formation.views import light_context
 from tacos_framework.testing.samples import sample_capture, sample_exposure
 from tacos_framework.values import Camera, ContextMissing, ImageContext, ImageGeometry
 
@@ -51,8 +52,10 @@ def test_a_context_says_what_it_lacks():
 
 
 def test_a_rendered_view_knows_its_exposure_and_depth():
-    view = sample_capture().views[0]
-    context = ImageContext.of_light(view, sample_exposure(f_number=4.0))
+    capture = sample_capture()
+    view = capture.views[0]
+    context = light_context(view, capture.episode, sample_exposure(f_number=4.0))
     assert context.known_f_number("x") == 4.0
     assert context.known_depth_m("x") is view.depth_m
     assert context.reference_row == 23.5
+    assert context.known_velocity_px_s("x").shape == (*view.depth_m.shape, 2)  # worked out when asked for

@@ -103,9 +103,29 @@ def test_drawn_noise_is_gaussian_and_independent_between_pixels_and_channels():
     np.testing.assert_allclose(neighbours, 0, atol=0.015)
 
 
+def test_drawn_noise_below_black_is_that_of_black():
+    samples = np.full((300, 300, 3), 6.0, np.float32)
+    noisy = np.empty_like(samples)
+    add_noise(
+        samples,
+        noisy,
+        black_level_dn=16.0,
+        photon_dn=np.float32(0.24),
+        thermal_dn2=np.float32(4.0),
+        rng=np.random.default_rng(5),
+    )
+    assert noisy.var() == pytest.approx(4.0, rel=5 * math.sqrt(2 / samples.size))
+
+
+def test_variances_keep_double_precision_whatever_they_come_from():
+    signal, photon, thermal = np.float32([100.3]), np.float32([0.12]), np.float32([0.91])
+    exact = 0.3 * float(photon[0]) * float(signal[0]) + 0.09 * float(thermal[0])
+    assert affine_variance(signal, photon, thermal, ratio=0.3)[0] == pytest.approx(exact, rel=1e-14)
+
+
 def test_noise_is_not_lost_in_a_copy():
     samples = np.zeros((4, 4, 3), np.float32)
-    with pytest.raises(ValueError, match="contiguous"):
+    with pytest.raises(ValueError, match=r"^noise can be written into a contiguous array only$"):
         add_noise(
             samples,
             np.asfortranarray(samples),

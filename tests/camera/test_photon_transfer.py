@@ -70,6 +70,66 @@ def test_a_fixed_pattern_is_told_apart_from_noise():
     bright = levels.mean_dn > 100
     pattern = np.sqrt(np.average(levels.fixed_dn2[bright] / levels.mean_dn[bright] ** 2))
     assert pattern == pytest.approx(0.02, rel=0.1)
+    without, _ = fitted(bars())
+    assert np.average(without.fixed_dn2, weights=without.pixels) < 0.2
+
+
+def test_pixels_that_jump_are_left_out_and_counted():
+    frames = bars().astype(int)
+    frames[::2, 20:140:24, 30:240:20] += 60  # in the middle of all bars but the first
+    levels, fit = fitted(frames.astype(np.uint16))
+    assert levels.outliers == 5 * 11
+    assert np.average(levels.fixed_dn2, weights=levels.pixels) < 0.2  # nor are their neighbours a pattern
+    assert fit.photon_dn == pytest.approx(0.24, rel=0.03)
+    assert measure_levels([bars()], white_level_dn=255).outliers == 0
+
+
+def test_a_ramp_is_cut_into_levels_of_equal_steps():
+    """Signal from 20 to 220 over 600 columns, less what the borders take."""
+    rng = np.random.default_rng(1)
+    ramp = np.linspace(20, 220, 600) + rng.normal(0, 3, (8, 100, 600))
+    levels = measure_levels([np.rint(ramp).astype(np.uint16)], white_level_dn=255, levels=10)
+    assert levels.mean_dn == pytest.approx(20 + 20 * (np.arange(10) + 0.5), abs=1.5)
+    assert levels.variance_dn2 == pytest.approx(np.full(10, 9 + 1 / 12), rel=0.05)
+    assert levels.frames == 8
+    # von Neumann 1941: half the mean square of 7 successive differences scatters by (3 F - 4) / (F - 1)^2.
+    assert levels.error_dn2 == pytest.approx(levels.variance_dn2 * np.sqrt(20 / 49 / levels.pixels))
+
+
+@pytest.mark.parametrize("frames", [2, 5])
+def test_the_error_of_a_variance_is_its_scatter(frames):
+    drawn = [
+        measure_levels(
+            [np.random.default_rng(seed).normal(100, 4, (frames, 60, 60)).astype(np.uint16)],
+            white_level_dn=255,
+            levels=1,
+        )
+        for seed in range(120)
+    ]
+    scatter = np.std([levels.variance_dn2 for levels in drawn])
+    assert scatter == pytest.approx(np.mean([levels.error_dn2 for levels in drawn]), rel=0.2)
+
+
+@pytest.mark.parametrize("value", [0, 255])
+def test_of_censored_frames_every_sample_is_clipped(value):
+    levels = measure_levels([np.full((4, 60, 60), value, np.uint16)], white_level_dn=255)
+    assert levels.clipped.tolist() == [1.0]
+    assert levels.edge_excess == 1.0
+
+
+def test_the_share_of_clipped_samples_is_over_all_frames():
+    frames = np.full((4, 60, 60), 100, np.uint16)
+    frames[0, ::2] = 0
+    frames[1] = 1
+    frames[:, :, 30:] = 200  # a second level, without
+    levels = measure_levels([frames], white_level_dn=255, levels=2)
+    assert levels.clipped.tolist() == pytest.approx([1 / 8, 0.0], abs=0.01)
+
+
+def test_where_nothing_is_even_there_is_no_level():
+    steep = np.tile(4 * np.arange(60), (4, 60, 1))
+    levels = measure_levels([steep.astype(np.uint16)], white_level_dn=255)
+    assert len(levels.mean_dn) == 0
 
 
 def test_light_that_flickers_as_a_whole_is_no_noise():
@@ -113,7 +173,19 @@ def test_edges_show_when_the_scene_moves():
     still = bars()
     assert measure_levels([still], white_level_dn=255).edge_excess == pytest.approx(1.0, abs=0.05)
     moving = np.stack([np.roll(frame, i, axis=1) for i, frame in enumerate(still)])
-    assert measure_levels([moving], white_level_dn=255).edge_excess > 1.5
+    assert measure_levels([moving], white_level_dn=255).edge_excess > 2.0
+
+
+@pytest.mark.parametrize(("brighter_dn", "low", "high"), [(180, 30, 100), (255, 0.9, 1.2)])
+def test_the_edges_alone_show_it_and_only_where_nothing_is_clipped(brighter_dn, low, high):
+    """Noise of 2 everywhere, and five columns about an edge that jump by 60."""
+    frames = np.random.default_rng(1).normal(100, 2, (8, 144, 240))
+    frames[:, :, 120:] += brighter_dn - 100
+    frames[::2, :, 118:123] -= 60
+    if brighter_dn == 255:
+        frames[:, :, 118:] = np.where(np.arange(8)[:, None, None] % 2, 255, 195)
+    levels = measure_levels([np.clip(np.rint(frames), 0, 255).astype(np.uint16)], white_level_dn=255)
+    assert low < levels.edge_excess < high
 
 
 def test_both_greens_of_a_mosaic_count_together():

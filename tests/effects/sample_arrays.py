@@ -30,22 +30,24 @@ def make(effect: type[Any], **settings: Any) -> Any:
     return effect(effect.Config(**settings))
 
 
-def run(effect: Any, signal: NDArray[Any], *, seed: int = 0, **circumstances: Any) -> NDArray[Any]:
+def run(
+    effect: Any, signal: NDArray[Any], *, seed: int = 0, binning: float = 1.0, **circumstances: Any
+) -> NDArray[Any]:
     """The samples with an effect."""
     return effect.on_array(
         signal,
-        geometry=geometry_of(signal),
+        geometry=geometry_of(signal, binning=binning),
         context=context(**circumstances),
         rng=np.random.default_rng(seed),
     )
 
 
-def moments(effect: Any, mean: Any, variance: Any, signal: NDArray[Any]) -> Any:
+def moments(effect: Any, mean: Any, variance: Any, signal: NDArray[Any], *, binning: float = 1.0) -> Any:
     """The moments after an effect, for images of the size of `signal`."""
     return effect.moments(
         np.asarray(mean, np.float64),
         np.asarray(variance, np.float64),
-        geometry=geometry_of(signal),
+        geometry=geometry_of(signal, binning=binning),
         context=context(),
     )
 

@@ -13,6 +13,7 @@ from tacos_plugins.effects.dsnu import Dsnu
 from tacos_plugins.effects.lens_shading_correction import LensShadingCorrection
 from tacos_plugins.effects.nonlinearity import Nonlinearity
 from tacos_plugins.effects.prnu import Prnu
+from tacos_plugins.effects.quantisation import Quantisation
 from tacos_plugins.effects.read_noise import ReadNoise
 from tacos_plugins.effects.row_noise import RowNoise
 from tacos_plugins.effects.saturation import Saturation, cut_off_moments
@@ -82,6 +83,28 @@ def test_moments_take_flat_fields(name):
     mean, variance = moments(effect, levels, np.full_like(levels, 4.0), images)
     assert np.broadcast_shapes(mean.shape, images.shape) == images.shape
     assert np.broadcast_shapes(variance.shape, images.shape) == images.shape
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        make(Quantisation, step_dn=8.0),
+        make(Quantisation, step_dn=8.0, rounding="floor"),
+        make(Quantisation, step_dn=18.0),
+        make(Crosstalk, share=0.03),
+        make(DarkCurrent, rate_dn_s=100.0, hot_share=0.5),
+    ],
+    ids=["quantisation", "rounding down", "quantisation to a comb", "crosstalk", "dark-current"],
+)
+def test_moments_are_those_of_binned_pixels(effect):
+    frames = flats(100.0, SIGMA_DN, height=100, width=100, frames=40)
+    flat = np.full((1, 100, 100, 3), 100.0)
+    mean, variance = moments(effect, flat, np.full(flat.shape, SIGMA_DN**2), frames, binning=3.0)
+    seen = np.rint(run(effect, frames, binning=3.0))
+    inside = np.s_[EDGE_PX:-EDGE_PX, EDGE_PX:-EDGE_PX]
+    temporal = seen.var(axis=0, ddof=1)[inside].mean() - 1 / 12  # that of rounding
+    np.testing.assert_allclose(seen.mean(axis=0)[inside].mean(), mean[0][inside].mean(), atol=0.05)
+    np.testing.assert_allclose(temporal, np.broadcast_to(variance, flat.shape)[0][inside].mean(), rtol=0.02)
 
 
 def test_far_below_the_level_nothing_is_cut_off_and_far_above_nothing_is_left():

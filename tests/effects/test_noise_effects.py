@@ -112,6 +112,13 @@ def test_tails_are_those_of_students_t_at_the_same_variance():
     assert noise.var() == pytest.approx(4.0, rel=0.05)
 
 
+@pytest.mark.parametrize("tail", [0.1, 0.15])
+def test_the_mean_of_photosites_has_lighter_tails(tail):
+    noise = run(make(ReadNoise, sigma_dn=2.0, tail=tail), flats(0.0, 0.0, height=300, width=400), binning=3.0)
+    expected = 6 * tail / (1 - 4 * tail) / 9
+    assert stats.kurtosis(noise.ravel()) == pytest.approx(expected, rel=0.2)
+
+
 def test_row_noise_is_common_to_a_row_and_new_in_every_frame():
     noise = run(make(RowNoise, sigma_dn=1.5), flats(0.0, 0.0, frames=50, height=200, width=20))
     rows = noise[:, :, 0, 0]

@@ -139,7 +139,7 @@ CASES: dict[tuple[str, str], Case] = {
     ),
     ("saturation", "level_dn"): Case(2000.0 + 2500 * K, level, electrons=3500.0, excess=False),
     ("black-level", "offset_dn"): Case(600.0, level, electrons=100.0),
-    ("quantisation", "step_dn"): Case(512.0, temporal_variance, noise_dn=275.0, frames=30),
+    ("quantisation", "step_dn"): Case(512.0, temporal_variance, noise_dn=350.0, frames=60),
     ("crosstalk", "share"): Case(0.03, neighbours, frames=30),
 }
 """Every parameter that counts pixels, rows or digital numbers, or a spread of photosites."""

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.fitness import Constraint, Fitness, Term, mean_scores
+from tacos_framework.fitness import Constraint, Fitness, Term, mean_scores, standard_errors
 
 PAPER = Fitness(
     (
@@ -58,7 +58,9 @@ def test_a_missing_score_fails_the_candidate_and_is_named() -> None:
         CandidateFailed, match=r"value for obstacle.seen_ratio, .* reported: detect.ap50, feat"
     ):
         PAPER.value(scores)
-    with pytest.raises(CandidateFailed, match="reported: none"):
+    with pytest.raises(
+        CandidateFailed, match=r"for features.inliers, features.inlier_ratio, .* reported: none$"
+    ):
         PAPER.terms({})
 
 
@@ -76,12 +78,13 @@ def test_scores_that_are_no_numbers_are_a_defect_of_the_task(value: float) -> No
         (lambda: Term("a.b", math.nan), "the weight of a.b must be a finite number, not nan"),
         (lambda: Fitness(()), "a fitness needs at least one term"),
         (lambda: Fitness((Term("a.b", 1), Term("a.b", 2))), "the fitness names a.b more than once"),
+        (lambda: Fitness(tuple(Term(n, 1) for n in "baba")), "the fitness names a, b more than once"),
         (lambda: Constraint("hfov_deg"), "the constraint on hfov_deg has no bound"),
         (lambda: Constraint("hfov_deg", 9, 1), "the constraint on hfov_deg has min 9 above max 1"),
     ],
 )
 def test_what_makes_no_sense_is_refused(build: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=f"^{message}$"):
         build()
 
 
@@ -97,6 +100,10 @@ def test_what_makes_no_sense_is_refused(build: Any, message: str) -> None:
 )
 def test_a_broken_constraint_says_so_with_numbers(value: float, sentences: list[str]) -> None:
     assert Constraint("hfov_deg", min=40, max=140).broken({"hfov_deg": value}) == sentences
+
+
+def test_a_quantity_may_be_wanted_at_one_value() -> None:
+    assert Constraint("cameras", min=2, max=2).broken({"cameras": 2.0}) == []
 
 
 def test_a_quantity_that_is_no_number_keeps_no_bound() -> None:
@@ -115,3 +122,12 @@ def test_means_are_over_the_episodes_that_report_a_score() -> None:
 def test_the_mean_does_not_depend_on_the_order_of_episodes(values: list[float], random: Any) -> None:
     shuffled = random.sample(values, len(values))
     assert mean_scores({"s": v} for v in values) == mean_scores({"s": v} for v in shuffled)
+
+
+def test_standard_errors_are_of_the_scores_that_every_episode_reports() -> None:
+    """1, 3 and 5 scatter by 2 about their mean."""
+    episodes = [{"a.x": 1.0, "b.y": 5.0}, {"a.x": 3.0, "c.z": 1.0}, {"a.x": 5.0, "c.z": 2.0}]
+    assert standard_errors(episodes) == {"a.x": pytest.approx(2 / math.sqrt(3))}
+    assert standard_errors(episodes[1:]) == pytest.approx({"a.x": 1.0, "c.z": 0.5})
+    assert standard_errors(episodes[:1]) == {}
+    assert standard_errors([]) == {}

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from tacos_framework.catalog import Catalog, Column, Part
 from tacos_framework.contracts import Evaluated
 from tacos_framework.errors import UserError
-from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
+from tacos_framework.variables.design_space import (
+    CatalogChoice,
+    Categorical,
+    Continuous,
+    DesignSpace,
+    Integer,
+)
 from tacos_plugins.optimizers.genetic import Genetic
 
 LENSES = tuple(f"lens {i:02}" for i in range(20))
@@ -122,6 +131,30 @@ def test_the_mutation_rate_is_that_of_genes():
     assert np.mean(genes != 0.5) == pytest.approx(0.25, abs=0.04)
 
 
+def test_genes_of_an_offspring_mutate_independently():
+    space = DesignSpace([Continuous("x", -1, 1, "m"), Continuous("y", -1, 1, "m")])
+    optimizer = search(space, population=2000, keep=0, parents=1, generations=2, mutation_rate=0.5)
+    optimizer.tell([Evaluated(space.decode([0.5, 0.5]), 1.0)])
+    changed = np.array([candidate.genes for candidate in optimizer.ask()]) != 0.5
+    assert np.mean(changed[:, 0] & changed[:, 1]) == pytest.approx(0.25, abs=0.05)
+
+
+def test_an_offset_of_one_gene_goes_before_that_of_its_variable():
+    columns = ("width_mm", "pixel_um")
+    sizes = np.linspace(2, 8, 61)
+    rows = [Part(f"{w}, {p}", {"width_mm": w, "pixel_um": p}) for w in sizes for p in sizes]
+    fields = tuple(Column(name, name[-2:], "Size.") for name in columns)
+    catalog = Catalog("sensors", "Sensors", fields, rows, source="tests", design_columns=columns)
+    sensor = CatalogChoice("sensor", catalog)
+    space = DesignSpace([sensor])
+    config = {"population": 300, "keep": 0, "parents": 1, "generations": 2, "factor": (1.0, 1.0)}
+    for add, reach in (({"sensor": 1}, [1, 1]), ({"sensor": 1, "sensor.pixel_um": 2}, [1, 2])):
+        optimizer = search(space, add=add, **config)
+        optimizer.tell([Evaluated(space.decode([5.0, 5.0]), 1.0)])
+        genes = np.array([candidate.genes for candidate in optimizer.ask()])
+        np.testing.assert_allclose(np.abs(genes - 5).max(axis=0), reach, atol=0.11)
+
+
 def test_offsets_may_differ_between_variables():
     space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg"), Continuous("baseline_m", -3, 3, "m")])
     config = {"population": 500, "keep": 0, "parents": 1, "generations": 2}
@@ -134,11 +167,17 @@ def test_offsets_may_differ_between_variables():
 def test_wrong_offsets_are_all_refused_at_once():
     with pytest.raises(UserError) as raised:
         search(add={"pich_deg": 5, "lens": 2})
-    said = str(raised.value)
-    assert "'pich_deg'" in said
-    assert "Did you mean 'pitch_deg'?" in said
-    assert "add names 'lens', which is no number of the design" in said
-    assert "add has no entry for 'baseline_m'" in said
+    unknown, no_number, *missing = map(str, raised.value.faults)
+    assert unknown.startswith(
+        "optimizer.genetic: add names 'pich_deg', which is no number of the design\n  to do: Did you mean"
+    )
+    assert "'pitch_deg'" in unknown
+    assert no_number.startswith("optimizer.genetic: add names 'lens', which is no number of the design")
+    assert missing == [
+        f"optimizer.genetic: add has no entry for {name!r}\n"
+        f"  expected: one per variable\n  to do: Add {name!r}."
+        for name in ("pitch_deg", "baseline_m")
+    ]
 
 
 def test_failed_candidates_never_breed():
@@ -187,6 +226,19 @@ def test_a_random_start_covers_the_space():
     genes = np.array([candidate.genes for candidate in search(population=400, generations=1).ask()])
     np.testing.assert_allclose(genes.min(axis=0), [-30, 0.01, 0], atol=1)
     np.testing.assert_allclose(genes.max(axis=0), [30, 3, 19], atol=1)
+
+
+def test_resumed_it_goes_on_where_it_was():
+    unbroken = search(generations=5)
+    tell(unbroken, lambda i, _: float(i))
+    resumed = search(seed=2, generations=5)
+    resumed.restore(json.loads(json.dumps(unbroken.state())))
+    while unbroken.stop() is None:
+        for one, other in zip(unbroken.ask(), resumed.ask(), strict=True):
+            assert one.genes == other.genes
+        for optimizer in (unbroken, resumed):
+            tell(optimizer, lambda i, _: float(i))
+    assert resumed.stop() == "all 5 generations were evaluated"
 
 
 def test_it_stops_after_its_generations():

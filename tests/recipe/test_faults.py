@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from tacos_framework.components import Component
 from tacos_framework.errors import UserError
+from tacos_framework.hookspecs import hookimpl
 from tacos_framework.plan import make_plan
+from tacos_framework.plan.procedure import plan_procedure
+from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, parse_recipe
+from tacos_framework.recipe.procedure import procedure_from
+from tacos_framework.settings.yaml_reader import read_yaml_draft
 
 RIGHT = """\
 tacos: 1
@@ -110,7 +116,10 @@ WRONG = [
     ),
     ("seed: 7", "study: {train_best: 3}\nseed: 7", "r.yaml:3:9: nothing learns in this study"),
     ("seed: 7", "study: {renew_training: each_candidate}\nseed: 7", "nothing learns in this study"),
-    ("use: task.orb-features", "use: effect.vignetting", "List it under effects:."),
+    ("use: task.orb-features", "use: effect.vignetting", "(effect.vignetting) has no port 'frames'"),
+    ("use: task.orb-features", "use: rig.monocular", "rig.monocular cannot be a node\n  expected: a scene,"),
+    ("use: task.orb-features", "use: optimizer.genetic", "Put it under optimizer:."),
+    ("use: task.orb-features", "use: procedure.diagnose", "A procedure has a recipe of its own"),
     ("use: task.orb-features", "use: task.nothing-here", "install that package"),
     ("calibration: flea3_imx172", "calibration: flea4", "r.yaml:15:3"),
     ("score: features.inliers,", "score: features.inlier,", "Did you mean 'features.inliers'?"),
@@ -220,3 +229,75 @@ def test_a_task_that_can_judge_no_camera_says_why(toys):
 )
 def test_a_sensor_that_knows_enough_of_some_camera_has_no_fault(toys, known):
     assert plan(EMVA.replace("in: {capture: capture}}", f"in: {{capture: capture}}, {known}}}"), toys).nodes
+
+
+def test_what_yaml_refuses_is_told_among_all_other_faults_and_once(toys):
+    text = RIGHT
+    for old, new in [
+        ("seed: 7", "seed: .nan"),
+        ("binning: 4", "binning: .inf, binnig: 4"),
+        ("[1, 20]", "[1, -.inf]"),
+        ("{max: 140}", "{max: 140, max: 150}"),
+        ("gain_db: 5", "gain_db: 1e999"),
+        ("frames: 5", "frames: &n 0"),
+        ("{episode: world}", "{episode: word}"),
+        ("calibration: flea3_imx172", "calibration: .nan"),
+        ("weight: 0.5", "weight: .NaN"),
+        ("population: 10", "population: *n"),
+    ]:
+        assert old in text
+        text = text.replace(old, new, 1)
+    faults = [fault.splitlines()[0] for fault in faults_of(text, toys)]
+    assert faults == [
+        "r.yaml:3:7: .nan is not a number that can be used",
+        "r.yaml:4:36: .inf is not a number that can be used",
+        "r.yaml:4:42: unknown key 'binnig'",
+        "r.yaml:7:34: -.inf is not a number that can be used",
+        "r.yaml:9:36: key 'max' stands here again, first in line 9",
+        "r.yaml:10:43: 1e999 is too large for a number",
+        "r.yaml:13:27: frames is 0",
+        "r.yaml:13:35: anchor &n is not supported",
+        "r.yaml:14:37: there is no node 'word'",
+        "r.yaml:15:75: .nan is not a number that can be used",
+        "r.yaml:19:44: .NaN is not a number that can be used",
+        "r.yaml:20:49: alias *n is not supported",
+    ]
+
+
+def test_a_node_or_variable_at_fault_brings_no_faults_of_what_leads_to_it(toys):
+    (fault,) = faults_of(RIGHT.replace("use: sensor.affine-noise", "use: 7"), toys)
+    assert "nodes.frames.use is 7" in fault
+    (fault,) = faults_of(RIGHT.replace("[1, 20]", '["1", 20]'), toys)
+    assert "design.focal_length_mm.between.0" in fault
+
+
+def test_a_design_variable_that_is_a_plain_value_says_how_to_fix_it(toys):
+    (fault,) = faults_of(RIGHT.replace("pitch_deg: {between: [-30, 30]}", "pitch_deg: 5"), toys)
+    assert fault.startswith(
+        "r.yaml:6:3: design.pitch_deg is 5\n  expected: an entry such as {between: [1, 2]}"
+    )
+    assert "move it under rig:" in fault
+
+
+def test_a_procedure_s_recipe_tells_all_its_faults_too():
+    class Offer:
+        @hookimpl
+        def tacos_components(self):
+            return [Component("procedure", "count", "toy_procedure:Counting", summary="Counts.")]
+
+    plugins = Plugins.discover()
+    plugins.register(Offer())
+    text = (
+        "tacos: 1\nuse: procedure.count\nseed: .nan\nfoo: 1\n"
+        "executor: {use: executor.process, workers: .inf}\nlimit: 0\n"
+    )
+    recipe, faults = procedure_from(read_yaml_draft(text, name="p.yaml"), {"name": 3}, ())
+    with pytest.raises(UserError) as caught:
+        plan_procedure(recipe, plugins, faults)
+    found = [str(fault).splitlines()[0] for fault in caught.value.faults]
+    assert "--set name: name is 3" in found
+    assert "p.yaml:3:7: .nan is not a number that can be used" in found
+    assert "p.yaml:5:44: .inf is not a number that can be used" in found
+    assert "p.yaml:4:1: unknown key 'foo'" in found
+    assert "p.yaml:6:1: limit is 0" in found
+    assert sum("p.yaml:3" in fault or "p.yaml:5" in fault for fault in found) == 2

@@ -35,6 +35,7 @@ class Offer:
     def tacos_components(self) -> list[Component]:
         return [
             Component("task", "needy", "x:Y", summary="Needs a package.", requires=("not_there=a-package",)),
+            Component("effect", "broken", "not_there_at_all:Effect", summary="Cannot be imported."),
             Component("task", "broken", "not_there_at_all:Task", summary="Cannot be imported."),
             Component("procedure", "count", "toy_procedure:Counting", summary="Counts."),
         ]
@@ -112,7 +113,15 @@ MISTAKES = [
     (at("optimizer", "populations", value=3), "'populations' was unexpected"),
     (at("optimizer", "population", value=0), "$.optimizer.population: 0 is less than the minimum"),
     (at("nodes", "frames", "calibratoin", value="x"), "'calibratoin' was unexpected"),
-    (at("nodes", "frames", "use", value="effect.vignetting"), "'effect.vignetting' is not one of"),
+    (at("nodes", "frames", "use", value="rig.monocular"), "'rig.monocular' is not one of"),
+    (at("nodes", "isp", value={"use": "effect.jpeg"}), "$.nodes.isp: 'in' is a required property"),
+    (at("nodes", "isp", value={"use": "effect.jpeg", "in": {"capture": "x"}}), "'capture' was unexpected"),
+    (at("effects", value=[{"use": "effect.jpeg", "in": {"frames": "x"}}]), "'in' was unexpected"),
+    (at("effects", value=[{"use": "effect.jpeg", "cameras": []}]), "[] should be non-empty"),
+    (at("effects", value=[{"use": "effect.jpeg", "name": "A b"}]), "'A b' does not match"),
+    (at("scenario", value=[{"gain_db": 5}]), "'name' is a required property"),
+    (at("scenario", value=[{"name": "day", "weight": 0}]), "0 is less than or equal to the minimum"),
+    (at("study", value={"scenarios": "best"}), "'best' is not one of"),
     (without("nodes", "frames", "in"), "$.nodes.frames: 'in' is a required property"),
     (at("nodes", "frames", "in", value={"captures": "capture"}), "'captures' was unexpected"),
     (at("nodes", "features", "train", value={"weights": "shared"}), "'train' was unexpected"),
@@ -140,6 +149,22 @@ def test_a_mistake_is_found(
 def test_settings_of_nodes_may_be_designed(validator: Draft202012Validator, quick: dict[str, Any]) -> None:
     quick["design"]["features.fast_threshold"] = {"choose": [5, 7]}
     quick["design"]["scenario.gain_db"] = {"between": [0, 10]}
+    quick["design"]["effects.lens-blur_2.left.sigma_px"] = {"between": [0, 10]}
+    assert complaints(validator, quick) == ""
+
+
+def test_effects_are_listed_or_nodes_and_scenarios_may_be_several(
+    validator: Draft202012Validator, quick: dict[str, Any]
+) -> None:
+    quick["effects"] = [{"use": "effect.jpeg", "name": "worse", "cameras": ["camera"], "quality": 10}]
+    quick["nodes"]["isp"] = {
+        "use": "effect.jpeg",
+        "in": {"frames": "frames"},
+        "cameras": ["camera"],
+        "quality": 60,
+    }
+    quick["scenario"] = [{"name": "day"}, {"name": "night", "weight": 2, "illumination_lux": 1}]
+    quick["study"] = {"scenarios": "worst"}
     assert complaints(validator, quick) == ""
 
 
@@ -157,9 +182,12 @@ def test_components_that_cannot_be_loaded_are_named_and_allowed(quick: dict[str,
     described = recipe_schema(plugins)
     assert described.undescribed == {
         "task.needy": "task.needy needs packages that are not installed: a-package",
+        "effect.broken": "its import failed: ModuleNotFoundError: No module named 'not_there_at_all'",
         "task.broken": "its import failed: ModuleNotFoundError: No module named 'not_there_at_all'",
     }
     quick["nodes"]["needy"] = {"use": "task.needy", "in": {"frames": "frames"}, "anything": 1}
+    quick["nodes"]["broken"] = {"use": "effect.broken", "in": {"frames": "frames"}}
+    quick["effects"] = [{"use": "effect.broken", "anything": 1}]
     assert complaints(Draft202012Validator(described.schema), quick) == ""
 
 

@@ -51,6 +51,37 @@ def test_the_sky_is_seen_in_its_direction_behind_everything(antialiasing):
     assert seen[:, 2] == pytest.approx(50, abs=0.1)
 
 
+@pytest.mark.parametrize(
+    "config", [{"antialiasing": "none"}, {"antialiasing": "multisampling"}, {"reuse": "cube-map"}], ids=str
+)
+def test_each_pixel_shows_the_sky_in_the_direction_of_its_centre(config):
+    """The sky's red tells the angle from the zenith, its green that from +x: 100 for 180 degrees each."""
+    seen_by = camera(
+        24,
+        16,
+        12.0,  # half a pixel is more than a degree
+        principal_point_px=(9.0, 8.5),
+        agent_from_camera=agent_from_camera((0, 0, 0), 50.0, 90.0),
+    )
+    rows = 256
+    zenith = 100 * (np.arange(rows) + 0.5) / rows
+    turn = 100 * (1 - np.abs(1 - (np.arange(2 * rows) + 0.5) / rows))
+    red, green = np.meshgrid(zenith, turn, indexing="ij")
+    sky = np.stack([red, green, np.zeros_like(red)], axis=-1).astype(np.float32)
+    below = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
+    place = replace(world([below], [matte(0.5)]), sky_cd_m2=sky)
+    view = one_view(standing(place, AGENT), seen_by, **config)
+    assert np.isinf(view.depth_m).all()
+    rays = pixel_rays(seen_by) @ view.world_from_camera[0, :3, :3].T
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    from_zenith = np.degrees(np.arccos(rays[..., 2]))
+    from_x = np.degrees(np.arctan2(np.abs(rays[..., 1]), rays[..., 0]))
+    shown = view.luminance_cd_m2[0] * 1.8
+    off_zenith = from_zenith > 5  # closer in, a texel of the panorama spans many degrees of turn
+    assert shown[..., 0] == pytest.approx(from_zenith, abs=0.2)
+    assert shown[..., 1][off_zenith] == pytest.approx(from_x[off_zenith], abs=0.2)
+
+
 def test_a_sun_far_away_lights_ground_by_the_cosine_and_casts_sharp_shadows():
     elevation = math.radians(40)
     towards = np.array([0.0, -math.cos(elevation), math.sin(elevation)])

@@ -64,6 +64,30 @@ def test_candidates_of_a_generation_see_the_same_frames(toys, tmp_path):
         assert (a.scores == b.scores) is common
 
 
+class Remembering:
+    """An executor that keeps the scores of each episode that a job was about."""
+
+    def __init__(self):
+        self.scored = []
+
+    def map(self, evaluate, jobs):
+        for job in jobs:
+            outcome = evaluate(job)
+            if isinstance(job, ScoreJob):
+                self.scored += zip(job.episodes, outcome.episodes, strict=True)
+            yield outcome
+
+
+def test_a_camera_is_judged_on_as_many_different_worlds_as_were_asked_for(toys, tmp_path):
+    executor = Remembering()
+    # Without noise only the light of a world is left to tell frames of one camera apart.
+    recipe = toy_recipe(test={"seed": 1001, "episodes": 5}, nodes={"frames": {"sigma_dn": 0.0}})
+    result = run(recipe, toys, tmp_path / "out", executor=executor)
+    brightness = [scores["width.brightness"] for spec, scores in executor.scored if spec.seed == 1001]
+    assert len(brightness) == len(set(brightness)) == 5
+    assert result["test"]["designed"]["width.brightness"] == pytest.approx(sum(brightness) / 5)
+
+
 def test_off_the_shelf_cameras_are_fitted_and_tested_beside(toys, tmp_path):
     recipe = toy_recipe(
         compare={"cameras": ["flea3", "oak_d_pro_wide"], "evaluations": 7},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from multiprocessing import Pipe
 from pathlib import Path
 from textwrap import dedent
@@ -11,8 +12,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.errors import UserError
-from tacos_framework.settings.yaml_reader import MAX_BYTES, MAX_DEPTH, Document, read_yaml
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.settings.yaml_reader import MAX_BYTES, MAX_DEPTH, Document, read_yaml, read_yaml_draft
 
 
 def faults_of(text: str | Path) -> list[tuple[str, str]]:
@@ -237,3 +238,35 @@ def test_a_key_at_the_line_and_column_of_a_list_index_keeps_both_positions() -> 
     assert document.where((1, 3)) == "text:2:13"
     assert document.where((1, 3, "a")) == "text:2:14"
     assert len(document.positions) == 10
+
+
+def test_a_draft_holds_what_can_be_read_and_says_what_cannot() -> None:
+    document = read_yaml_draft("a: [1, .nan]\nb: {c: *x, c: 2}\nd: 3\n", name="recipe.yaml")
+    assert document.data == {"a": [1, None], "b": {"c": None}, "d": 3}
+    assert document.unread == {("a", 1), ("b", "c")}
+    assert [fault.where for fault in document.faults] == [
+        "recipe.yaml:1:8",
+        "recipe.yaml:2:8",
+        "recipe.yaml:2:12",
+    ]
+    echo = Fault(document.where(("a", 1)), "a.1 is null")
+    other = Fault(document.where(("d",)), "d is 3")
+    assert document.without_echoes([*document.faults, echo, other]) == [*document.faults, other]
+    with pytest.raises(UserError):
+        read_yaml("a: [1, .nan]\n")
+
+
+def test_where_there_is_no_document_there_is_no_draft() -> None:
+    for text in ("a: [1, 2\n", "[" * 60 + "]" * 60, "a: \x00"):
+        with pytest.raises(UserError):
+            read_yaml_draft(text)
+
+
+def test_what_came_from_elsewhere_has_its_name_with_all_below_it() -> None:
+    document = read_yaml("a: {b: {c: 1}, d: 2}\n", name="recipe.yaml")
+    changed = replace(document, elsewhere={("a", "b"): "--set a.b", ("e", "f"): "--set e.f"})
+    assert changed.where(("a", "b", "c")) == "--set a.b"
+    assert changed.where(("a", "d")) == "recipe.yaml:1:16"
+    assert changed.where(("a",)) == "recipe.yaml:1:1"
+    assert changed.where(("e",)) == "--set e.f"
+    assert changed.where(("g",)) == "recipe.yaml:1:1"

@@ -20,8 +20,8 @@ class ConversionGainError:
     A pixel gives K digital numbers per electron, and the variance of its photon noise is K times the
     signal: with another K the same digital number stands for fewer or more electrons. What is left unchanged:
     the mean, since the exposure that reaches it is the scenario's; and the noise without signal, which is
-    measured in digital numbers in the dark. The sensor draws the noise, so the effect sets
-    `Signal.photon_scale` and changes no sample itself; the diagnosis reads `photon_scale`.
+    measured in digital numbers in the dark. The sensor draws the noise: the effect changes no sample itself,
+    and the sensor is told the product of all `photon_scale`.
 
     References
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar
@@ -124,7 +125,10 @@ def _hot_rates(
         rates *= heat < share
     else:
         photosites = binning**2
-        hot = poisson.ppf(1 - heat, share * photosites)  # of rare ones, how many fall into a pixel
-        rates = (rng.standard_gamma(hot) / photosites).astype(np.float32)
+        expected = share * photosites
+        odds = poisson.cdf(np.arange(expected + 10 * math.sqrt(expected) + 10), expected)
+        hot = np.searchsorted(odds, 1 - heat)  # how many of them fall into a pixel
+        rates = np.zeros(size, np.float32)
+        rates[hot > 0] = rng.standard_gamma(hot[hot > 0]) / photosites
     rates.flags.writeable = False
     return rates

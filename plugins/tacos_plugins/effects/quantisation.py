@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
@@ -20,7 +21,7 @@ class Quantisation:
     A 10-bit converter in a 12-bit file has a step of 4 DN and leaves a comb of empty codes. Rounding
     downwards darkens the image by half a step. Nothing happens at a step of 1 DN or less to the nearest:
     so the file is rounded anyway. The photosites of a binned pixel are rounded one by one, and noise makes
-    their errors independent: the average has steps as many times finer as the binning, and the same shift.
+    their errors independent: of the average of n the error has 1 / n of the variance, and the shift stays.
 
     References
     ----------
@@ -65,10 +66,18 @@ class Quantisation:
         rng: np.random.Generator,
     ) -> NDArray[np.floating]:
         """The samples, rounded."""
-        step = self.config.step_dn / geometry.binning
-        if self.config.rounding == "floor":
-            return np.floor(signal / step) * step - (self.config.step_dn - step) / 2
-        return np.rint(signal / step) * step if step > 1 else signal
+        step = self.config.step_dn
+        down = self.config.rounding == "floor"
+        if step <= 1 and not down:
+            return signal
+        if geometry.binning == 1.0:
+            return (np.floor(signal / step) if down else np.rint(signal / step)) * step
+        photosites = geometry.binning**2
+        coarse = max(step / photosites, 1.0)  # codes an average of whole steps can have, if not every one
+        left = excess_dn2(step, photosites) - (coarse**2 - 1) / 12
+        noise = rng.standard_normal(signal.shape, np.float32) * np.float32(math.sqrt(left))
+        mean = signal + noise - (step / 2 if down else 0.0)
+        return np.rint(mean / coarse) * coarse if coarse > 1 else mean
 
     def moments(
         self,
@@ -79,6 +88,17 @@ class Quantisation:
         context: ImageContext,
     ) -> Moments:
         """Moments in excess of the file's own rounding, which adds 1/12 DN^2."""
-        step = self.config.step_dn / geometry.binning
-        shift = self.config.step_dn / 2 if self.config.rounding == "floor" else 0.0
-        return mean_dn - shift, variance_dn2 + max(step**2 - 1, 0.0) / 12
+        step = self.config.step_dn
+        shift = step / 2 if self.config.rounding == "floor" else 0.0
+        return mean_dn - shift, variance_dn2 + excess_dn2(step, geometry.binning**2)
+
+
+def excess_dn2(step_dn: float, photosites: float) -> float:
+    """Variance of the rounding of an average beyond that of whole digital numbers [DN^2].
+
+    Examples
+    --------
+    >>> excess_dn2(4.0, 1.0), excess_dn2(4.0, 4.0)
+    (1.25, 0.3125)
+    """
+    return max(step_dn**2 - 1, 0.0) / 12 / photosites

@@ -20,10 +20,11 @@ class RollingShutter:
     """Shows each row at its own moment: what moves is sheared, stretched or bent.
 
     Row y is read out ``(y - reference row) row_time_us`` after the moment of the frame, and what moves at v
-    has gone on by v times that. In a capture v follows from the agent's motion and the depth, the middle row
-    keeps the frame's moment, and truth is moved along; worlds stand still, so only the camera moves. On
-    arrays v is the context's `velocity_px_s`. Velocity is taken as constant over the readout. What a near
-    thing uncovers is not known; the rim of its surroundings is drawn out there.
+    has gone on by v times that; rows are those of photosites. Of rendered views v follows from the agent's
+    motion and the depth, the middle row keeps the frame's moment, and truth is moved along; worlds stand
+    still, so only the camera moves. Elsewhere v is the context's `velocity_px_s`. Velocity is taken as
+    constant over the readout. What a near thing uncovers is not known; the rim of its surroundings is drawn
+    out there.
 
     References
     ----------

@@ -42,6 +42,13 @@ def tacos_components() -> list[Component]:
             summary="Electrons of a monochrome sensor with shot and read noise.",
         ),
         Component(
+            "transform",
+            "point-tracks",
+            "tacos_example.point_tracks:PointTracks",
+            summary="The front end of visual odometry: corners followed from frame to frame.",
+            requires=("cv2=opencv-python-headless",),
+        ),
+        Component(
             "task",
             "checkerboard",
             "tacos_example.checkerboard:Checkerboard",
@@ -53,6 +60,13 @@ def tacos_components() -> list[Component]:
             "free-distance",
             "tacos_example.free_distance:FreeDistance",
             summary="Learns to tell from an image how far the way ahead is free.",
+        ),
+        Component(
+            "task",
+            "heading",
+            "tacos_example.heading:Heading",
+            summary="How well the direction of motion is told from corners that move.",
+            requires=("cv2=opencv-python-headless",),
         ),
         Component(
             "optimizer",

@@ -1,0 +1,145 @@
+"""What the design variables of a recipe set: whether there is such a setting, and takes the values."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tacos_framework.errors import did_you_mean
+from tacos_framework.plan.findings import Findings
+from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.targets import Target, target_of
+from tacos_framework.recipe import NamedScenario, Scenario
+from tacos_framework.settings import check
+from tacos_framework.variables.design_space import CatalogChoice, Categorical, Variable
+
+_OF_ONE_CAMERA = ("effect", "sensor")
+"""Kinds of component that each camera may have with settings of its own."""
+
+
+@dataclass(frozen=True)
+class Settable:
+    """Everything that design variables can set; faults go to `findings`."""
+
+    findings: Findings
+    rig: Part | None
+    nodes: Mapping[str, Part]
+    effects: Mapping[str, EffectPart]
+
+    def target(self, variable: str) -> Target:
+        """What a design variable sets."""
+        return target_of(variable, self.findings.recipe.effect_names)
+
+    def unit(self, variable: str) -> str | None:
+        """Unit of a design variable; None, and a fault, when there is no such variable."""
+        target = self.target(variable)
+        if target.kind == "rig":
+            if self.rig is None:
+                return "1"
+            fields, owner = self.rig.cls.Variables.model_fields, self.rig.use
+        elif target.kind == "scenario":
+            if not self._is_scenario(variable, target):
+                return None
+            fields, owner = Scenario.model_fields, "scenario"
+        else:
+            if not self._is_part(variable, target):
+                return None
+            part = self._part(target)
+            if part is None:
+                return "1"  # it is at fault already
+            fields, owner = part.cls.Config.model_fields, part.use
+        if target.setting not in fields:
+            what = f"{owner} has no variable {target.setting!r}"
+            self._fault(variable, what, "", did_you_mean(target.setting, fields))
+            return None
+        extra = fields[target.setting].json_schema_extra
+        return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
+
+    def check_values(self, variables: Sequence[Variable]) -> None:
+        """Try the ends of each variable, or all it may choose, on what it sets; not on the rig."""
+        targets = {variable.name: self.target(variable.name) for variable in variables}
+        first: dict[Target, str] = {}
+        for name, target in targets.items():
+            if (other := first.setdefault(target, name)) != name:
+                self._fault(name, f"it sets what {other!r} sets already", "one variable for each setting")
+        alone = Counter((target.kind, target.owner, target.camera) for target in targets.values())
+        for variable in variables:
+            target = targets[variable.name]
+            only = alone[target.kind, target.owner, target.camera] == 1
+            for config, given in self._configs(target):
+                self._check_on(variable, target, config, given, only)
+
+    def _check_on(
+        self, variable: Variable, target: Target, config: type[Any], given: Mapping[str, Any], only: bool
+    ) -> None:
+        """Try the values of a variable on settings; faults of other settings are told elsewhere."""
+        owner = variable.name.removesuffix(f".{target.setting}")
+        for value in _ends(variable):
+            _, faults, paths = check(
+                config,
+                {**given, target.setting: value},
+                lambda _: self.findings.recipe.where(("design", variable.name)),
+                owner,
+            )
+            for fault, path in zip(faults, paths, strict=True):
+                own = path[:1] == (target.setting,) or (not path and only)
+                if own and fault not in self.findings.faults:
+                    self.findings.faults.append(fault)
+
+    def _configs(self, target: Target) -> list[tuple[type[Any], Mapping[str, Any]]]:
+        """The settings classes that take a target's value, with the settings the recipe gives."""
+        if target.kind == "scenario":
+            scenarios = self.findings.recipe.scenarios
+            return [
+                (type(scenario), scenario.model_dump(mode="json"))
+                for scenario in scenarios
+                if target.owner in ("", getattr(scenario, "name", ""))
+            ]
+        part = self._part(target)
+        return [] if part is None else [(part.cls.Config, part.config.model_dump(mode="json", by_alias=True))]
+
+    def _part(self, target: Target) -> Part | None:
+        """The component a target belongs to; None where it is at fault, or none."""
+        parts: Mapping[str, Mapping[str, Part]] = {"node": self.nodes, "effect": self.effects}
+        return parts.get(target.kind, {}).get(target.owner)
+
+    def _is_scenario(self, variable: str, target: Target) -> bool:
+        """Whether there is such a scenario."""
+        names = [s.name for s in self.findings.recipe.scenarios if isinstance(s, NamedScenario)]
+        known = target.owner in ("", *names)
+        if not known:
+            what, expected = f"there is no scenario {target.owner!r}", "scenario.KEY, or scenario.NAME.KEY"
+            self._fault(variable, what, expected, did_you_mean(target.owner, names))
+        return known
+
+    def _is_part(self, variable: str, target: Target) -> bool:
+        """Whether there is such a node or effect, and for one camera where the variable is of one."""
+        recipe = self.findings.recipe
+        known, expected = recipe.keys_of("nodes"), ""
+        if target.kind == "effect":
+            known, expected = recipe.effect_names, "effects.NAME.setting, with an effect of the recipe"
+        if target.owner not in known:
+            what = f"there is no {target.kind} {target.owner!r}"
+            self._fault(variable, what, expected, did_you_mean(target.owner, known))
+            return False
+        part = self._part(target)
+        if part is None or target.camera is None or part.use.partition(".")[0] in _OF_ONE_CAMERA:
+            return True
+        what = f"{part.use} has no settings for one camera, {target.camera!r}"
+        self._fault(variable, what, "an effect or a sensor", f"Call it {target.owner}.{target.setting}.")
+        return False
+
+    def _fault(self, variable: str, what: str, expected: str = "", remedy: str = "") -> None:
+        self.findings.add(("design", variable), what, expected, remedy)
+
+
+def _ends(variable: Variable) -> list[Any]:
+    """Values to try of a variable."""
+    if isinstance(variable, Categorical):
+        return list(variable.values)
+    if isinstance(variable, CatalogChoice):
+        return [variable.rows[0].as_dict()]
+    genes = variable.genes
+    return [variable.decode([end])[0] for end in (genes[0].lower, genes[0].upper)]

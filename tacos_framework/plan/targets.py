@@ -1,0 +1,64 @@
+"""What a design variable sets: a variable of the rig, or a setting of a node, an effect, the scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a design variable sets.
+
+    Parameters
+    ----------
+    kind
+        Whose variable or setting it is.
+    owner
+        Name of the node, effect or scenario; empty for the rig, and for all scenarios together.
+    setting
+        Name of the variable or setting.
+    camera
+        The camera it is set for; None for all.
+    """
+
+    kind: Literal["rig", "scenario", "node", "effect"]
+    owner: str
+    setting: str
+    camera: str | None = None
+
+
+def target_of(name: str, effects: Sequence[str]) -> Target:
+    """What the name of a design variable says it sets; whether there is such a thing is another question.
+
+    Parameters
+    ----------
+    name
+        ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.left.quality``, ``scenario.night.gain_db``.
+    effects
+        Names of the effects in the order of the recipe, which may also be counted: ``effects.0.quality``.
+
+    Examples
+    --------
+    >>> target_of("effects.0.left.quality", ["jpeg"])
+    Target(kind='effect', owner='jpeg', setting='quality', camera='left')
+    """
+    head, dot, rest = name.partition(".")
+    if not dot:
+        return Target("rig", "", name)
+    if head == "scenario":
+        owner, _, setting = rest.rpartition(".")
+        return Target("scenario", owner, setting)
+    if head == "effects":
+        owner, _, rest = rest.partition(".")
+        if owner.isdecimal() and int(owner) < len(effects):
+            owner = effects[int(owner)]
+        return Target("effect", owner, *_setting(rest))
+    return Target("node", head, *_setting(rest))
+
+
+def _setting(rest: str) -> tuple[str, str | None]:
+    """``quality`` or ``left.quality``: the setting, and the camera."""
+    camera, _, setting = rest.rpartition(".")
+    return setting, camera or None
