@@ -203,7 +203,7 @@ def test_states_of_learning_tasks_go_through_the_study(toys, tmp_path):
 
         steps[weights] = int(load_file(kept)["steps"][0])
         assert math.isfinite(result["test"]["designed"]["learner.knowledge"])
-    assert steps == {"shared": 6 * 4, "branched": 4, "frozen": 0}  # one batch of frames per training
+    assert steps == {"shared": 6 * 6 * 4, "branched": 6 * 4, "frozen": 0}  # six frames a training
 
 
 def test_images_of_every_camera_and_of_training_are_counted(toys):
