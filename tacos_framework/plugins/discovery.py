@@ -186,6 +186,11 @@ class Plugins:
         """Import names of modules registered by hand, for worker processes to register too."""
         return tuple(self._modules)
 
+    def distribution_of(self, use: str) -> str | None:
+        """The distribution a component comes from; None where it was registered by hand or is not there."""
+        found = self._components.get(use)
+        return found.distribution if found else None
+
     def component(self, use: str, kind: str | None = None, *, where: str = "plugins") -> Component:
         """The component recipes call `use`.
 

@@ -1,0 +1,74 @@
+"""The one call site of whatever plugins bring: an error that leaves a component says where it comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import TracebackType
+
+
+@dataclass(frozen=True)
+class Culprit:
+    """The component that was at work when an error arose.
+
+    Parameters
+    ----------
+    use
+        The component, ``kind.name``.
+    distribution
+        The distribution it comes from; None where it was registered by hand.
+    doing
+        What it was called for, e.g. ``"capture"``.
+    """
+
+    use: str
+    distribution: str | None = None
+    doing: str = ""
+
+    def __str__(self) -> str:
+        of = f" of {self.distribution}" if self.distribution else ""
+        return f"{self.use}{of}{f', {self.doing}' if self.doing else ''}"
+
+
+class calling:  # noqa: N801 - reads as the statement it is used in
+    """Whatever leaves the block carries a note with the component and its distribution, and is not wrapped.
+
+    Of nested blocks the innermost is to blame, and alone adds its note.
+
+    Parameters
+    ----------
+    use
+        The component, ``kind.name``, or the plugin whose hook is called.
+    distribution
+        The distribution it comes from, see `Plugins.distribution_of`; None where that is not known.
+    doing
+        What it is called for: the verb or hook, and what else tells the place.
+
+    Examples
+    --------
+    >>> try:
+    ...     with calling("sensor.acme", "acme-cameras", "expose in node 'frames'"):
+    ...         1 / 0
+    ... except ZeroDivisionError as error:
+    ...     print(error.__notes__[0])
+    in sensor.acme of acme-cameras, expose in node 'frames'
+    """
+
+    __slots__ = ("_culprit",)
+
+    def __init__(self, use: str, distribution: str | None = None, doing: str = "") -> None:
+        self._culprit = Culprit(use, distribution, doing)
+
+    def __enter__(self) -> None:
+        """Nothing is set up: the block costs next to nothing while all goes well."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if isinstance(error, Exception | SystemExit) and culprit_of(error) is None:
+            error.add_note(f"in {self._culprit}")
+            error.__dict__["tacos_culprit"] = self._culprit
+
+
+def culprit_of(error: BaseException) -> Culprit | None:
+    """The component an error arose in; None where it was none, or is not known."""
+    return getattr(error, "tacos_culprit", None)
