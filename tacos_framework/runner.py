@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -120,7 +119,7 @@ def _run_procedure(
             "procedure": recipe.use,
             "seed": recipe.seed,
             "seconds": round(time.monotonic() - began, 3),
-            "environment": describe_environment(workers, chain(*plugins.hook.tacos_doctor())),
+            "environment": describe_environment(workers, plugins.findings()),
             "command": command,
             **found,
         }

@@ -205,6 +205,9 @@ class Dim:
     def __init__(self, config: Config):
         self.config = config
 
+    def on_array(self, samples, *, geometry, context, rng):
+        return samples * (1 - self.config.share)
+
     def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
         from dataclasses import replace
 
@@ -225,6 +228,9 @@ class Offset:
 
     def __init__(self, config: Config):
         self.config = config
+
+    def on_array(self, samples, *, geometry, context, rng):
+        return samples + self.config.offset_dn
 
     def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
         from dataclasses import replace

@@ -29,7 +29,7 @@ class Culprit:
         return f"{self.use}{of}{f', {self.doing}' if self.doing else ''}"
 
 
-class calling:  # noqa: N801 - reads as the statement it is used in
+class calling:
     """Whatever leaves the block carries a note with the component and its distribution, and is not wrapped.
 
     Of nested blocks the innermost is to blame, and alone adds its note.
