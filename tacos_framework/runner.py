@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework import __version__
-from tacos_framework.contracts import Executor
+from tacos_framework.contracts import JobRunner
 from tacos_framework.environment import describe_environment
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan.procedure import plan_procedure
-from tacos_framework.plugins import Plugins
+from tacos_framework.plugins import Plugins, calling
+from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_framework.results import Results
@@ -25,7 +26,7 @@ def run(
     *,
     out: str | Path,
     plugins: Plugins | None = None,
-    executor: Executor | None = None,
+    executor: JobRunner | None = None,
     resume: bool = False,
     progress: Progress | None = None,
     command: str = "",
@@ -81,7 +82,7 @@ def _run_procedure(
     recipe: ProcedureRecipe,
     out: Path,
     plugins: Plugins,
-    executor: Executor | None,
+    executor: JobRunner | None,
     resume: bool,
     progress: Progress,
     command: str,
@@ -91,10 +92,20 @@ def _run_procedure(
         raise UserError(
             Fault("--resume", f"{recipe.use} cannot go on with a broken run", "", "Start it anew.")
         )
-    procedure = plan.cls(plan.config)
+    distribution = plugins.distribution_of(recipe.use)
+    with calling(recipe.use, distribution, "as it is built"):
+        procedure = plan.cls(plan.config)
     data = plan.as_data()
     results = Results.resume(out, data)[0] if resume else Results.create(out, data)
-    evaluates = executor or plan.executor_cls(plan.executor_config)
+    evaluates = (
+        GuardedExecutor.of_host(executor)
+        if executor
+        else GuardedExecutor(
+            plan.executor_cls(plan.executor_config),
+            recipe.executor.use,
+            plugins.distribution_of(recipe.executor.use),
+        )
+    )
     supplied = {
         "out": out,
         "seed": recipe.seed,
@@ -106,9 +117,9 @@ def _run_procedure(
     began = time.monotonic()
     with results, results.logging({"tacos_framework", plan.cls.__module__.partition(".")[0]}):
         try:
-            found: Mapping[str, Any] = procedure.run(
-                **{name: value for name, value in supplied.items() if name in plan.asks_for}
-            )
+            asked = {name: value for name, value in supplied.items() if name in plan.asks_for}
+            with calling(recipe.use, distribution, "run"):
+                found: Mapping[str, Any] = procedure.run(**asked)
         finally:
             if executor is None:
                 evaluates.close()

@@ -25,7 +25,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from tacos_framework.contracts.effect import STAGES, Effect, Stage, acts_after_noise, formation_order
-from tacos_framework.contracts.executor import Executor
+from tacos_framework.contracts.executor import Executor, JobRunner
 from tacos_framework.contracts.optimizer import Evaluated, Optimizer
 from tacos_framework.contracts.procedure import Procedure
 from tacos_framework.contracts.renderer import Renderer
@@ -43,6 +43,7 @@ __all__ = [
     "Effects",
     "Evaluated",
     "Executor",
+    "JobRunner",
     "Optimizer",
     "Procedure",
     "Renderer",

@@ -72,7 +72,7 @@ class Findings:
         config = self.checked(cls.Config, dict(settings), path)
         if config is None:
             return None
-        part = Part(use, cls, config)
+        part = Part(use, cls, config, self.plugins.distribution_of(use))
         if use.partition(".")[0] in ("optimizer", "executor"):  # these are built by the study, for good
             return part
         try:

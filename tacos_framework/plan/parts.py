@@ -7,20 +7,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tacos_framework.plugins import guarded
 from tacos_framework.settings import Settings
 
 
 @dataclass(frozen=True)
 class Part:
-    """A component class with its checked settings."""
+    """A component class with its checked settings, and the distribution it comes from."""
 
     use: str
     cls: type[Any]
     config: Settings
+    distribution: str | None = None
+
+    @property
+    def name(self) -> str:
+        """The component with its distribution, as messages have it."""
+        return guarded.Culprit(self.use, self.distribution).name
+
+    def calling(self, doing: str) -> guarded.calling:
+        """The guard around whatever the component is called for."""
+        return guarded.calling(self.use, self.distribution, doing)
 
     def make(self, overrides: Mapping[str, Any] | None = None, **supplied: Any) -> Any:
         """Build the component, with some settings replaced."""
-        if not overrides:
-            return self.cls(self.config, **supplied)
-        merged = {**self.config.model_dump(mode="json", by_alias=True), **overrides}
-        return self.cls(self.cls.Config.model_validate_json(json.dumps(merged)), **supplied)
+        config = self.config
+        if overrides:
+            merged = {**config.model_dump(mode="json", by_alias=True), **overrides}
+            config = self.cls.Config.model_validate_json(json.dumps(merged))
+        with self.calling("as it is built"):
+            return self.cls(config, **supplied)

@@ -73,7 +73,7 @@ class Call:
         needed = [p for p in by_position if p.default is p.empty]
         if len(needed) > len(given):
             extra = ", ".join(repr(p.name) for p in needed[len(given) :])
-            yield f"{name} needs {extra}, which the framework does not give: it is called with {_called(given)}"
+            yield f"{name} needs {extra}, which it is not given: it is called with {_called(given)}"
         elif len(room) < len(given):
             yield f"{name} takes {len(room)} arguments by position, but is called with {_called(given)}"
 

@@ -75,7 +75,8 @@ def _effect_misfits(cls: type[Any]) -> Iterator[str]:
         known = [*cls.Config.model_fields]
         for key in neutral:
             if key not in known:
-                yield f"{name}.neutral has {key!r}, which is no setting. {did_you_mean(str(key), known)}".rstrip()
+                meant = did_you_mean(str(key), known)
+                yield f"{name}.neutral has {key!r}, which is no setting. {meant}".rstrip()
     if not isinstance(getattr(cls, "rank", 0), int):
         yield f"{name}.rank is {cls.rank!r}, not a whole number"
 
@@ -87,7 +88,8 @@ def _score_misfits(cls: type[Any]) -> Iterator[str]:
         return
     for score in getattr(cls, "lower_is_better", ()):
         if score not in scores:
-            yield f"{name}.lower_is_better has {score!r}, which is no score of it. {did_you_mean(score, scores)}"
+            meant = did_you_mean(str(score), scores)
+            yield f"{name}.lower_is_better has {score!r}, which is no score of it. {meant}"
 
 
 def _called_wrongly(kind: str, cls: type[Any]) -> Iterator[str]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, TypeVar
 
@@ -117,7 +118,7 @@ class Plugins:
     def _offered(self, plugin: _Plugin, hook: str, kind: type[Offer]) -> list[Offer]:
         """What a plugin offers by a hook; its failures are kept."""
         call = self._hook_of(plugin, hook)
-        offered, error = tried(lambda: [offer for offers in call() for offer in offers])
+        offered, error = tried(partial(_all, call))
         if error is not None:
             self._fail(plugin.source, f"its {hook} failed: {in_words(error)}", error)
         for offer in offered or ():
@@ -133,7 +134,7 @@ class Plugins:
         found = []
         for plugin in self._plugins:
             call = self._hook_of(plugin, "tacos_doctor")
-            findings, error = tried(lambda call=call: [each for of_hook in call() for each in of_hook])
+            findings, error = tried(partial(_all, call))
             for finding in findings or ():
                 if isinstance(finding, Finding):
                     found.append(finding)
@@ -145,7 +146,7 @@ class Plugins:
         return found
 
     def commands(self, taken: tuple[str, ...] = ()) -> list[Command]:
-        """The commands of ``tacos`` that plugins offer, by name; without those whose name is not theirs alone.
+        """The commands of ``tacos`` of plugins, by name, without those whose name is not theirs alone.
 
         Parameters
         ----------
@@ -285,6 +286,11 @@ class Plugins:
                 [Fault(where, f"{use}: {fault}", remedy="Correct the plugin.") for fault in faults]
             )
         return cls
+
+
+def _all(hook: Callable[[], Iterable[Iterable[Any]]]) -> list[Any]:
+    """What a hook returns, in one list."""
+    return [each for returned in hook() for each in returned]
 
 
 def _name_of(entry_point: EntryPoint) -> str | None:

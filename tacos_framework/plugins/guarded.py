@@ -24,9 +24,13 @@ class Culprit:
     distribution: str | None = None
     doing: str = ""
 
+    @property
+    def name(self) -> str:
+        """The component and its distribution."""
+        return f"{self.use} of {self.distribution}" if self.distribution else self.use
+
     def __str__(self) -> str:
-        of = f" of {self.distribution}" if self.distribution else ""
-        return f"{self.use}{of}{f', {self.doing}' if self.doing else ''}"
+        return f"{self.name}, {self.doing}" if self.doing else self.name
 
 
 class calling:
@@ -64,9 +68,15 @@ class calling:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        if isinstance(error, Exception | SystemExit) and culprit_of(error) is None:
-            error.add_note(f"in {self._culprit}")
-            error.__dict__["tacos_culprit"] = self._culprit
+        if isinstance(error, Exception | SystemExit):
+            blame(error, self._culprit)
+
+
+def blame(error: BaseException, culprit: Culprit) -> None:
+    """Note on an error where it comes from, unless it says so already."""
+    if culprit_of(error) is None:
+        error.add_note(f"in {culprit}")
+        error.__dict__["tacos_culprit"] = culprit
 
 
 def culprit_of(error: BaseException) -> Culprit | None:

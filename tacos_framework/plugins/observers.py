@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from tacos_framework.plugins.failures import in_words, tried
@@ -51,7 +52,7 @@ class Observers:
             listen = observer.hooks.get(hook)
             if listen is None:
                 continue
-            _, error = tried(lambda listen=listen: listen(**deepcopy(told)))
+            _, error = tried(partial(listen, **deepcopy(told)))
             if error is not None:
                 self._switch_off(observer, hook, error)
 

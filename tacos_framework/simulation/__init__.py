@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from tacos_framework.simulation.acting_effects import ActingEffects
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.evaluation import Evaluation, joined, judged
+from tacos_framework.simulation.evaluation import Evaluation, Raised, failed_by, joined, judged
 from tacos_framework.simulation.evaluator import Evaluator
 from tacos_framework.simulation.jobs import SampleJob, ScoreJob
 from tacos_framework.simulation.simulation import Simulation
@@ -29,9 +29,11 @@ __all__ = [
     "EpisodeSpec",
     "Evaluation",
     "Evaluator",
+    "Raised",
     "SampleJob",
     "ScoreJob",
     "Simulation",
+    "failed_by",
     "joined",
     "judged",
     "state_key",

@@ -113,12 +113,10 @@ class Trial:
     @contextmanager
     def at_work(self, name: str, doing: str = "") -> Iterator[None]:
         """Count the time inside for a node, or for one thing it does; say so where an error arose there."""
-        with self.clock.of(f"{name}, {doing}" if doing else name):
-            try:
-                yield
-            except Exception as error:
-                error.add_note(f"in node {name!r} ({self.plan.graph.nodes[name].use})")
-                raise
+        at_node = f"in node {name!r}"
+        guard = self.plan.nodes[name].calling(f"{doing} {at_node}" if doing else at_node)
+        with self.clock.of(f"{name}, {doing}" if doing else name), guard:
+            yield
 
 
 def batch_frames(rig: Rig) -> int:
