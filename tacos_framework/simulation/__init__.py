@@ -8,6 +8,7 @@
 ``acting_effects``  the effects of the recipe, bound to a camera
 ``episodes``        which episode is meant, and its parts
 ``evaluation``      what came out for a candidate
+``checked_outputs`` light and depth that mean something
 ``clock``           seconds by name
 ``jobs``            what other processes are asked to do
 ``evaluator``       does jobs, in whatever process it is unpickled

@@ -15,6 +15,7 @@ from tacos_framework.plan import Part, Plan
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Scenario
 from tacos_framework.simulation.acting_effects import ActingEffects
+from tacos_framework.simulation.checked_outputs import checked_output
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.episodes import EpisodeSpec, block_of
 from tacos_framework.values import Episode, Exposure, Rig
@@ -106,9 +107,11 @@ class Trial:
             "illumination_lux": self.scenario.illumination_lux,
         }
         wanted = {name: value for name, value in supplied.items() if name in node.signature.supplied}
+        name = self.plan.nodes[node.name].name
         if node.kind == "renderer":
-            return acting.light(self.components[node.name].capture(**inputs, **wanted))
-        return acting.files(self.components[node.name].expose(**inputs, **wanted))
+            light = checked_output(name, self.components[node.name].capture(**inputs, **wanted))
+            return acting.light(light)
+        return acting.files(checked_output(name, self.components[node.name].expose(**inputs, **wanted)))
 
     @contextmanager
     def at_work(self, name: str, doing: str = "") -> Iterator[None]:

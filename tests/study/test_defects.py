@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import toy_plugin
 from toy_study import LEARNER, comparable, run, toy_recipe
 
 from tacos_framework.cli import run_main
 from tacos_framework.settings.yaml_writer import to_yaml
-from tacos_framework.values import FrameBatch
+from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
 
 RAISED = "task.toy-width raised ZeroDivisionError: a defect of the toy"
 STOPPED = f"stopped by a defect: 5 candidates in a row failed by the same defect, the last: {RAISED}"
@@ -60,7 +62,7 @@ def test_workers_do_not_change_what_fails(toys, tmp_path, one_crashed, executor)
 
 
 def test_a_resumed_study_fails_the_same_candidates(toys, tmp_path, one_crashed, monkeypatch):
-    result, folder = one_crashed
+    result, _ = one_crashed
     monkeypatch.setattr(toy_plugin.WidthTask, "begun", 0)
     monkeypatch.setattr(toy_plugin.WidthTask, "interrupt_at", 14)
     assert run(crashing(110), toys, tmp_path)["stopped"] == "interrupted by the user"
@@ -116,3 +118,23 @@ def test_the_command_ends_with_status_1_and_says_why(tmp_path, capsys, distribut
     distribution("acme-toys", "from toy_plugin import tacos_components")
     assert run_main([str(tmp_path / "toy.yaml"), "--out", str(tmp_path / "out"), "--quiet"]) == 1
     assert "task.toy-width of acme-toys raised ZeroDivisionError" in capsys.readouterr().out
+
+
+def test_light_that_is_not_finite_fails_the_candidate(toys, tmp_path, monkeypatch):
+    sound = toy_plugin.ToyRenderer.capture
+
+    def dark_when_wide(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
+        captured = sound(self, episode, rig=rig, exposure=exposure)
+        (view,) = captured.views
+        if view.camera.hfov_deg < 110:
+            return captured
+        return Capture(episode, (replace(view, luminance_cd_m2=view.luminance_cd_m2 * np.nan),))
+
+    monkeypatch.setattr(toy_plugin.ToyRenderer, "capture", dark_when_wide)
+    result = run(toy_recipe(), toys, tmp_path)
+    failed = {candidate["failed"] for candidate in candidates(tmp_path)}
+    (said,) = failed - {None}
+    assert said.startswith(
+        "renderer.toy gives nan as light of camera 'camera' in 2304 of 2304 values, the first"
+    )
+    assert result["test"]["designed"]["fitness"] is not None
