@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,25 @@ def checked_samples(component: str, samples_dn: Any, like: NDArray[Any]) -> NDAr
         )
     _check_finite(component, samples_dn, "samples")
     return samples_dn
+
+
+def checked_scores(component: str, scores: Any) -> dict[str, float]:
+    """The scores a task reports, if they are numbers by name.
+
+    Raises
+    ------
+    ContractBroken
+        When they are not, or one is not finite: a score without meaning in an episode is left out.
+    """
+    if not isinstance(scores, Mapping):
+        raise ContractBroken(f"{component} reports {scores!r} where scores by name are expected")
+    for name, value in scores.items():
+        number = np.asarray(value)
+        if number.ndim or number.dtype.kind not in "biuf":
+            raise ContractBroken(f"{component} reports {value!r} as its score {name!r}, not a number")
+        if not np.isfinite(number):
+            raise ContractBroken(f"{component} reports {float(value)} as its score {name!r}")
+    return {str(name): float(value) for name, value in scores.items()}
 
 
 def _check_view(component: str, view: View) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import ContractBroken
-from tacos_framework.simulation.checked_outputs import checked_output, checked_samples
+from tacos_framework.simulation.checked_outputs import checked_output, checked_samples, checked_scores
 from tacos_framework.values import Camera, Capture, Episode, FrameBatch, Object, Trajectory, View, World
 
 CAMERA = Camera("left", width_px=4, height_px=3, focal_length_mm=2.0, pixel_um=3.0)
@@ -93,3 +93,25 @@ def test_samples_keep_their_shape():
         checked_samples(NAME, [1.0], like)
     with pytest.raises(ContractBroken, match="gives nan as samples in 36 of 36"):
         checked_samples(NAME, like * np.nan, like)
+
+
+@pytest.mark.parametrize("value", [1, 0.5, np.float32(0.5), np.int64(3), np.array(0.5), True])
+def test_scores_are_numbers_by_name(value):
+    assert checked_scores(NAME, {"seen": value}) == {"seen": float(value)}
+
+
+@pytest.mark.parametrize(
+    ("scores", "said"),
+    [
+        ({"seen": float("nan")}, "reports nan as its score 'seen'"),
+        ({"seen": np.float32(np.inf)}, "reports inf as its score 'seen'"),
+        ({"seen": "many"}, "reports 'many' as its score 'seen', not a number"),
+        ({"seen": None}, "reports None as its score 'seen', not a number"),
+        ({"seen": np.array([1.0])}, "as its score 'seen', not a number"),
+        (0.5, "reports 0.5 where scores by name are expected"),
+    ],
+)
+def test_other_scores_are_refused(scores, said):
+    with pytest.raises(ContractBroken, match=r"^renderer\.acme of acme-worlds reports") as raised:
+        checked_scores(NAME, scores)
+    assert said in str(raised.value)
