@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
 from tacos_framework.camera.geometry import agent_from_camera
-from tacos_framework.contracts import STAGES, acts_after_noise
+from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect, PlacedSensor
 from tacos_framework.plugins import Plugins
-from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Rig, Signal
+from tacos_framework.values import Camera, Capture, Exposure, Rig
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_worlds.indoor.scene import IndoorScene
@@ -84,52 +84,28 @@ def main() -> None:
     batch = episode[arguments.frame : arguments.frame + 1]
     capture = ModernglRenderer(ModernglRenderer.Config()).capture(batch, rig=rig, exposure=EXPOSURE)
 
-    tiles = [captioned(picture_of(capture, rig, None), "none")]
-    for name, effect in effects():
-        tiles.append(captioned(picture_of(capture, rig, effect), name))
+    tiles = [captioned(picture_of(capture, None), "none")]
+    tiles += [captioned(picture_of(capture, effect), effect.name) for effect in effects()]
     while len(tiles) % COLUMNS:
         tiles.append(np.full_like(tiles[0], 255))
     rows = [np.hstack(tiles[i : i + COLUMNS]) for i in range(0, len(tiles), COLUMNS)]
     cv2.imwrite(str(arguments.picture), np.vstack(rows)[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 80])
 
 
-def effects() -> Iterator[tuple[str, Any]]:
+def effects() -> Iterator[PlacedEffect]:
     """The effects of the default plugins that are shown, with their settings."""
     plugins = Plugins.discover()
     for name, settings in SHOWN.items():
         cls = plugins.resolve(f"effect.{name}")
-        yield name, cls(cls.Config(**settings))
+        yield PlacedEffect(f"effect.{name}", name, cls, cls.Config(**settings))
 
 
-class Acting:
-    """One effect at its place in a sensor; implements `tacos_framework.contracts.Effects`."""
-
-    def __init__(self, effect: Any, rig: Rig) -> None:
-        self._effect, self._rig = effect, rig
-
-    def at(self, image: Any, *stages: str, after_noise: bool = False) -> Any:
-        """The image with the effect, if it acts there."""
-        effect = self._effect
-        if effect is None or effect.stage not in stages or acts_after_noise(type(effect)) != after_noise:
-            return image
-        return effect.apply(image, rig=self._rig, exposure=EXPOSURE, rng=np.random.default_rng(1))
-
-    def pixel(self, signal: Signal) -> Signal:
-        """Before the noise."""
-        return self.at(signal, "pixel")
-
-    def readout(self, signal: Signal) -> Signal:
-        """After the noise."""
-        return self.at(signal, "pixel", "readout", after_noise=True)
-
-
-def picture_of(capture: Capture, rig: Rig, effect: Any) -> NDArray[np.uint8]:
+def picture_of(capture: Capture, effect: PlacedEffect | None) -> NDArray[np.uint8]:
     """The frame as people expect to see it, (H, W, 3)."""
-    acting = Acting(effect, rig)
-    sensor = AffineNoise(AffineNoise.Config())
-    light = acting.at(capture, *STAGES[: STAGES.index("pixel")])
-    frames: FrameBatch = sensor.expose(light, exposure=EXPOSURE, rng=np.random.default_rng(0), effects=acting)
-    frames = acting.at(frames, "isp", "codec", after_noise=True)
+    sensor = PlacedSensor("sensor.affine-noise", "frames", AffineNoise(AffineNoise.Config()))
+    formation = ImageFormation(EXPOSURE, [effect] if effect else [])
+    draws = EpisodeDraws(0, ("sheet",))
+    frames = formation.expose(formation.light(capture, draws), sensor, draws)
     return display_image(frames.images[0][0], frames.black_level_dn, frames.white_level_dn)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -64,8 +64,6 @@ class SquaresRenderer:
 
     class Config(Settings):
         side_px: int = setting(16, help="Edge of the squares.", unit="px")
-
-    reads: ClassVar[frozenset[str]] = frozenset({"width_px", "height_px"})
 
     def __init__(self, config: Config):
         self.config = config

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tacos_framework.components import Component
-from tacos_framework.contracts import Budget, Effects, Scores, State
+from tacos_framework.contracts import Budget, Scores, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.hookspecs import hookimpl
 from tacos_framework.settings import Settings, setting
@@ -21,7 +21,6 @@ from tacos_framework.values import (
     FrameBatch,
     Object,
     Rig,
-    Signal,
     Trajectory,
     View,
     World,
@@ -72,8 +71,6 @@ class ToyRenderer:
     class Config(Settings):
         pass
 
-    reads: ClassVar[frozenset[str]] = frozenset({"width_px", "height_px"})
-
     def __init__(self, config: Config):
         pass
 
@@ -94,18 +91,20 @@ class ToySensor:
     def __init__(self, config: Config):
         self.config = config
 
-    def expose(
-        self, capture: Capture, *, exposure: Exposure, rng: np.random.Generator, effects: Effects
-    ) -> FrameBatch:
-        images = []
-        for view in capture.views:
-            signal_dn = effects.pixel(Signal(view, view.luminance_cd_m2 * 10 * exposure.gain, 0.0, 255.0))
-            noisy = signal_dn.samples_dn + self.config.sigma_dn * rng.standard_normal(
-                signal_dn.samples_dn.shape, dtype=np.float32
-            )
-            read = effects.readout(Signal(view, noisy, 0.0, 255.0))
-            images.append(np.clip(np.rint(read.samples_dn), 0, 255).astype(np.uint8))
-        return FrameBatch(capture, tuple(images))
+    black_level_dn = 0.0
+    white_level_dn = 255.0
+
+    def expect(self, light_cd_m2, *, camera, exposure: Exposure):
+        return light_cd_m2 * np.float32(10 * exposure.gain)
+
+    def moments(self, samples_dn, *, camera, exposure, photon_scale=1.0):
+        return samples_dn, np.full_like(samples_dn, self.config.sigma_dn**2)
+
+    def draw(self, samples_dn, *, camera, exposure, rng, photon_scale=1.0):
+        return samples_dn + self.config.sigma_dn * rng.standard_normal(samples_dn.shape, dtype=np.float32)
+
+    def dn_per_electron(self, camera, exposure):
+        return None
 
 
 class WidthTask:
@@ -206,15 +205,7 @@ class Dim:
         self.config = config
 
     def on_array(self, samples, *, geometry, context, rng):
-        return samples * (1 - self.config.share)
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        from dataclasses import replace
-
-        keep = 1 - self.config.share
-        return replace(
-            image, views=tuple(replace(v, luminance_cd_m2=v.luminance_cd_m2 * keep) for v in image.views)
-        )
+        return samples * (1 - self.config.share) if self.config.share else samples
 
 
 class Offset:
@@ -230,9 +221,4 @@ class Offset:
         self.config = config
 
     def on_array(self, samples, *, geometry, context, rng):
-        return samples + self.config.offset_dn
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        from dataclasses import replace
-
-        return replace(image, samples_dn=image.samples_dn + self.config.offset_dn)
+        return samples + self.config.offset_dn if self.config.offset_dn else samples

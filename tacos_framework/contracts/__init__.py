@@ -10,7 +10,6 @@ rng                `numpy.random.Generator`, spawned by name from the study's se
 rig                the `Rig` of the candidate
 exposure           the `Exposure` of the scenario
 illumination_lux   illuminance of the scenario [lux]
-effects            the recipe's effects of the stages pixel and readout, for sensors (`Effects`)
 state              the state of a trainable task
 budget             how much to train (`Budget`)
 =================  ====================================================================================
@@ -24,26 +23,39 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tacos_framework.contracts.effect import STAGES, Effect, Stage, acts_after_noise, formation_order
+from tacos_framework.contracts.effect import (
+    FILE_STAGES,
+    LIGHT_STAGES,
+    STAGES,
+    Effect,
+    Stage,
+    acts_after_noise,
+    formation_order,
+    moves_pixels,
+)
 from tacos_framework.contracts.executor import Executor, JobRunner
+from tacos_framework.contracts.observed import LookAlike, ObservedCapture, ShownBy
 from tacos_framework.contracts.optimizer import Evaluated, Optimizer
 from tacos_framework.contracts.procedure import Procedure
 from tacos_framework.contracts.renderer import Renderer
 from tacos_framework.contracts.rig import RigBuilder
 from tacos_framework.contracts.scene import Scene
-from tacos_framework.contracts.sensor import Effects, Sensor
+from tacos_framework.contracts.sensor import Sensor
 from tacos_framework.contracts.task import Budget, Scorer, Scores, State, Task, Trainable, learns
 
 __all__ = [
+    "FILE_STAGES",
+    "LIGHT_STAGES",
     "PROTOCOLS",
     "STAGES",
     "VERBS",
     "Budget",
     "Effect",
-    "Effects",
     "Evaluated",
     "Executor",
     "JobRunner",
+    "LookAlike",
+    "ObservedCapture",
     "Optimizer",
     "Procedure",
     "Renderer",
@@ -52,6 +64,7 @@ __all__ = [
     "Scorer",
     "Scores",
     "Sensor",
+    "ShownBy",
     "Stage",
     "State",
     "Task",
@@ -59,6 +72,7 @@ __all__ = [
     "acts_after_noise",
     "formation_order",
     "learns",
+    "moves_pixels",
 ]
 
 PROTOCOLS: Mapping[str, type[Any]] = {
@@ -77,8 +91,8 @@ VERBS: Mapping[str, tuple[str, ...]] = {
     "scene": ("episode",),
     "rig": ("build", "derived"),
     "renderer": ("capture",),
-    "effect": ("apply",),
-    "sensor": ("expose",),
+    "effect": (),
+    "sensor": ("expect", "moments", "draw", "dn_per_electron"),
     "task": ("begin",),
     "optimizer": ("ask", "tell", "stop", "state", "restore"),
     "executor": ("map", "close"),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Protocol, TypeVar, get_args
+from typing import Any, ClassVar, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.settings import Settings
-from tacos_framework.values import Capture, Exposure, FrameBatch, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 
 Stage = Literal["scene", "optics", "exposure", "pixel", "readout", "isp", "codec"]
 """Where in image formation an effect acts; the noise lies between pixel and readout."""
@@ -17,20 +17,31 @@ Stage = Literal["scene", "optics", "exposure", "pixel", "readout", "isp", "codec
 STAGES: tuple[Stage, ...] = get_args(Stage)
 """The stages in the order of image formation."""
 
+LIGHT_STAGES: tuple[Stage, ...] = ("scene", "optics", "exposure")
+"""The stages that act on light, before there is a pixel."""
 
-Image = TypeVar("Image", Capture, Signal, FrameBatch)
+FILE_STAGES: tuple[Stage, ...] = ("isp", "codec")
+"""The stages that act on digital images."""
 
 
-class Effect(Protocol[Image]):
+class Effect(Protocol):
     """One physical effect of a real camera.
 
-    ``neutral`` gives, for each parameter, the value at which the effect is exactly off. Effects of the
-    stages scene, optics and exposure change a `Capture`; pixel and readout a `Signal`; isp and codec a
-    `FrameBatch`.
+    ``neutral`` gives, for each parameter, the value at which the effect is exactly off. An effect is written
+    on plain arrays of one camera; the framework brings it to captures, to the samples inside a sensor and to
+    frames, by its stage. One that does nothing but move pixels has, in place of `on_array`,
 
-    The physics of an effect stands in `on_array`, on plain arrays, and `apply` brings it to the views of a
-    capture, signal or batch; the diagnosis of real captures calls `on_array` itself. At the neutral values
-    both hand on the very object they were given.
+    ``source(*, geometry, context, frames) -> (columns, rows) | None``
+        Where each pixel of the image looks in the image without the effect, (H, W) or (frames, H, W) [px];
+        None where the effect is off. Light, depth and ids then come from there, so that truth stays true.
+    ``moved_inverse_depth(near, columns, rows, *, geometry) -> near``
+        Optional beside it, for a camera that stands elsewhere: the inverse depth of what is seen, from that
+        fetched from those places [1/m].
+
+    Settings in pixels or digital numbers may have a physical counterpart, declared by
+    `tacos_framework.settings.physical`. The framework turns physical values into those of the image at hand
+    and takes account of binning before an effect is called: it sees pixels and digital numbers of the image
+    it is given.
 
     Further members are optional:
 
@@ -41,53 +52,57 @@ class Effect(Protocol[Image]):
         The order within a stage, lower first; 0 by default. Equal ranks act in the recipe's order.
     ``photon_scale: float``
         Factor on the variance of the photon noise, for an effect that changes the noise and not the signal.
-    ``probes: ClassVar[Sequence[Mapping[str, Any]]]``
+    ``moments(mean_dn, variance_dn2, *, geometry, context)``
+        Mean and variance of the noise after the effect, from those before it, where a closed form exists.
+        Both are arrays of the shape (N, H, W, C), or flat fields that broadcast to it.
+
+    What a diagnosis should know of an effect, the class declares; all of it is optional:
+
+    ``initial_guesses: ClassVar[Sequence[Mapping[str, Any]]]``
         Severities met in the field, where a diagnosis begins its search; parameters given as floats are then
         fitted. An effect without is tried a little to either side of neutral, one with ``()`` only where the
         captures point to it.
+    ``guesses_from(captures) -> Iterable[Mapping[str, Any]]``
+        Class method: further initial guesses that the captures themselves suggest, for an effect to which
+        nothing points far from the truth.
+    ``look_alikes: ClassVar[Sequence[LookAlike]]``
+        Effects that some captures cannot tell from this one. It holds both ways.
+    ``shown_by: ClassVar[Sequence[ShownBy]]``
+        The captures it takes to speak of it.
     ``plausible: bool``
         False for settings that no camera has, as a lens that brightens its corners. Recipes may have them, a
         diagnosis does not propose them.
-    ``source(geometry)``
-        For an effect that only moves pixels: (H, W) columns and rows where each pixel of the image looks in
-        the image without it.
-    ``moments(mean_dn, variance_dn2, *, geometry, context)``
-        Mean and variance of the noise after the effect, from those before it, where a closed form exists; so
-        that a diagnosis need not draw samples. Both are arrays of the shape (N, H, W, C), or flat fields that
-        broadcast to it.
+
+    `tacos_framework.contracts.observed` has what captures, look-alikes and needs are.
     """
 
     Config: ClassVar[type[Settings]]
     stage: ClassVar[Stage]
     neutral: ClassVar[Mapping[str, Any]]
 
-    def apply(self, image: Image, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Image:
-        """The image with the effect."""
-        ...
-
     def on_array(
         self,
-        signal: NDArray[Any],
+        samples: NDArray[Any],
         *,
         geometry: ImageGeometry,
         context: ImageContext,
         rng: np.random.Generator,
     ) -> NDArray[Any]:
-        """Samples with the effect.
+        """Samples with the effect; at the neutral values the very array that was given.
 
         Parameters
         ----------
-        signal
+        samples
             (N, H, W, C) float32 or float64 frames of one camera, C = 1 or 3; left as they are. For the
             stages scene, optics and exposure light in any linear unit, 0 is darkness; for pixel and readout
             samples with the pedestal, neither rounded nor clipped [DN]; for isp and codec the values of the
-            file [DN].
+            file [DN]. Frames come one by one, N = 1, but for effects that a caller applies himself.
         geometry
             Where the pixels lie on the sensor.
         context
             What else is known; `ContextMissing` is raised where it is not enough for these settings.
         rng
-            Draws what is random.
+            Draws what is random. Every frame has a generator of its own.
 
         Returns
         -------
@@ -107,3 +122,8 @@ def formation_order(effect: type[Any]) -> tuple[int, bool, int]:
     Whatever order a recipe or a diagnosis lists effects in, white balance then comes before the tone curve.
     """
     return STAGES.index(effect.stage), acts_after_noise(effect), getattr(effect, "rank", 0)
+
+
+def moves_pixels(effect: type[Any]) -> bool:
+    """Whether an effect class does nothing but move pixels, and says from where."""
+    return callable(getattr(effect, "source", None))

@@ -5,25 +5,21 @@ from __future__ import annotations
 from typing import ClassVar, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_framework.settings import Settings
-from tacos_framework.values import Capture, Exposure, FrameBatch, Rig, Signal
+from tacos_framework.values import Camera, Exposure
 
-
-class Effects(Protocol):
-    """The effects of a recipe that act inside the sensor; the sensor calls each stage at its place."""
-
-    def pixel(self, signal: Signal) -> Signal:
-        """Apply the effects on the expected signal, before the noise."""
-        ...
-
-    def readout(self, signal: Signal) -> Signal:
-        """Apply the effects on noisy samples, before rounding: of the pixel, then of the readout."""
-        ...
+Samples = NDArray[np.float32]
+"""(N, H, W, C) samples of one camera with the pedestal, neither rounded nor clipped, C = 1 or 3 [DN]."""
 
 
 class Sensor(Protocol):
-    """Turns light into digital images, with noise.
+    """Turns light into samples, and knows their noise.
+
+    A sensor is written on plain arrays of one camera. The framework walks an image through it: expected
+    samples, effects of the pixel, the noise, effects of the readout, then rounds and clips to the range of
+    the file. The diagnosis of real captures does the same with the same sensor.
 
     A further member is optional:
 
@@ -33,15 +29,57 @@ class Sensor(Protocol):
     """
 
     Config: ClassVar[type[Settings]]
+    black_level_dn: float
+    """Pedestal of its files [DN]."""
+    white_level_dn: float
+    """Full scale of its files, a whole number up to 65535 [DN]."""
 
-    def expose(
+    def expect(self, light_cd_m2: NDArray[np.float32], *, camera: Camera, exposure: Exposure) -> Samples:
+        """The samples without noise that light makes.
+
+        Parameters
+        ----------
+        light_cd_m2
+            (N, H, W, 3) luminance that reaches the pixels, as in `View.luminance_cd_m2`.
+        camera, exposure
+            Who looks, and how long.
+        """
+        ...
+
+    def moments(
+        self, samples_dn: Samples, *, camera: Camera, exposure: Exposure, photon_scale: float = 1.0
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Mean and variance of what `draw` gives for expected samples, where nothing saturates.
+
+        Parameters
+        ----------
+        samples_dn
+            Expected samples.
+        camera, exposure
+            As above; of b x b photosites averaged into a pixel (`Camera.binning`) the variance is that of the
+            average.
+        photon_scale
+            Factor on the variance of the photon noise [1].
+
+        Returns
+        -------
+        mean_dn, variance_dn2
+            Of the shape of the samples [DN, DN^2].
+        """
+        ...
+
+    def draw(
         self,
-        capture: Capture,
+        samples_dn: Samples,
         *,
-        rig: Rig,
+        camera: Camera,
         exposure: Exposure,
         rng: np.random.Generator,
-        effects: Effects,
-    ) -> FrameBatch:
-        """The frames of a batch; black and white level are those of the files."""
+        photon_scale: float = 1.0,
+    ) -> Samples:
+        """Noisy samples for expected ones, in an array of their own. `rng` belongs to one frame."""
+        ...
+
+    def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float | None:
+        """What one electron of a photosite adds to a sample: the system gain K; None if unknown [DN/e-]."""
         ...

@@ -1,1 +1,37 @@
-"""Image formation: capture -> effects -> sensor -> effects -> frames."""
+"""THE image formation: capture -> effects -> sensor -> effects -> frames. Studies and diagnosis both call it.
+
+==================  ========================================================================================
+``placed``          effects and sensors as a recipe places them: for all cameras, or with settings per camera
+``image_units``     an effect's lengths and charges in the pixels and digital numbers of an image
+``chain``           the effects of one image at their places
+``draws``           what is drawn and remembered along an episode, frame by frame
+``arrays``          from light or expected samples to the values of a file, on arrays
+``views``           effects on the light of rendered views, truth moved along
+``image_formation`` all of it for captures and frames, as a study calls it
+==================  ========================================================================================
+
+Expected light passes the effects of the stages scene, optics, exposure and pixel; then comes the noise.
+Noisy samples pass those of the readout, are rounded and clipped, and pass isp and codec. Effects before the
+noise do not correlate it, those after it do.
+"""
+
+from __future__ import annotations
+
+from tacos_framework.formation.arrays import SensorAt, form_files
+from tacos_framework.formation.chain import EffectChain
+from tacos_framework.formation.draws import EpisodeDraws
+from tacos_framework.formation.image_formation import ImageFormation
+from tacos_framework.formation.image_units import in_image_units, physical_settings_of
+from tacos_framework.formation.placed import PlacedEffect, PlacedSensor
+
+__all__ = [
+    "EffectChain",
+    "EpisodeDraws",
+    "ImageFormation",
+    "PlacedEffect",
+    "PlacedSensor",
+    "SensorAt",
+    "form_files",
+    "in_image_units",
+    "physical_settings_of",
+]

@@ -47,6 +47,11 @@ class Graph:
         upstream = {name} | networkx.ancestors(self._links, name)
         return next(node for node in self.of_kind("scene") if node in upstream)
 
+    def leading_to(self, name: str) -> tuple[str, ...]:
+        """The nodes between the scene and a node, itself included, in order."""
+        upstream = {name} | networkx.ancestors(self._links, name)
+        return tuple(node for node in self.order if node in upstream and self.nodes[node].kind != "scene")
+
     def reached_from(self, names: Collection[str]) -> tuple[str, ...]:
         """These nodes and all that they feed, in order."""
         reached = set(names).union(*(networkx.descendants(self._links, name) for name in names))

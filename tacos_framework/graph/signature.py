@@ -7,7 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
-_VERB = {"scene": "episode", "renderer": "capture", "sensor": "expose", "task": "begin"}
+from tacos_framework.contracts import FILE_STAGES
+from tacos_framework.values import Capture, FrameBatch
+
+_VERB = {"scene": "episode", "renderer": "capture", "task": "begin"}
 """The kinds that can be nodes, and the verb whose signature gives their ports."""
 
 
@@ -23,11 +26,14 @@ class Signature:
         Type of the output port; None for tasks, which end a path.
     supplied
         Keyword-only parameters: what the framework supplies.
+    verb
+        The method that is called; none for those that the framework drives.
     """
 
     inputs: Mapping[str, type[Any]]
     output: type[Any] | None
     supplied: frozenset[str]
+    verb: str = ""
 
 
 def signature_of(cls: type[Any], kind: str) -> Signature:
@@ -38,6 +44,12 @@ def signature_of(cls: type[Any], kind: str) -> Signature:
     TypeError
         When a port has no annotation.
     """
+    if kind == "sensor":
+        return Signature({"capture": Capture}, FrameBatch, frozenset({"rig", "exposure"}))
+    if kind == "effect":
+        image = FrameBatch if cls.stage in FILE_STAGES else Capture
+        port = "frames" if image is FrameBatch else "capture"
+        return Signature({port: image}, image, frozenset({"rig", "exposure"}))
     verb = getattr(cls, _VERB[kind])
     inputs, output, supplied = _ports(verb, cls)
     if kind == "task":
@@ -47,7 +59,7 @@ def signature_of(cls: type[Any], kind: str) -> Signature:
             )
         inputs, _, _ = _ports(output.update, output)
         output = None
-    return Signature(inputs, output, supplied)
+    return Signature(inputs, output, supplied, verb.__name__)
 
 
 def _ports(verb: Callable[..., Any], cls: type[Any]) -> tuple[dict[str, Any], Any, frozenset[str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.plugins import guarded
@@ -31,9 +31,13 @@ class Part:
 
     def make(self, overrides: Mapping[str, Any] | None = None, **supplied: Any) -> Any:
         """Build the component, with some settings replaced."""
-        config = self.config
-        if overrides:
-            merged = {**config.model_dump(mode="json", by_alias=True), **overrides}
-            config = self.cls.Config.model_validate_json(json.dumps(merged))
+        part = self.with_settings(overrides)
         with self.calling("as it is built"):
-            return self.cls(config, **supplied)
+            return self.cls(part.config, **supplied)
+
+    def with_settings(self, overrides: Mapping[str, Any] | None) -> Part:
+        """The same with some settings replaced, by plain data."""
+        if not overrides:
+            return self
+        merged = {**self.config.model_dump(mode="json", by_alias=True), **overrides}
+        return replace(self, config=self.cls.Config.model_validate_json(json.dumps(merged)))

@@ -92,8 +92,8 @@ class Call:
                 yield f"{name}: {parameter.name!r} is supplied by keyword, and no port: put it behind a *"
             elif parameter.name not in hints:
                 yield f"{name}: port {parameter.name!r} has no type annotation"
-        if self.asked_for and not isinstance(hints.get("return"), type):
-            yield f"{name} does not say what it gives: annotate it with a class"
+        if self.asked_for and hints.get("return") in (None, type(None)):
+            yield f"{name} does not say what it gives: annotate it with a type"
 
 
 def _called(given: tuple[str, ...]) -> str:
@@ -137,13 +137,11 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
     "effect": (
         _CONFIG,
         Call("on_array", ("samples",), ("geometry", "context", "rng")),
-        Call("apply", ("image",), ("rig", "exposure", "rng")),
     ),
     "sensor": (
         _CONFIG,
-        Call("expose", None, (*_SCENARIO, "effects"), asked_for=True),
         Call("expect", ("light_cd_m2",), _SENSOR),
-        Call("variance_dn2", ("samples_dn",), (*_SENSOR, "photon_scale")),
+        Call("moments", ("samples_dn",), (*_SENSOR, "photon_scale")),
         Call("draw", ("samples_dn",), (*_SENSOR, "rng", "photon_scale")),
         Call("dn_per_electron", _SENSOR),
     ),
@@ -169,6 +167,12 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
 """How components of each kind are called."""
 
 OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
+    "effect": (
+        Call("source", (), ("geometry", "context", "frames")),
+        Call("moved_inverse_depth", ("near", "columns", "rows"), ("geometry",)),
+        Call("moments", ("mean_dn", "variance_dn2"), ("geometry", "context")),
+        Call("guesses_from", ("captures",)),
+    ),
     "sensor": (Call("lacks", ("rig",)),),
     "task": (Call("lacks", ("rig",)),),
 }

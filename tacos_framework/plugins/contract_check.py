@@ -35,6 +35,11 @@ def _missing(kind: str, cls: type[Any]) -> Iterator[str]:
     for name in sorted(_class_attributes(kind)):
         if not hasattr(cls, name):
             yield f"{cls.__name__} has no class attribute {name}"
+    for name in sorted(_attributes(kind)):
+        if not hasattr(cls, name) and not any(
+            name in vars(each).get("__annotations__", {}) for each in cls.__mro__
+        ):
+            yield f"{cls.__name__} has no attribute {name}: give it one, or a property, or its annotation"
 
 
 def _class_attributes(kind: str) -> set[str]:
@@ -43,6 +48,12 @@ def _class_attributes(kind: str) -> set[str]:
     properties = {name for name, member in vars(protocol).items() if isinstance(member, property)}
     of_class = {name for name, hint in protocol.__annotations__.items() if str(hint).startswith("ClassVar")}
     return (of_class | properties) - {"Config"}
+
+
+def _attributes(kind: str) -> set[str]:
+    """Attributes the Protocol of a kind asks an instance for."""
+    hints = PROTOCOLS[kind].__annotations__
+    return {name for name, hint in hints.items() if not str(hint).startswith("ClassVar")}
 
 
 def _misfits(kind: str, cls: type[Any]) -> Iterator[str]:
@@ -59,8 +70,6 @@ def _misfits(kind: str, cls: type[Any]) -> Iterator[str]:
         yield from _score_misfits(cls)
         if hasattr(cls, "Training") and not _is_settings(cls.Training):
             yield f"{name}.Training is not a tacos_framework.settings.Settings class"
-    if "reads" in _class_attributes(kind) and not _are_texts(getattr(cls, "reads", ()), frozenset, set):
-        yield f"{name}.reads is no set of names of fields, such as frozenset({{'width_px'}})"
 
 
 def _effect_misfits(cls: type[Any]) -> Iterator[str]:

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import TracebackType
+from typing import TypeVar
+
+Error = TypeVar("Error", bound=BaseException)
+
+_CULPRIT = "tacos_culprit"
 
 
 @dataclass(frozen=True)
@@ -74,11 +79,17 @@ class calling:
 
 def blame(error: BaseException, culprit: Culprit) -> None:
     """Note on an error where it comes from, unless it says so already."""
-    if culprit_of(error) is None:
+    if _CULPRIT not in error.__dict__:
         error.add_note(f"in {culprit}")
-        error.__dict__["tacos_culprit"] = culprit
+        error.__dict__[_CULPRIT] = culprit
+
+
+def blameless(error: Error) -> Error:
+    """An error that is no component's, wherever it passes: what is wrong is in the recipe."""
+    error.__dict__[_CULPRIT] = None
+    return error
 
 
 def culprit_of(error: BaseException) -> Culprit | None:
     """The component an error arose in; None where it was none, or is not known."""
-    return getattr(error, "tacos_culprit", None)
+    return getattr(error, _CULPRIT, None)

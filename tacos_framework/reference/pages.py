@@ -151,8 +151,6 @@ def _facts(kind: str, cls: type[Any]) -> Iterator[str]:
             yield f"gives: {signature.output.__name__}"
     if kind == "task":
         yield f"scores: {_listed(cls.scores)}"
-    if kind == "renderer":
-        yield f"reads: {_listed(sorted(cls.reads))}"
     if kind == "effect":
         yield f"stage: {cls.stage}"
     if kind == "procedure":

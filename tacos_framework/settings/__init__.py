@@ -3,6 +3,26 @@
 from __future__ import annotations
 
 from tacos_framework.settings.checking import Path, check
-from tacos_framework.settings.settings import Settings, setting, with_paths_from
+from tacos_framework.settings.settings import (
+    Settings,
+    averaging_of,
+    includes_pedestal,
+    physical,
+    physical_settings,
+    setting,
+    unit_of,
+    with_paths_from,
+)
 
-__all__ = ["Path", "Settings", "check", "setting", "with_paths_from"]
+__all__ = [
+    "Path",
+    "Settings",
+    "averaging_of",
+    "check",
+    "includes_pedestal",
+    "physical",
+    "physical_settings",
+    "setting",
+    "unit_of",
+    "with_paths_from",
+]

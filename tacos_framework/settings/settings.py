@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+
+Averaging = Literal["photosites", "lines"]
+"""What is independent in a spread, and so averages out in a binned pixel: photosites, or rows or columns."""
 
 
 class Settings(BaseModel):
@@ -18,8 +21,25 @@ class Settings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
 
+    @model_validator(mode="after")
+    def _one_of_image_and_physical(self) -> Self:
+        for name, image in physical_settings(type(self)).items():
+            given, other = getattr(self, name), getattr(self, image)
+            if given is not None and other != type(self).model_fields[image].default:
+                raise ValueError(f"{image} and {name} exclude each other: give one of the two")
+        return self
 
-def setting(default: Any = ..., *, help: str, unit: str = "1", is_path: bool = False, **bounds: Any) -> Any:
+
+def setting(
+    default: Any = ...,
+    *,
+    help: str,
+    unit: str = "1",
+    is_path: bool = False,
+    averaging: Averaging | None = None,
+    with_pedestal: bool = False,
+    **bounds: Any,
+) -> Any:
     """Declare one setting.
 
     Parameters
@@ -32,11 +52,69 @@ def setting(default: Any = ..., *, help: str, unit: str = "1", is_path: bool = F
         Its unit (``"m"``, ``"deg"``); ``"1"`` for a plain number, a name or a switch.
     is_path
         Whether text given for it may be a path; a recipe's relative paths start from its own folder.
+    averaging
+        For the spread of something: what in it is independent. Binning then makes it smaller.
+    with_pedestal
+        For a level in digital numbers: whether it includes the pedestal.
     bounds
         pydantic's ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``, ``alias``.
     """
-    extra: dict[str, JsonValue] = {"unit": unit, "path": True} if is_path else {"unit": unit}
+    extra: dict[str, JsonValue] = {"unit": unit}
+    if is_path:
+        extra["path"] = True
+    if averaging:
+        extra["averaging"] = averaging
+    if with_pedestal:
+        extra["with_pedestal"] = True
     return Field(default, description=help, json_schema_extra=extra, **bounds)
+
+
+def physical(of: str, *, help: str, unit: str, **bounds: Any) -> Any:
+    """Declare the physical counterpart of a setting in pixels or digital numbers; nothing unless given.
+
+    A length on the sensor in um means the same for every pitch, a charge in e- for every gain, where pixels
+    and digital numbers are those of one camera. The two exclude each other.
+
+    Parameters
+    ----------
+    of
+        The setting in pixels (``px``) or digital numbers (``DN``, ``DN/s``) that it stands for.
+    help
+        One sentence that says what it does.
+    unit
+        ``um`` or ``deg/s`` for pixels, ``e-`` for DN, ``e-/s`` for DN/s, ``of full scale`` for DN of a file.
+    bounds
+        As of :func:`setting`.
+    """
+    extra: dict[str, JsonValue] = {"unit": unit, "physical_of": of}
+    return Field(None, description=help, json_schema_extra=extra, **bounds)
+
+
+def unit_of(config: type[BaseModel], name: str) -> str:
+    """The unit of a setting; ``"1"`` for a plain number, a name or a switch."""
+    return str(_extra(config, name).get("unit", "1"))
+
+
+def averaging_of(config: type[BaseModel], name: str) -> Averaging | None:
+    """What in a spread is independent, as :func:`setting` declared it."""
+    found: Any = _extra(config, name).get("averaging")
+    return found
+
+
+def includes_pedestal(config: type[BaseModel], name: str) -> bool:
+    """Whether a level counts from 0 rather than from the pedestal."""
+    return bool(_extra(config, name).get("with_pedestal"))
+
+
+def physical_settings(config: type[BaseModel]) -> dict[str, str]:
+    """The physical settings of a class, each with the one in pixels or digital numbers it stands for."""
+    counterparts = {name: _extra(config, name).get("physical_of") for name in config.model_fields}
+    return {name: str(of) for name, of in counterparts.items() if of}
+
+
+def _extra(config: type[BaseModel], name: str) -> Mapping[str, JsonValue]:
+    extra = config.model_fields[name].json_schema_extra
+    return extra if isinstance(extra, dict) else {}
 
 
 def with_paths_from(folder: Path, config: type[Settings], settings: Mapping[str, Any]) -> dict[str, Any]:

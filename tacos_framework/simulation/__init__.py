@@ -5,7 +5,6 @@
 ``trial``           one candidate on its way through the graph: episodes, frames, the time they take
 ``scores``          what the tasks report of an episode
 ``training``        frames for tasks that learn, and their states
-``acting_effects``  the effects of the recipe, bound to a camera
 ``episodes``        which episode is meant, and its parts
 ``evaluation``      what came out for a candidate
 ``checked_outputs`` light and depth that mean something
@@ -17,7 +16,6 @@
 
 from __future__ import annotations
 
-from tacos_framework.simulation.acting_effects import ActingEffects
 from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation, Raised, failed_by, joined, judged
 from tacos_framework.simulation.evaluator import Evaluator
@@ -26,7 +24,6 @@ from tacos_framework.simulation.simulation import Simulation
 from tacos_framework.simulation.training import state_key
 
 __all__ = [
-    "ActingEffects",
     "EpisodeSpec",
     "Evaluation",
     "Evaluator",

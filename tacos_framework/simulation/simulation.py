@@ -11,7 +11,8 @@ from pydantic import ValidationError
 from tacos_framework.cache import Recent, content_key
 from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed, UserError
-from tacos_framework.plan import Plan
+from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
+from tacos_framework.plan import Part, Plan
 from tacos_framework.plugins import culprit_of
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings
@@ -37,8 +38,7 @@ class Simulation:
         self.plan = plan
         recipe = plan.recipe
         self._rig = plan.rig.make()
-        self._components = {name: part.make() for name, part in plan.nodes.items()}
-        self._effects = [(part, part.make()) for part in plan.effects]
+        self._components = {name: _placed(name, part) for name, part in plan.nodes.items()}
         kept = max(recipe.study.episodes, recipe.test.episodes if recipe.test else 1)
         self._episodes: Recent[Episode] = Recent(size=min(kept, 4) + bool(plan.trainable))
 
@@ -115,6 +115,7 @@ class Simulation:
     ) -> Evaluation:
         """The evaluation with the scores of each episode, and what they cost."""
         for component in trial.components.values():  # before anything is rendered in vain
+            component = component.sensor if isinstance(component, PlacedSensor) else component
             if callable(lacks := getattr(component, "lacks", None)) and (reason := lacks(trial.rig)):
                 raise CandidateFailed(reason)
         images = 0
@@ -149,16 +150,17 @@ class Simulation:
         """One frame of the first sensor node, at a position in 0..1 along the episode."""
         graph = self.plan.graph
         sensor = graph.of_kind("sensor")[0]
+        scene = graph.scene_of(sensor)
         trial = self._trial(values, self.plan.rig_variables(values), Clock())
-        episode = trial.episode(graph.scene_of(sensor), spec)
+        episode = trial.episode(scene, spec)
         frame = round(position * (len(episode) - 1))
         batch = episode[frame : frame + 1]
-        outputs: dict[str, Any] = {graph.scene_of(sensor): batch}
-        for name in graph.order:
+        outputs: dict[str, Any] = {scene: batch}
+        draws = trial.draws(spec)
+        for name in graph.leading_to(sensor):
             node = graph.nodes[name]
-            if node.kind in ("renderer", "sensor") and set(node.sources.values()) <= set(outputs):
-                inputs = {port: outputs[source] for port, source in node.sources.items()}
-                outputs[name] = trial.image(node, inputs, batch, spec)
+            inputs = {port: outputs[source] for port, source in node.sources.items()}
+            outputs[name] = trial.output(node, inputs, draws)
         return outputs[sensor]
 
     def _trial(self, values: Mapping[str, Any], variables: Settings, clock: Clock) -> Trial:
@@ -169,7 +171,7 @@ class Simulation:
                 overrides.setdefault(node, {})[setting] = value
         scenario = self.plan.recipe.scenario.model_copy(update=overrides.pop("scenario", {}))
         components = {
-            name: self.plan.nodes[name].make(overrides[name]) if name in overrides else component
+            name: _placed(name, self.plan.nodes[name], overrides[name]) if name in overrides else component
             for name, component in self._components.items()
         }
         exposure = Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
@@ -180,8 +182,23 @@ class Simulation:
             scenario=scenario,
             components=components,
             overrides=overrides,
-            effects=self._effects,
+            formation=ImageFormation(exposure, [placed_effect(part.use, part) for part in self.plan.effects]),
             kept=self._episodes,
             key=content_key(values),
             clock=clock,
         )
+
+
+def _placed(name: str, part: Part, overrides: Mapping[str, Any] | None = None) -> Any:
+    """The component of a node, or what places it in image formation."""
+    match part.use.partition(".")[0]:
+        case "sensor":
+            return PlacedSensor(part.name, name, part.make(overrides))
+        case "effect":
+            return placed_effect(name, part, overrides)
+    return part.make(overrides)
+
+
+def placed_effect(name: str, part: Part, overrides: Mapping[str, Any] | None = None) -> PlacedEffect:
+    """An effect of a recipe, for all cameras."""
+    return PlacedEffect(part.name, name, part.cls, part.with_settings(overrides).config)

@@ -7,24 +7,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from tacos_framework.cache import Recent, content_key
+from tacos_framework.formation import EpisodeDraws, ImageFormation
 from tacos_framework.graph import Node
-from tacos_framework.plan import Part, Plan
+from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Scenario
-from tacos_framework.simulation.acting_effects import ActingEffects
 from tacos_framework.simulation.checked_outputs import checked_output
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.episodes import EpisodeSpec, block_of
 from tacos_framework.values import Episode, Exposure, Rig
-
-BATCH_BYTES = 256 * 2**20
-"""Memory a batch of frames may take on its way through the graph [bytes]."""
-
-BYTES_PER_PIXEL = 64
-"""Memory of a simulated pixel at the widest point of the graph: light, depth, ids, samples [bytes]."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +34,12 @@ class Trial:
     scenario
         The surroundings, with what the candidate sets of them.
     components
-        The component of each node, built with the candidate's settings.
+        The component of each node, built with the candidate's settings; of sensors and effects as placed
+        (`PlacedSensor`, `PlacedEffect`).
     overrides
         The candidate's settings, by node.
-    effects
-        The effects in the order of image formation.
+    formation
+        Image formation, with the effects that hold for all images.
     kept
         Episodes made lately, shared by the trials of a simulation.
     key
@@ -61,7 +54,7 @@ class Trial:
     scenario: Scenario
     components: Mapping[str, Any]
     overrides: Mapping[str, Mapping[str, Any]]
-    effects: Sequence[tuple[Part, Any]]
+    formation: ImageFormation
     kept: Recent[Episode]
     key: str
     clock: Clock
@@ -77,7 +70,9 @@ class Trial:
             component = self.plan.nodes[scene].make(overrides) if overrides else self.components[scene]
             supplied = {"rng": generator(spec.seed, *spec.name, scene), "illumination_lux": lux}
             wanted = self.plan.graph.nodes[scene].signature.supplied
-            return component.episode(**{name: supplied[name] for name in supplied if name in wanted})
+            with self.plan.nodes[scene].calling(f"episode in node {scene!r}"):
+                made: Episode = component.episode(**{n: supplied[n] for n in supplied if n in wanted})
+            return made
 
         whole = self.kept.get((scene, replace(spec, block=(0, 1)), lux, content_key(overrides)), make)
         return block_of(whole, *spec.block)
@@ -85,33 +80,45 @@ class Trial:
     def stream(
         self, scene: str, episode: Episode, spec: EpisodeSpec, tasks: Sequence[str]
     ) -> Iterator[Mapping[str, Any]]:
-        """What the tasks are given of an episode, batch by batch: ``{task: {port: value}}``."""
+        """What the tasks are given of an episode, frame by frame: ``{task: {port: value}}``.
+
+        Tasks that want several frames at a time get as many, if they say so (`Task.frames_per_update`).
+        """
+        draws = self.draws(spec)
 
         def call(node: Node, inputs: Mapping[str, Any], batch: Episode) -> Any:
             with self.at_work(node.name):
-                return self.image(node, inputs, batch, spec)
+                return self.output(node, inputs, draws)
 
-        yield from self.plan.graph.stream(scene, episode, batch_frames(self.rig), call, tasks)
+        wanted = [getattr(type(self.components[task]), "frames_per_update", 1) for task in tasks]
+        yield from self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks)
 
-    def image(self, node: Node, inputs: Mapping[str, Any], batch: Episode, spec: EpisodeSpec) -> Any:
-        """What a renderer or a sensor makes of its inputs: light, or files."""
-        crn = self.plan.recipe.study.common_random_numbers
-        names = (*spec.name, node.name, batch.first_frame, *(() if crn else (self.key,)))
-        rng = generator(spec.seed, *names)
-        acting = ActingEffects(self.effects, self.rig, self.exposure, generator(spec.seed, *names, "effects"))
+    def draws(self, spec: EpisodeSpec) -> EpisodeDraws:
+        """What is drawn along an episode; candidates share it where the recipe wants them to."""
+        common = self.plan.recipe.study.common_random_numbers
+        return EpisodeDraws(spec.seed, (*spec.name, *(() if common else (self.key,))))
+
+    def output(self, node: Node, inputs: Mapping[str, Any], draws: EpisodeDraws) -> Any:
+        """What a node that is neither scene nor task makes of its inputs."""
+        component = self.components[node.name]
+        if node.kind == "sensor":
+            (capture,) = inputs.values()
+            return self.formation.expose(capture, component, draws)
+        if node.kind == "effect":
+            (image,) = inputs.values()
+            return self.formation.with_effect(image, component, draws)
         supplied = {
             "rig": self.rig,
             "exposure": self.exposure,
-            "rng": rng,
-            "effects": acting,
             "illumination_lux": self.scenario.illumination_lux,
         }
         wanted = {name: value for name, value in supplied.items() if name in node.signature.supplied}
-        name = self.plan.nodes[node.name].name
-        if node.kind == "renderer":
-            light = checked_output(name, self.components[node.name].capture(**inputs, **wanted))
-            return acting.light(light)
-        return acting.files(checked_output(name, self.components[node.name].expose(**inputs, **wanted)))
+        if "rng" in node.signature.supplied:
+            first = next((v.episode.first_frame for v in inputs.values() if hasattr(v, "episode")), 0)
+            wanted["rng"] = draws.rng(first, node.name)
+        made = getattr(component, node.signature.verb)(**inputs, **wanted)
+        checked_output(self.plan.nodes[node.name].name, made)
+        return self.formation.light(made, draws) if node.kind == "renderer" else made
 
     @contextmanager
     def at_work(self, name: str, doing: str = "") -> Iterator[None]:
@@ -120,9 +127,3 @@ class Trial:
         guard = self.plan.nodes[name].calling(f"{doing} {at_node}" if doing else at_node)
         with self.clock.of(f"{name}, {doing}" if doing else name), guard:
             yield
-
-
-def batch_frames(rig: Rig) -> int:
-    """How many frames go through the graph together, so that memory stays flat."""
-    pixels = sum(camera.width_px * camera.height_px for camera in rig.cameras)
-    return int(np.clip(BATCH_BYTES // (pixels * BYTES_PER_PIXEL), 1, 32))

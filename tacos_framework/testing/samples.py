@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +21,6 @@ from tacos_framework.values import (
     Object,
     Part,
     Rig,
-    Signal,
     Trajectory,
     View,
     World,
@@ -35,18 +36,6 @@ FRAME_INTERVAL_S = 0.1
 SPEED_M_S = 0.5
 BLOCK_PX = 8
 """Size of the blocks the moving card is made of."""
-
-
-class NoEffects:
-    """Stands in for the recipe's effects where there are none."""
-
-    def pixel(self, signal: Signal) -> Signal:
-        """The signal itself."""
-        return signal
-
-    def readout(self, signal: Signal) -> Signal:
-        """The signal itself."""
-        return signal
 
 
 def sample_rig(*names: str, width_px: int = 64, height_px: int = 48) -> Rig:
@@ -144,17 +133,9 @@ def sample_capture(
 def part_of(capture: Capture, start: int, stop: int | None) -> Capture:
     """A run of consecutive frames of a capture."""
     run = slice(start, stop)
-    views = tuple(
-        View(
-            view.camera,
-            view.world_from_camera[run],
-            view.luminance_cd_m2[run],
-            view.depth_m[run],
-            view.object_id[run],
-        )
-        for view in capture.views
-    )
-    return Capture(capture.episode[run], views)
+    names = ("world_from_camera", "luminance_cd_m2", "depth_m", "object_id")
+    views = (replace(v, **{name: getattr(v, name)[run] for name in names}) for v in capture.views)
+    return replace(capture, episode=capture.episode[run], views=tuple(views))
 
 
 def sample_frames(rig: Rig | None = None, frames: int = 6) -> FrameBatch:
@@ -163,10 +144,10 @@ def sample_frames(rig: Rig | None = None, frames: int = 6) -> FrameBatch:
     return FrameBatch(capture, tuple(digitise(view.luminance_cd_m2, 255) for view in capture.views))
 
 
-def sample_signal(rig: Rig | None = None, frames: int = 6) -> Signal:
-    """The expected signal of the first camera of `sample_capture` at 8 bits, with a pedestal of 16 DN."""
+def sample_expected_dn(rig: Rig | None = None, frames: int = 6) -> NDArray[np.float32]:
+    """(N, H, W, 3) expected samples of the first camera of `sample_capture`: 8 bits, a pedestal of 16 DN."""
     view = sample_capture(rig, frames, luminance_cd_m2=100.0).views[0]
-    return Signal(view, view.luminance_cd_m2 + np.float32(16), black_level_dn=16.0, white_level_dn=255.0)
+    return view.luminance_cd_m2 + np.float32(16)
 
 
 def _card(camera: Camera, world_from_agent: NDArray[np.float64], mean: float, shift_px: int) -> View:

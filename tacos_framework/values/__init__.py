@@ -5,7 +5,7 @@ from __future__ import annotations
 from tacos_framework.values.camera import Camera, Electrons, Exposure, Rig
 from tacos_framework.values.episode import Crossing, Episode, Mover, Trajectory
 from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
-from tacos_framework.values.images import Capture, FrameBatch, Signal, View
+from tacos_framework.values.images import Capture, FrameBatch, View
 from tacos_framework.values.world import Light, Material, Object, Part, World
 
 __all__ = [
@@ -25,7 +25,6 @@ __all__ = [
     "Object",
     "Part",
     "Rig",
-    "Signal",
     "Trajectory",
     "View",
     "World",

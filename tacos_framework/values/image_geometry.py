@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values.camera import Camera, Exposure
-from tacos_framework.values.images import View
+from tacos_framework.values.camera import Camera
+
+Velocity = NDArray[np.floating]
+"""(2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x right, y down [px/s]."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,8 @@ class ImageGeometry:
         Size of the full sensor; that of the image when 0 [px].
     camera
         Name of the camera, which tells the fixed patterns of a rig's sensors apart.
+    binning
+        Linear factor of photosites averaged into one pixel of the image [1].
 
     Examples
     --------
@@ -56,11 +62,12 @@ class ImageGeometry:
     full_width_px: int = 0
     full_height_px: int = 0
     camera: str = ""
+    binning: float = 1.0
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
             raise ValueError(f"an image of {self.width_px} x {self.height_px} has no pixels")
-        for name in ("focal_length_px", "pixel_um"):
+        for name in ("focal_length_px", "pixel_um", "binning"):
             if not (math.isfinite(value := getattr(self, name)) and value > 0):
                 raise ValueError(f"{name} must be above 0, not {value}")
         object.__setattr__(self, "full_width_px", self.full_width_px or self.width_px)
@@ -85,6 +92,7 @@ class ImageGeometry:
             centre_px=camera.centre_px,
             pixel_um=camera.pixel_um * camera.binning,
             camera=camera.name,
+            binning=camera.binning,
         )
 
     def crop(self, *, x: int, y: int, width_px: int, height_px: int) -> ImageGeometry:
@@ -99,6 +107,7 @@ class ImageGeometry:
             full_width_px=self.full_width_px,
             full_height_px=self.full_height_px,
             camera=self.camera,
+            binning=self.binning,
         )
 
     @property
@@ -149,13 +158,18 @@ class ImageContext:
     depth_m
         (H, W) or (N, H, W) distance along the optical axis, infinite where nothing is [m].
     velocity_px_s
-        (2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x to the right, y downwards [px/s].
+        (2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x to the right, y downwards, or what
+        works it out when it is asked for [px/s].
     frame_interval_s
         Time from frame to frame; None for frames that do not follow each other [s].
     reference_row
         Row of the image whose moment the image shows, where other rows are read out later [px].
     cfa
         Colour filters of a mosaic from the top-left pixel on, ``"RGGB"``; None for full channels.
+    dn_per_electron
+        What one electron of a photosite adds to a sample [DN/e-].
+    memory
+        What the effect itself keeps from frame to frame of a sequence; empty at its first frame.
     """
 
     exposure_s: float = 0.030
@@ -164,24 +178,12 @@ class ImageContext:
     black_level_dn: float = 0.0
     white_level_dn: float = 255.0
     depth_m: NDArray[np.floating] | None = None
-    velocity_px_s: NDArray[np.floating] | None = None
+    velocity_px_s: Velocity | Callable[[], Velocity] | None = None
     frame_interval_s: float | None = None
     reference_row: float = 0.0
     cfa: str | None = None
-
-    @classmethod
-    def of_light(cls, view: View, exposure: Exposure) -> ImageContext:
-        """The context of a rendered view; its middle row is the one that shows the moment of the frame.
-
-        Motion is left out, as few effects need it: `tacos_framework.camera.motion.image_velocity` gives it.
-        """
-        return cls(
-            exposure_s=exposure.time_s,
-            gain_db=exposure.gain_db,
-            f_number=exposure.f_number,
-            depth_m=view.depth_m,
-            reference_row=(view.camera.height_px - 1) / 2,
-        )
+    dn_per_electron: float | None = None
+    memory: dict[str, Any] = field(default_factory=dict)
 
     def known_f_number(self, effect: str) -> float:
         """The f-number, for an effect that cannot do without; `ContextMissing` where it is not known."""
@@ -195,8 +197,8 @@ class ImageContext:
             raise ContextMissing(f"{effect} needs the depth of the capture")
         return self.depth_m
 
-    def known_velocity_px_s(self, effect: str) -> NDArray[np.floating]:
+    def known_velocity_px_s(self, effect: str) -> Velocity:
         """The motion, for an effect that cannot do without; `ContextMissing` where it is not known."""
         if self.velocity_px_s is None:
             raise ContextMissing(f"{effect} needs the velocity of the capture")
-        return self.velocity_px_s
+        return self.velocity_px_s() if callable(self.velocity_px_s) else self.velocity_px_s

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,40 +47,36 @@ class View:
         read_only(self, "depth_m", np.float32, size)
         read_only(self, "object_id", np.int32, size)
 
+    def frame(self, index: int) -> View:
+        """One frame of it, without copying."""
+        run = slice(index, index + 1)
+        return View(
+            self.camera,
+            self.world_from_camera[run],
+            self.luminance_cd_m2[run],
+            self.depth_m[run],
+            self.object_id[run],
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """What a renderer gives for a batch: one view per camera of the rig, in the rig's order."""
-
-    episode: Episode
-    views: tuple[View, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Signal:
-    """Samples of one camera on their way through a sensor model, for effects of the stages pixel and readout.
+    """What a renderer gives for a batch: one view per camera of the rig, in the rig's order.
 
     Parameters
     ----------
-    view
-        The view that is being exposed.
-    samples_dn
-        (N, H, W, C) float32 signal in the units of the final file, not yet rounded or clipped [DN].
-    black_level_dn, white_level_dn
-        Pedestal and full scale [DN].
-    photon_scale
-        Factor on the variance of the photon noise that the sensor is about to add [1].
+    episode
+        The frames in the world.
+    views
+        One per camera.
+    pending
+        Effects of the stages pixel and readout that stand in the graph between renderer and sensor: the
+        sensor that comes next applies them at their place (`tacos_framework.formation.PlacedEffect`).
     """
 
-    view: View
-    samples_dn: NDArray[np.float32]
-    black_level_dn: float
-    white_level_dn: float
-    photon_scale: float = 1.0
-
-    def __post_init__(self) -> None:
-        size = self.view.depth_m.shape
-        read_only(self, "samples_dn", np.float32, (*size, None))
+    episode: Episode
+    views: tuple[View, ...]
+    pending: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,8 @@ import logging
 import numpy as np
 import pytest
 
-from tacos_framework.testing.samples import NoEffects, sample_episode
+from tacos_framework.testing.forming import expose
+from tacos_framework.testing.samples import sample_episode
 from tacos_framework.values import Camera, Capture, Electrons, Exposure, View
 from tacos_plugins.sensors.emva import Emva
 
@@ -35,8 +36,7 @@ def our_frames(photons: float, *, frames: int, seed: int) -> np.ndarray:
     light = np.full((*size, 3), photons * per_photon, np.float32)
     view = View(CAMERA, np.tile(np.eye(4), (frames, 1, 1)), light, np.ones(size), np.zeros(size))
     capture = Capture(sample_episode(frames), (view,))
-    batch = sensor.expose(capture, exposure=EXPOSURE, rng=np.random.default_rng(seed), effects=NoEffects())
-    return batch.images[0][..., 0]
+    return expose(sensor, capture, exposure=EXPOSURE, seed=seed).images[0][..., 0]
 
 
 @pytest.fixture

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.resampling import resample
+from tacos_framework.contracts import moves_pixels
 from tacos_framework.values import ImageContext, ImageGeometry
 
 GEOMETRY = ImageGeometry(96, 72, focal_length_px=80.0, centre_px=(46.0, 37.0), pixel_um=3.0)
@@ -31,7 +33,11 @@ def run(effect: type[Any], signal: NDArray[Any], **settings: Any) -> NDArray[Any
     geometry = settings.pop("geometry", GEOMETRY)
     context = settings.pop("context", ImageContext())
     rng = np.random.default_rng(settings.pop("seed", 1))
-    return effect(effect.Config(**settings)).on_array(signal, geometry=geometry, context=context, rng=rng)
+    component = effect(effect.Config(**settings))
+    if moves_pixels(effect):
+        places = component.source(geometry=geometry, context=context, frames=len(signal))
+        return signal if places is None else resample(signal, *places)
+    return component.on_array(signal, geometry=geometry, context=context, rng=rng)
 
 
 INSIDE = np.s_[:, 12:-12, 12:-12]

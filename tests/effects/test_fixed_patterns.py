@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from tacos_framework.errors import UserError
-from tacos_framework.testing.samples import sample_exposure, sample_rig, sample_signal
-from tacos_framework.values import Signal
 from tacos_plugins.effects.dark_current import DarkCurrent
 from tacos_plugins.effects.dsnu import Dsnu
 from tacos_plugins.effects.prnu import Prnu
@@ -44,15 +40,17 @@ def test_another_sensor_has_another_pattern(effect):
 
 @every_pattern
 def test_two_cameras_of_a_rig_have_different_patterns(effect):
-    rig = sample_rig("left", "right")
-    signal = sample_signal()
-    seen = []
-    for camera in rig.cameras:
-        flat = np.full(signal.samples_dn.shape, 100, np.float32)
-        image = Signal(replace(signal.view, camera=camera), flat, BLACK_DN, 255.0)
-        effect_on = effect.apply(image, rig=rig, exposure=sample_exposure(), rng=np.random.default_rng(0))
-        seen.append(effect_on.samples_dn[0].ravel())
-    assert abs(np.corrcoef(*seen)[0, 1]) < 0.06
+    flat = flats(100.0, 0.0)
+    seen = [
+        effect.on_array(
+            flat,
+            geometry=geometry_of(flat, camera=camera),
+            context=context(),
+            rng=np.random.default_rng(0),
+        )
+        for camera in ("left", "right")
+    ]
+    assert abs(np.corrcoef(*(each[0].ravel() for each in seen))[0, 1]) < 0.06
 
 
 @every_pattern
@@ -135,3 +133,30 @@ def test_a_map_that_cannot_serve_is_refused_by_name(tmp_path, array, words):
     with pytest.raises(UserError, match=words) as refused:
         run(make(Dsnu, sigma_dn=1.0, map=str(path)), flats())
     assert str(path) in str(refused.value)
+
+
+def test_a_map_belongs_to_one_specimen(tmp_path):
+    """Of another camera it would be wrong however it were cut or scaled: it is refused, and says why."""
+    np.save(tmp_path / "map.npy", np.random.default_rng(4).uniform(0.9, 1.1, (120, 160)))
+    with pytest.raises(UserError) as refused:
+        run(make(Prnu, sigma=0.03, map=str(tmp_path / "map.npy")), flats())
+    (fault,) = refused.value.faults
+    assert "(120, 160), which is not that of the sensor of this camera" in fault.what
+    assert "A map belongs to one specimen of a sensor" in fault.remedy
+
+
+def test_a_binned_pixel_averages_the_hot_photosites_that_are_in_it():
+    size = {"height": 300, "width": 400, "channels": 1, "frames": 1}
+    effect = make(DarkCurrent, hot_share=0.02, hot_rate_dn_s=50.0)
+    frames = dark(**size)
+    binned = effect.on_array(
+        frames,
+        geometry=geometry_of(frames, binning=4.0),
+        context=context(exposure_s=1.0),
+        rng=np.random.default_rng(0),
+    )
+    hot = binned[0, ..., 0] - BLACK_DN
+    assert hot.mean() == pytest.approx(0.02 * 50.0, rel=0.05)
+    assert (hot > 0).mean() == pytest.approx(1 - np.exp(-0.02 * 16), rel=0.05)
+    # Of n exponentials with n Poisson of mean m: variance 2 m rate^2, over the square of 16 photosites.
+    assert hot.var() == pytest.approx(2 * 0.02 * 16 * 50.0**2 / 16**2, rel=0.1)

@@ -8,7 +8,8 @@ import pytest
 from pydantic import ValidationError
 
 from tacos_framework.camera.geometry import pixel_rays
-from tacos_framework.testing.samples import sample_capture, sample_exposure, sample_rig, sample_world
+from tacos_framework.testing.forming import placed, with_effect
+from tacos_framework.testing.samples import sample_capture, sample_world
 from tacos_framework.values import Camera, Capture, ContextMissing, Episode, ImageContext, Trajectory, View
 from tacos_plugins.effects.focal_length_error import FocalLengthError
 from tacos_plugins.effects.lateral_chromatic_aberration import LateralChromaticAberration
@@ -24,9 +25,7 @@ K = np.array([[F, 0, CX], [0, F, CY], [0, 0, 1]])
 
 
 def applied(effect, capture, **settings):
-    component = effect(effect.Config(**settings))
-    rng = np.random.default_rng(1)
-    return component.apply(capture, rig=sample_rig(), exposure=sample_exposure(), rng=rng)
+    return with_effect(capture, placed(effect, **settings))
 
 
 def test_another_focal_length_magnifies_about_the_principal_point():

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tacos_framework.values import ContextMissing, ImageContext
+from tacos_framework.testing.forming import placed, with_effect
+from tacos_framework.testing.samples import sample_capture
+from tacos_framework.values import ContextMissing, Exposure, ImageContext
 from tacos_plugins.effects.auto_exposure import AutoExposure
 from tacos_plugins.effects.exposure_error import ExposureError
 from tacos_plugins.effects.flicker import Flicker
@@ -116,3 +119,23 @@ def test_metering_refuses_what_it_cannot_do():
         run(AutoExposure, FLAT, target_mlx_s=10.0)
     with pytest.raises(ValidationError, match="above longest"):
         AutoExposure.Config(shortest=5.0, longest=2.0)
+
+
+def test_metering_goes_on_from_frame_to_frame_of_an_episode():
+    """Frames come one by one: what the effect remembers makes them the same as all at once."""
+    light = [2.0, 8.0, 8.0, 3.0]
+    _, together = metered(light, target_mlx_s=10.0, lag_frames=2.0)
+    effect = AutoExposure(AutoExposure.Config(target_mlx_s=10.0, lag_frames=2.0))
+    context = ImageContext(exposure_s=0.03, f_number=2.0)
+    one_by_one = [effect.factors(np.full((1, 6, 8, 3), each), context)[0] for each in light]
+    np.testing.assert_allclose(one_by_one, together)
+    capture = sample_capture(frames=4)
+    views = tuple(
+        replace(v, luminance_cd_m2=v.luminance_cd_m2 * np.array(light)[:, None, None, None])
+        for v in capture.views
+    )
+    lagging = placed(AutoExposure, target_mlx_s=10.0, lag_frames=2.0)
+    exposed = with_effect(replace(capture, views=views), lagging, exposure=Exposure(0.03, 2.0, 0.0))
+    means = exposed.views[0].luminance_cd_m2.mean((1, 2, 3))
+    stops = np.log2(means / means[0])
+    assert stops[1] == pytest.approx(2 - 2 * (1 - math.exp(-0.5)), abs=0.05)

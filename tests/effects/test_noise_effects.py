@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import ndimage, stats
 
-from tacos_framework.testing.samples import NoEffects, sample_capture, sample_exposure, sample_rig
-from tacos_framework.values import Signal
+from tacos_framework.formation import PlacedEffect
+from tacos_framework.testing.forming import expose, placed
+from tacos_framework.testing.samples import sample_capture, sample_rig
 from tacos_plugins.effects.conversion_gain_error import ConversionGainError
 from tacos_plugins.effects.crosstalk import Crosstalk
 from tacos_plugins.effects.read_noise import ReadNoise
@@ -23,29 +26,14 @@ SENSOR = AffineNoise(
 )
 
 
-class Acting(NoEffects):
-    """One effect of the pixel, at its place in a sensor."""
-
-    def __init__(self, effect):
-        self.effect = effect
-
-    def pixel(self, signal: Signal) -> Signal:
-        return self.effect.apply(
-            signal, rig=sample_rig(), exposure=sample_exposure(), rng=np.random.default_rng(0)
-        )
-
-
-def photon_transfer_slope(effects: NoEffects) -> tuple[float, float, float]:
+def photon_transfer_slope(*effects: PlacedEffect) -> tuple[float, float, float]:
     """Slope and intercept of variance over mean of green, and the mean over all levels [DN, DN^2, DN]."""
     means, variances = [], []
     for luminance_cd_m2 in (0.5, 2.0, 4.0):
         capture = sample_capture(sample_rig(width_px=80, height_px=60), frames=24, luminance_cd_m2=0.0)
         light = np.full_like(capture.views[0].luminance_cd_m2, luminance_cd_m2)
-        object.__setattr__(capture.views[0], "luminance_cd_m2", light)
-        exposed = SENSOR.expose(
-            capture, exposure=sample_exposure(), rng=np.random.default_rng(3), effects=effects
-        )
-        green = exposed.images[0][..., 1].astype(float)
+        even = replace(capture, views=(replace(capture.views[0], luminance_cd_m2=light),))
+        green = expose(SENSOR, even, effects=effects, seed=3).images[0][..., 1].astype(float)
         means.append(green.mean() - 200)
         variances.append(green.var(axis=0, ddof=1).mean())
     slope, intercept = np.polyfit(means, variances, 1)
@@ -53,24 +41,22 @@ def photon_transfer_slope(effects: NoEffects) -> tuple[float, float, float]:
 
 
 def test_conversion_gain_scales_the_slope_of_the_photon_transfer_curve_and_keeps_the_mean():
-    slope, intercept, mean = photon_transfer_slope(NoEffects())
+    slope, intercept, mean = photon_transfer_slope()
     scaled_slope, scaled_intercept, scaled_mean = photon_transfer_slope(
-        Acting(make(ConversionGainError, scale=1.5))
+        placed(ConversionGainError, scale=1.5)
     )
     assert scaled_slope / slope == pytest.approx(1.5, rel=0.02)  # the same draws: the ratio is nearly exact
     assert scaled_mean == pytest.approx(mean, abs=0.05)
     assert scaled_intercept == pytest.approx(intercept, abs=0.05 * slope * mean)
 
 
-def test_conversion_gains_multiply_and_tell_the_diagnosis_their_scale():
+def test_conversion_gains_multiply_and_leave_samples_alone():
     assert make(ConversionGainError, scale=1.5).photon_scale == 1.5
-    capture = sample_capture(frames=1, luminance_cd_m2=100.0)
-    signal = Signal(capture.views[0], capture.views[0].luminance_cd_m2, 0.0, 255.0)
-    twice = Acting(make(ConversionGainError, scale=1.5)).pixel(
-        Acting(make(ConversionGainError, scale=2.0)).pixel(signal)
-    )
-    assert twice.photon_scale == 3.0
-    np.testing.assert_array_equal(twice.samples_dn, signal.samples_dn)
+    one, two = placed(ConversionGainError, scale=1.5), placed(ConversionGainError, scale=2.0)
+    slope, _, _ = photon_transfer_slope()
+    assert photon_transfer_slope(one, two)[0] / slope == pytest.approx(3.0, rel=0.04)
+    frames = flats()
+    assert run(make(ConversionGainError, scale=1.5), frames) is frames
 
 
 def test_saturated_samples_pile_up_at_the_level():

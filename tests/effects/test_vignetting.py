@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tacos_framework.testing.samples import sample_capture, sample_exposure, sample_rig
+from tacos_framework.testing.forming import placed, with_effect
+from tacos_framework.testing.samples import sample_capture, sample_rig
 from tacos_framework.values import ImageGeometry
 from tacos_plugins.effects.radial import even_polynomial
 from tacos_plugins.effects.vignetting import Vignetting
 
 
 def apply(capture, **coefficients):
-    effect = Vignetting(Vignetting.Config(**coefficients))
-    return effect.apply(capture, rig=sample_rig(), exposure=sample_exposure(), rng=np.random.default_rng(0))
+    return with_effect(capture, placed(Vignetting, **coefficients))
 
 
 def test_light_falls_with_the_polynomial_of_the_radius():

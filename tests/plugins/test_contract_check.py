@@ -42,12 +42,8 @@ class SoundEffect(Built):
 
     def on_array(self, samples: Any, *, geometry: Any, context: Any, rng: Any) -> Any: ...
 
-    def apply(self, image: Any, *, rig: Any, exposure: Any, rng: Any) -> Any: ...
-
 
 class SoundRenderer(Built):
-    reads: ClassVar[frozenset[str]] = frozenset({"width_px"})
-
     def capture(self, episode: Episode, *, rig: Any, exposure: Any) -> Capture: ...
 
 
@@ -184,7 +180,7 @@ def unknown_type(self, episode: Elsewhere) -> Capture: ...  # noqa: F821 - that 
     ("verb", "fault"),
     [
         (no_type, "Mine.capture: port 'episode' has no type annotation"),
-        (no_output, "Mine.capture does not say what it gives: annotate it with a class"),
+        (no_output, "Mine.capture does not say what it gives: annotate it with a type"),
         (by_position, "Mine.capture: 'rig' is supplied by keyword, and no port: put it behind a *"),
         (any_ports, "Mine.capture: 'episodes' stands for any ports; each needs a name and a type"),
         (

@@ -36,7 +36,6 @@ class Glow:
         per_deg: float = setting(1.0, help="Luminance per degree of field of view.", unit="cd/m2")
         at_90_deg: float = setting(200.0, help="Luminance a camera of 90 degrees sees.", unit="cd/m2")
 
-    reads: ClassVar[frozenset[str]] = frozenset({"width_px", "height_px", "focal_length_mm"})
     captured: ClassVar[int] = 0
 
     def __init__(self, config: Config) -> None:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
+from toy_plugin import Dim
 
 from tacos_framework.errors import UserError
-from tacos_framework.testing.samples import NoEffects, sample_episode
-from tacos_framework.values import Camera, Capture, Exposure, Rig, Signal, View
+from tacos_framework.settings import Settings
+from tacos_framework.testing.forming import expose as exposed
+from tacos_framework.testing.forming import placed
+from tacos_framework.testing.samples import sample_episode
+from tacos_framework.values import Camera, Capture, Exposure, View
 from tacos_plugins.sensors.affine_noise import AffineNoise
 
 DAY = Exposure(time_s=0.030, f_number=2.0, gain_db=5.0)
@@ -32,14 +37,9 @@ def even_light(
     return Capture(sample_episode(frames), (view,))
 
 
-def expose(
-    capture: Capture, exposure: Exposure = DAY, *, seed: int = 1, effects=None, **config
-) -> np.ndarray:
+def expose(capture: Capture, exposure: Exposure = DAY, *, seed: int = 1, effects=(), **config) -> np.ndarray:
     sensor = AffineNoise(AffineNoise.Config(**config))
-    frames = sensor.expose(
-        capture, exposure=exposure, rng=np.random.default_rng(seed), effects=effects or NoEffects()
-    )
-    return frames.images[0]
+    return exposed(sensor, capture, effects=effects, exposure=exposure, seed=seed).images[0]
 
 
 def test_a_white_wall_by_day_comes_to_200_of_255():
@@ -126,55 +126,48 @@ def test_other_seeds_give_other_noise():
 
 
 def test_effects_before_the_noise_leave_it_white_and_those_after_do_not():
-    class Smooth(NoEffects):
-        def _smooth(self, signal: Signal) -> Signal:
-            samples = (signal.samples_dn + np.roll(signal.samples_dn, 1, axis=2)) / 2
-            return replace(signal, samples_dn=samples)
+    class Smooth:
+        class Config(Settings):
+            pass
 
-    class Before(Smooth):
-        pixel = Smooth._smooth
+        stage = "pixel"
+        neutral: ClassVar = {}
 
-    class After(Smooth):
-        readout = Smooth._smooth
+        def __init__(self, config):
+            pass
 
-    def neighbours(effects) -> float:
-        noise = expose(even_light(1.0), effects=effects, bit_depth=12)[..., 1].astype(float)
+        def on_array(self, samples, **supplied):
+            return (samples + np.roll(samples, 1, axis=2)) / 2
+
+    class SmoothAfterwards(Smooth):
+        stage = "readout"
+
+    def neighbours(effect) -> float:
+        noise = expose(even_light(1.0), effects=[placed(effect)], bit_depth=12)[..., 1].astype(float)
         noise -= noise.mean()
         return float(np.mean(noise[:, :, 1:] * noise[:, :, :-1]) / noise.var())
 
-    assert neighbours(Before()) == pytest.approx(0.0, abs=0.02)
-    assert neighbours(After()) == pytest.approx(0.5, abs=0.02)
+    assert neighbours(Smooth) == pytest.approx(0.0, abs=0.02)
+    assert neighbours(SmoothAfterwards) == pytest.approx(0.5, abs=0.02)
 
 
 def test_the_memory_layout_an_effect_leaves_does_not_matter():
-    class Reordered(NoEffects):
-        def pixel(self, signal: Signal) -> Signal:
-            return replace(signal, samples_dn=np.asfortranarray(signal.samples_dn))
+    class Reordered(Dim):
+        def on_array(self, samples, **supplied):
+            return np.asfortranarray(samples)
 
-    np.testing.assert_array_equal(expose(even_light(1.0), effects=Reordered()), expose(even_light(1.0)))
+    np.testing.assert_array_equal(
+        expose(even_light(1.0), effects=[placed(Reordered)]), expose(even_light(1.0))
+    )
 
 
-def test_the_cut_into_batches_does_not_change_the_noise_of_a_stereo_rig():
-    one = even_light(1.0, frames=4).views[0]
-    episode = sample_episode(4)
-    views = tuple(replace(one, camera=replace(one.camera, name=name)) for name in ("left", "right"))
-    assert len(Rig(tuple(view.camera for view in views)).cameras) == 2
-
-    def part(start: int, stop: int) -> Capture:
-        run = slice(start, stop)
-        names = ("world_from_camera", "luminance_cd_m2", "depth_m", "object_id")
-        cut = (replace(view, **{name: getattr(view, name)[run] for name in names}) for view in views)
-        return Capture(episode[run], tuple(cut))
-
-    def images(*captures: Capture) -> list[np.ndarray]:
-        sensor, rng = AffineNoise(AffineNoise.Config()), np.random.default_rng(1)
-        batches = [sensor.expose(c, exposure=DAY, rng=rng, effects=NoEffects()).images for c in captures]
-        return [np.concatenate(of_camera) for of_camera in zip(*batches, strict=True)]
-
-    whole, cut = images(part(0, 4)), images(part(0, 1), part(1, 4))
-    np.testing.assert_array_equal(whole[0], cut[0])
-    np.testing.assert_array_equal(whole[1], cut[1])
-    assert (whole[0] != whole[1]).any()
+def test_the_gain_is_the_slope_of_a_photosites_photon_noise():
+    """Green of the calibrated photosite at the calibrated gain: s_p itself, whatever the binning."""
+    sensor, exposure = AffineNoise(AffineNoise.Config()), replace(DAY, gain_db=15.0)
+    camera = even_light(1.0, binning=3.0).views[0].camera
+    assert sensor.dn_per_electron(camera, exposure) == pytest.approx(0.12, rel=1e-6)
+    twice = replace(camera, pixel_um=camera.pixel_um * math.sqrt(2))
+    assert sensor.dn_per_electron(twice, exposure) == pytest.approx(0.06, rel=1e-6)
 
 
 def test_a_calibration_of_one_channel_gives_mono_images():

@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from toy_plugin import Dim
 
 from tacos_framework.errors import CandidateFailed, UserError
-from tacos_framework.testing.samples import NoEffects, sample_episode
-from tacos_framework.values import Camera, Capture, Electrons, Exposure, Signal, View
+from tacos_framework.testing.forming import expose as exposed
+from tacos_framework.testing.forming import placed
+from tacos_framework.testing.samples import sample_episode
+from tacos_framework.values import Camera, Capture, Electrons, Exposure, View
 from tacos_plugins.sensors.emva import Emva
 
 KNOWN = Electrons(
@@ -42,14 +45,9 @@ def even_light(
     return Capture(sample_episode(frames), (view,))
 
 
-def expose(
-    capture: Capture, exposure: Exposure = DAY, *, seed: int = 1, effects=None, **config
-) -> np.ndarray:
+def expose(capture: Capture, exposure: Exposure = DAY, *, seed: int = 1, effects=(), **config) -> np.ndarray:
     sensor = Emva(Emva.Config(**config))
-    frames = sensor.expose(
-        capture, exposure=exposure, rng=np.random.default_rng(seed), effects=effects or NoEffects()
-    )
-    return frames.images[0]
+    return exposed(sensor, capture, effects=effects, exposure=exposure, seed=seed).images[0]
 
 
 def light_for(electrons: float, camera: Camera | None = None, exposure: Exposure = DAY) -> float:
@@ -156,27 +154,25 @@ def test_colour_responses_and_mono():
 
 
 def test_effects_before_the_count_change_its_noise_and_those_after_do_not():
-    class Half(NoEffects):
-        def _half(self, signal: Signal) -> Signal:
-            return replace(signal, samples_dn=signal.samples_dn / 2)
+    class Half(Dim):
+        stage = "pixel"
 
-    class Before(Half):
-        pixel = Half._half
-
-    class After(Half):
-        readout = Half._half
+    class HalfAfterwards(Dim):
+        stage = "readout"
 
     capture = even_light(light_for(8000), electrons=replace(KNOWN, read_noise_e=0.0, dark_current_e_s=0.0))
-    before, after = (expose(capture, effects=effects) for effects in (Before(), After()))
+    before, after = (expose(capture, effects=[placed(e, share=0.5)]) for e in (Half, HalfAfterwards))
     assert before.mean() == pytest.approx(after.mean(), rel=1e-3)
     assert before.var() / after.var() == pytest.approx(2.0, rel=0.03)
 
 
-def test_the_cut_into_batches_does_not_change_the_noise():
-    sensor, rng = Emva(Emva.Config()), np.random.default_rng(1)
-    parts = [even_light(10.0, frames=n) for n in (1, 3)]
-    cut = [sensor.expose(p, exposure=DAY, rng=rng, effects=NoEffects()).images[0] for p in parts]
-    np.testing.assert_array_equal(np.concatenate(cut), expose(even_light(10.0, frames=4)))
+@pytest.mark.parametrize("gain_db", [0.0, 6.0])
+def test_the_gain_is_that_of_a_photosite(gain_db):
+    sensor, exposure = Emva(Emva.Config()), replace(DAY, gain_db=gain_db)
+    gain = 4095 / 10_000 * 10 ** (gain_db / 20)
+    for binning in (1.0, 3.0):
+        camera = even_light(1.0, binning=binning).views[0].camera
+        assert sensor.dn_per_electron(camera, exposure) == pytest.approx(gain)
 
 
 def test_impossible_settings_are_refused_together():

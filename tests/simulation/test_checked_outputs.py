@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import ContractBroken
-from tacos_framework.simulation.checked_outputs import checked_output, checked_samples, checked_scores
+from tacos_framework.formation.checked import checked_samples
+from tacos_framework.simulation.checked_outputs import checked_output, checked_scores
 from tacos_framework.values import Camera, Capture, Episode, FrameBatch, Object, Trajectory, View, World
 
 CAMERA = Camera("left", width_px=4, height_px=3, focal_length_mm=2.0, pixel_um=3.0)
@@ -93,6 +94,8 @@ def test_samples_keep_their_shape():
         checked_samples(NAME, [1.0], like)
     with pytest.raises(ContractBroken, match="gives nan as samples in 36 of 36"):
         checked_samples(NAME, like * np.nan, like)
+    nowhere = like * np.nan
+    assert checked_samples(NAME, nowhere, nowhere) is nowhere
 
 
 @pytest.mark.parametrize("value", [1, 0.5, np.float32(0.5), np.int64(3), np.array(0.5), True])

@@ -123,18 +123,18 @@ def test_the_command_ends_with_status_1_and_says_why(tmp_path, capsys, distribut
 def test_light_that_is_not_finite_fails_the_candidate(toys, tmp_path, monkeypatch):
     sound = toy_plugin.ToyRenderer.capture
 
-    def dark_when_wide(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
+    def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         captured = sound(self, episode, rig=rig, exposure=exposure)
         (view,) = captured.views
         if view.camera.hfov_deg < 110:
             return captured
         return Capture(episode, (replace(view, luminance_cd_m2=view.luminance_cd_m2 * np.nan),))
 
-    monkeypatch.setattr(toy_plugin.ToyRenderer, "capture", dark_when_wide)
+    monkeypatch.setattr(toy_plugin.ToyRenderer, "capture", capture)
     result = run(toy_recipe(), toys, tmp_path)
     failed = {candidate["failed"] for candidate in candidates(tmp_path)}
     (said,) = failed - {None}
     assert said.startswith(
-        "renderer.toy gives nan as light of camera 'camera' in 2304 of 2304 values, the first"
+        "renderer.toy gives nan as light of camera 'camera' in 384 of 384 values, the first at frame 0, row 0"
     )
     assert result["test"]["designed"]["fitness"] is not None

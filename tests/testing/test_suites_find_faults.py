@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pydantic import BaseModel
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.testing import (
     EffectConformance,
     ExecutorConformance,
@@ -33,34 +33,69 @@ MONOCULAR = {"focal_length_mm": 2.0, "sensor": {"width_px": 64, "height_px": 48,
 
 
 class UnseededSensor(AffineNoise):
-    def expose(self, capture, *, exposure, rng, effects):
-        return super().expose(capture, exposure=exposure, rng=np.random.default_rng(), effects=effects)
+    def draw(self, samples_dn, *, rng, **supplied):
+        return super().draw(samples_dn, rng=np.random.default_rng(), **supplied)
 
 
 class DarkeningSensor(AffineNoise):
-    def expose(self, capture, *, exposure, rng, effects):
+    def expect(self, light_cd_m2, *, camera, exposure):
         exposure = replace(exposure, time_s=1e-3 / exposure.time_s)
-        return super().expose(capture, exposure=exposure, rng=rng, effects=effects)
+        return super().expect(light_cd_m2, camera=camera, exposure=exposure)
 
 
-class SensorWithoutReadout(AffineNoise):
-    def _read_out(self, view, samples_dn, effects):
-        return super()._read_out(view, samples_dn, type("Skip", (), {"readout": staticmethod(lambda s: s)}))
+class UnderstatingSensor(AffineNoise):
+    """Draws more noise than it says."""
+
+    def moments(self, samples_dn, **supplied):
+        mean, variance = super().moments(samples_dn, **supplied)
+        return mean, variance * np.float32(0.9)
+
+
+class BiasedSensor(AffineNoise):
+    def draw(self, samples_dn, **supplied):
+        return super().draw(samples_dn, **supplied) + np.float32(0.5)
+
+
+class DeafSensor(AffineNoise):
+    """Knows nothing of the scale of the photon noise."""
+
+    def draw(self, samples_dn, *, photon_scale=1.0, **supplied):
+        return super().draw(samples_dn, **supplied)
+
+
+class UnbinnedSensor(AffineNoise):
+    """Forgets that pixels are averages of photosites."""
+
+    def noise_levels(self, camera, gain_db):
+        return super().noise_levels(replace(camera, binning=1.0), gain_db)
+
+
+class BinnedGainSensor(AffineNoise):
+    def dn_per_electron(self, camera, exposure):
+        return super().dn_per_electron(camera, exposure) / camera.binning**2
 
 
 class WritingSensor(AffineNoise):
-    def expose(self, capture, *, exposure, rng, effects):
-        light = capture.views[0].luminance_cd_m2.base  # gets around the read-only view
-        light *= 0.5
-        return super().expose(capture, exposure=exposure, rng=rng, effects=effects)
+    def expect(self, light_cd_m2, **supplied):
+        light_cd_m2 *= np.float32(0.5)
+        return super().expect(light_cd_m2, **supplied)
+
+
+class NoisyInPlaceSensor(AffineNoise):
+    def draw(self, samples_dn, **supplied):
+        samples_dn[...] = super().draw(samples_dn, **supplied)
+        return samples_dn
+
+
+class BottomlessSensor(AffineNoise):
+    black_level_dn = -1.0
 
 
 class LeakyVignetting(Vignetting):
     """Never quite off."""
 
-    def apply(self, image, *, rig, exposure, rng):
-        views = (replace(view, luminance_cd_m2=view.luminance_cd_m2 * 1.001) for view in image.views)
-        return super().apply(replace(image, views=tuple(views)), rig=rig, exposure=exposure, rng=rng)
+    def on_array(self, samples, **supplied):
+        return super().on_array(samples, **supplied) * np.float32(1.001)
 
 
 class BoundlessVignetting(Vignetting):
@@ -73,39 +108,55 @@ class BoundlessVignetting(Vignetting):
 class JumpyVignetting(Vignetting):
     """Takes away a tenth of the light as soon as it is on."""
 
-    def on_array(self, signal, **supplied):
-        dimmed = super().on_array(signal, **supplied)
-        return signal if dimmed is signal else dimmed * np.float32(0.9)
+    def on_array(self, samples, **supplied):
+        dimmed = super().on_array(samples, **supplied)
+        return samples if dimmed is samples else dimmed * np.float32(0.9)
 
 
 class CopyingVignetting(Vignetting):
-    def on_array(self, signal, **supplied):
-        return super().on_array(signal, **supplied).copy()
+    def on_array(self, samples, **supplied):
+        return super().on_array(samples, **supplied).copy()
 
 
-class TwofoldVignetting(Vignetting):
-    """Does not do to arrays what it does to captures."""
+class ScribblingVignetting(Vignetting):
+    def on_array(self, samples, **supplied):
+        samples *= np.float32(0.5)
+        return super().on_array(samples, **supplied)
 
-    def on_array(self, signal, **supplied):
-        return super().on_array(super().on_array(signal, **supplied), **supplied)
 
-    def apply(self, image, *, rig, exposure, rng):
-        return Vignetting(self.config).apply(image, rig=rig, exposure=exposure, rng=rng)
+class RestlessVignetting(Vignetting):
+    """Draws from a generator of its own."""
+
+    def on_array(self, samples, **supplied):
+        dimmed = super().on_array(samples, **supplied)
+        return dimmed * np.float32(np.random.default_rng().uniform(0.5, 1.0))
+
+
+class TwofacedVignetting(Vignetting):
+    """Both an effect on arrays and one that moves pixels."""
+
+    def source(self, *, geometry, context, frames):
+        return None
 
 
 class WideningVignetting(Vignetting):
-    def on_array(self, signal, **supplied):
-        return super().on_array(signal, **supplied).astype(np.float64)
+    def on_array(self, samples, **supplied):
+        return super().on_array(samples, **supplied).astype(np.float64)
 
 
 class MisplacedVignetting(Vignetting):
-    stage = "codec"
+    stage = "lens"
 
 
 class VisibleVignetting(EffectConformance):
     """The suite at values where vignetting can be seen."""
 
     config: ClassVar = {"k1": -0.4}
+
+
+class MisnamedPhysical(Vignetting):
+    class Config(Vignetting.Config):
+        k0_um: float | None = physical("k0_px", help="Stands for nothing.", unit="um")
 
 
 class MisnamedNeutral(Vignetting):
@@ -194,19 +245,26 @@ class LearningTask(ObstacleVisibility):
 
 
 FAULTS = [
-    (SensorConformance, UnseededSensor, "test_equal_generators_give_equal_images"),
+    (SensorConformance, UnseededSensor, "test_equal_generators_give_equal_draws_and_others_do_not"),
     (SensorConformance, DarkeningSensor, "test_more_light_gives_brighter_images"),
-    (SensorConformance, SensorWithoutReadout, "test_what_effects_return_reaches_the_image"),
-    (SensorConformance, SensorWithoutReadout, "test_it_calls_the_effects_of_each_view_in_order"),
-    (SensorConformance, WritingSensor, "test_it_leaves_the_capture_as_it_was"),
-    (EffectConformance, LeakyVignetting, "test_it_is_exactly_off_at_its_neutral_values"),
-    (EffectConformance, MisnamedNeutral, "test_its_neutral_values_are_settings"),
+    (SensorConformance, UnbinnedSensor, "test_photosites_that_are_averaged_have_less_noise"),
+    (SensorConformance, BinnedGainSensor, "test_a_charge_makes_a_signal"),
+    (SensorConformance, WritingSensor, "test_it_leaves_what_it_is_given_as_it_was"),
+    (SensorConformance, NoisyInPlaceSensor, "test_it_leaves_what_it_is_given_as_it_was"),
+    (SensorConformance, BottomlessSensor, "test_its_levels_are_those_of_a_file"),
+    (VisibleVignetting, LeakyVignetting, "test_it_is_exactly_off_at_its_neutral_values"),
+    (EffectConformance, MisnamedNeutral, "test_it_names_settings_alone"),
+    (EffectConformance, MisnamedPhysical, "test_its_physical_settings_stand_for_others"),
     (EffectConformance, BoundlessVignetting, "test_its_parameters_are_bounded_on_both_sides"),
     (VisibleVignetting, JumpyVignetting, "test_it_vanishes_as_its_parameters_near_the_neutral_values"),
-    (VisibleVignetting, CopyingVignetting, "test_arrays_pass_unchanged_at_its_neutral_values"),
-    (VisibleVignetting, TwofoldVignetting, "test_on_arrays_it_does_what_it_does_to_an_image"),
-    (VisibleVignetting, MisplacedVignetting, "test_its_stage_fits_the_image_it_takes"),
+    (VisibleVignetting, CopyingVignetting, "test_it_is_exactly_off_at_its_neutral_values"),
+    (VisibleVignetting, CopyingVignetting, "test_off_it_hands_images_on_without_a_copy"),
+    (VisibleVignetting, ScribblingVignetting, "test_it_leaves_its_input_as_it_was"),
+    (VisibleVignetting, RestlessVignetting, "test_equal_generators_give_equal_images"),
+    (VisibleVignetting, TwofacedVignetting, "test_it_is_written_on_arrays_or_says_where_pixels_come_from"),
+    (VisibleVignetting, MisplacedVignetting, "test_its_stage_is_one_of_image_formation"),
     (EffectConformance, Vignetting, "test_it_changes_the_image_at_other_values"),  # config left neutral
+    (EffectConformance, Vignetting, "test_it_acts_in_image_formation"),
     (OptimizerConformance, ForgetfulSearch, "test_resumed_after_any_round_it_goes_on_as_if_never_stopped"),
     (OptimizerConformance, HastySearch, "test_a_state_taken_before_the_results_are_told_asks_again"),
     (OptimizerConformance, EndlessSearch, "test_it_says_why_it_stops"),
@@ -236,6 +294,16 @@ def test_an_effect_that_changes_the_type_of_an_array_is_found():
     suite = bound(VisibleVignetting, WideningVignetting)
     with pytest.raises(AssertionError):
         suite.test_arrays_keep_shape_and_type(np.float32)
+
+
+@pytest.mark.parametrize(
+    ("component", "said"),
+    [(UnderstatingSensor, "a variance of"), (BiasedSensor, "on average"), (DeafSensor, "a variance of")],
+)
+def test_a_sensor_whose_draws_are_not_what_it_says_is_found(component, said):
+    suite = bound(SensorConformance, component)
+    with pytest.raises(AssertionError, match=said):
+        suite.test_draws_have_the_mean_and_the_variance_it_says(binning=3.0, photon_scale=2.5)
 
 
 def test_a_wrapped_error_is_found():

@@ -19,7 +19,6 @@ from tacos_framework.testing import (
     ProcedureConformance,
     RendererConformance,
     SceneConformance,
-    SensorConformance,
     TrainableConformance,
 )
 from tacos_framework.testing.samples import sample_episode
@@ -27,7 +26,6 @@ from tacos_framework.values import Crossing
 from tacos_plugins.executors.local import LocalExecutor
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.renderers.analytic import AnalyticRenderer
-from tacos_plugins.sensors.affine_noise import AffineNoise
 from tests.toy_plugin import Learner
 
 # scenes -------------------------------------------------------------------------------------------------
@@ -131,20 +129,7 @@ class MisreadingRenderer(AnalyticRenderer):
     reads: ClassVar = frozenset({"focal_length"})
 
 
-# sensors, optimizers, executors -------------------------------------------------------------------------
-
-
-class CameraByCameraSensor(AffineNoise):
-    """Draws the noise of all frames of one camera, then of the next."""
-
-    def expose(self, capture, *, exposure, rng, effects):
-        parts = [
-            super(CameraByCameraSensor, self).expose(
-                replace(capture, views=(view,)), exposure=exposure, rng=rng, effects=effects
-            )
-            for view in capture.views
-        ]
-        return replace(parts[0], capture=capture, images=tuple(part.images[0] for part in parts))
+# optimizers, executors -------------------------------------------------------------------------
 
 
 class RestlessSearch(RandomSearch):
@@ -291,7 +276,6 @@ FAULTS = [
     (RendererConformance, FadingRenderer, "test_batches_may_be_cut_anywhere"),
     (RendererConformance, SecretlyExposedRenderer, "test_what_it_does_not_read_changes_nothing"),
     (RendererConformance, MisreadingRenderer, "test_it_reads_fields_of_camera_and_exposure"),
-    (SensorConformance, CameraByCameraSensor, "test_batches_may_be_cut_anywhere"),
     (OptimizerConformance, RestlessSearch, "test_it_asks_the_same_until_it_is_told"),
     (OptimizerConformance, LiveSearch, "test_a_state_once_taken_does_not_change"),
     (OptimizerConformance, UnderstatedSearch, "test_it_asks_for_no_more_than_it_expects"),

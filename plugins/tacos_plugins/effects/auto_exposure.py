@@ -14,18 +14,16 @@ from tacos_framework.camera.colour import luminance
 from tacos_framework.camera.exposure import exposure_per_luminance
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 
 class AutoExposure:
     """Exposes longer or shorter, so that the mean focal-plane exposure comes to `target_mlx_s`.
 
     Every camera meters the mean luminance of its own frames, of the scenario's exposure, and takes it to the
-    target as far as the limits allow. With a lag it follows exponentially, in stops, from frame to frame; it
-    begins settled at the first frame of each batch and knows nothing of batches before. The light is scaled
-    ahead of the noise, so the noise is that of the other exposure time; motion blur stays as it is, and so
-    does the gain.
+    target as far as the limits allow. With a lag it follows exponentially, in stops, from frame to frame of
+    an episode; at the first it is settled. The light is scaled ahead of the noise, so the noise is that of
+    the other exposure time; motion blur stays as it is, and so does the gain.
 
     Examples
     --------
@@ -72,14 +70,10 @@ class AutoExposure:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"target_mlx_s": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ()
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture as exposed by its metering; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,
@@ -95,7 +89,7 @@ class AutoExposure:
         return signal * self.factors(signal, context).astype(signal.dtype)[:, None, None, None]
 
     def factors(self, light_cd_m2: NDArray[np.floating], context: ImageContext) -> NDArray[np.float64]:
-        """(N,) what the exposure of each frame is multiplied by [1]."""
+        """(N,) what the exposure of each frame is multiplied by; goes on from the frame before [1]."""
         assert self.config.target_mlx_s is not None
         f_number = context.known_f_number("effect.auto-exposure")
         mean = light_cd_m2.mean(axis=(1, 2), dtype=np.float64)
@@ -103,14 +97,20 @@ class AutoExposure:
         exposure_mlx_s = 1e3 * brightness * exposure_per_luminance(context.exposure_s, f_number)
         wanted = self.config.target_mlx_s / np.maximum(exposure_mlx_s, 1e-12)
         limited = np.clip(wanted, self.config.shortest, self.config.longest)
-        return followed(limited, self.config.lag_frames)
+        followed = followed_from(context.memory.get("factor"), limited, self.config.lag_frames)
+        context.memory["factor"] = float(followed[-1])
+        return followed
 
 
-def followed(wanted: NDArray[np.float64], lag_frames: float) -> NDArray[np.float64]:
-    """Factors that follow wanted ones with a lag, exponentially in stops, from the first on.
+def followed_from(
+    before: float | None, wanted: NDArray[np.float64], lag_frames: float
+) -> NDArray[np.float64]:
+    """Factors that follow wanted ones with a lag, exponentially in stops.
 
     Parameters
     ----------
+    before
+        That of the frame before; None at the first of an episode, which is settled [1].
     wanted
         (N,) factors, above 0 [1].
     lag_frames
@@ -123,13 +123,18 @@ def followed(wanted: NDArray[np.float64], lag_frames: float) -> NDArray[np.float
 
     Examples
     --------
-    >>> followed(np.array([1.0, 4.0, 4.0]), lag_frames=1 / math.log(2)).round(3).tolist()
+    >>> lag_frames = 1 / math.log(2)
+    >>> followed_from(None, np.array([1.0, 4.0, 4.0]), lag_frames).round(3).tolist()
     [1.0, 2.0, 2.828]
+    >>> followed_from(2.0, np.array([4.0]), lag_frames).round(3).tolist()
+    [2.828]
     """
     if lag_frames == 0.0:
         return wanted
     share = 1 - math.exp(-1 / lag_frames)
     stops = np.log2(wanted)
-    for i in range(1, len(stops)):
-        stops[i] = stops[i - 1] + share * (stops[i] - stops[i - 1])
+    at = stops[0] if before is None else math.log2(before)
+    for i in range(len(stops)):
+        at += share * (stops[i] - at)
+        stops[i] = at
     return np.exp2(stops)

@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
+from tacos_plugins.effects.shown_by import DARK
 
 
 class BlackLevel:
@@ -27,21 +27,33 @@ class BlackLevel:
         offset_dn: float = setting(
             0.0, help="Actual minus believed pedestal.", unit="DN", ge=-65535, le=65535
         )
+        offset_share: float | None = physical(
+            "offset_dn",
+            help="The same over the range of the file's codes, for files of any depth.",
+            unit="of full scale",
+            ge=-1,
+            le=1,
+        )
 
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"offset_dn": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"offset_dn": 2.0},
         {"offset_dn": -2.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "veiling-glare",
+            observed.one_scene_no_dark,
+            "dark",
+            "with the cap on there is no stray light, but still an offset",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (DARK,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,

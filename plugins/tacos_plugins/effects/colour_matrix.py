@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, lit
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_plugins.effects.shown_by import COLOURS
 
 Row = tuple[float, float, float]
 Matrix = tuple[Row, Row, Row]
@@ -49,18 +50,34 @@ class ColourMatrix:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"matrix": IDENTITY}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"matrix": ((1.2, -0.1, -0.1), (-0.1, 1.2, -0.1), (-0.1, -0.1, 1.2))},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (COLOURS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The least-squares matrix of the capture with the widest range of colours, rows made to sum to 1."""
+        widest: tuple[float, NDArray[np.float64] | None] = (0.0, None)
+        for capture in lit(captures):
+            if capture.expected_dn is None or capture.expected_dn.shape[-1] != 3:
+                continue
+            black, white = capture.context.black_level_dn, capture.context.white_level_dn
+            expected = capture.expected_dn.mean(axis=0)
+            used = capture.valid & (expected.max(axis=-1) < 0.9 * white)
+            a = (expected[used] - black)[::11]
+            b = (capture.real_dn.mean(axis=0)[used] - black)[::11]
+            if len(a) < 100:
+                continue
+            spread = float(np.linalg.svd(a - a.mean(axis=0), compute_uv=False)[-1]) / np.sqrt(len(a)) / white
+            if spread > max(widest[0], 0.005):
+                matrix = np.linalg.lstsq(a, b, rcond=None)[0].T
+                widest = (spread, matrix / matrix.sum(axis=1, keepdims=True))
+        if widest[1] is not None:
+            yield {"matrix": widest[1].tolist()}
 
     def on_array(
         self,

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import FLAT
 
 
 class ConversionGainError:
@@ -41,10 +41,11 @@ class ConversionGainError:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"scale": 1.3},
         {"scale": 0.75},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -53,12 +54,6 @@ class ConversionGainError:
     def photon_scale(self) -> float:
         """Factor on the variance of the photon noise [1]."""
         return self.config.scale
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        if self.photon_scale == 1.0:
-            return image
-        return replace(image, photon_scale=image.photon_scale * self.photon_scale)
 
     def on_array(
         self,

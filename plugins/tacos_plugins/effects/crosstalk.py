@@ -8,16 +8,16 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
+from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 
 class Crosstalk:
-    """Each pixel gives a `share` of its signal to each of its eight neighbours.
+    """Each photosite gives a `share` of its signal to each of its eight neighbours.
 
     The electrons are counted before they are shared (capacitive coupling between pixels), so the effect
     follows the noise and correlates it, at a distance of one pixel by about twice the share. Blur
@@ -34,27 +34,26 @@ class Crosstalk:
         """Settings of the effect."""
 
         share: float = setting(
-            0.0, help="Share of a pixel's signal that each neighbour gets.", ge=0, le=1 / 9
+            0.0, help="Share of a photosite's signal that each neighbour gets.", ge=0, le=1 / 9
         )
 
     stage: ClassVar[Stage] = "pixel"
     after_noise: ClassVar[bool] = True
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.02},)
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.02},)
+    shown_by: ClassVar[Sequence[ShownBy]] = (REPEATED_FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    @property
-    def _kernel(self) -> NDArray[np.float64]:
-        kernel = np.full((3, 3), self.config.share)
-        kernel[1, 1] = 1 - 8 * self.config.share
+    def _kernel(self, binning: float) -> NDArray[np.float64]:
+        """(3, 3) shares between blocks of b x b photosites, of which only those at the rim give any away."""
+        side = (3 * binning - 2) / binning**2 * self.config.share
+        corner = self.config.share / binning**2
+        kernel = np.array([[corner, side, corner], [side, 0.0, side], [corner, side, corner]])
+        kernel[1, 1] = 1 - kernel.sum()
         return kernel
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,
@@ -65,7 +64,7 @@ class Crosstalk:
         rng: np.random.Generator,
     ) -> NDArray[np.floating]:
         """The samples, each mixed with its neighbours."""
-        return correlate(signal, self._kernel) if self.config.share else signal
+        return correlate(signal, self._kernel(geometry.binning)) if self.config.share else signal
 
     def moments(
         self,
@@ -78,4 +77,5 @@ class Crosstalk:
         """Moments of noise that was independent; next to the edges the variance is a little larger."""
         if self.config.share == 0:
             return mean_dn, variance_dn2
-        return correlate(mean_dn, self._kernel), correlate(variance_dn2, self._kernel**2)
+        kernel = self._kernel(geometry.binning)
+        return correlate(mean_dn, kernel), correlate(variance_dn2, kernel**2)

@@ -8,14 +8,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import poisson
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.randomness import generator
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
+from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
 
 
 class DarkCurrent:
@@ -25,7 +26,8 @@ class DarkCurrent:
 
     It acts before the noise, so it brings photon noise of its own. Hot pixels stay where they are, frame
     after frame; the rates of the hot ones are exponentially distributed, which is the long tail that EMVA
-    1288 shows in logarithmic histograms. The rates are those at the gain in use.
+    1288 shows in logarithmic histograms. Rates in DN are those at the gain in use. A binned pixel averages as
+    many hot photosites as chance has put there.
 
     References
     ----------
@@ -38,12 +40,18 @@ class DarkCurrent:
         rate_dn_s: float = setting(
             0.0, help="Dark signal of every pixel per second.", unit="DN/s", ge=0, le=1e6
         )
-        hot_share: float = setting(0.0, help="Share of hot pixels; 1e-5 to 1e-3 is usual.", ge=0, le=1)
+        hot_share: float = setting(0.0, help="Share of hot photosites; 1e-5 to 1e-3 is usual.", ge=0, le=1)
         hot_rate_dn_s: float = setting(
             300.0,
             help="Mean further dark signal of the hot pixels per second.",
             unit="DN/s",
             gt=0,
+        )
+        rate_e_s: float | None = physical(
+            "rate_dn_s", help="Dark current of every photosite.", unit="e-/s", ge=0, le=1e9
+        )
+        hot_rate_e_s: float | None = physical(
+            "hot_rate_dn_s", help="Mean further dark current of the hot photosites.", unit="e-/s", gt=0
         )
         map_seed: int = setting(
             0,
@@ -54,19 +62,16 @@ class DarkCurrent:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"rate_dn_s": 0.0, "hot_share": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"rate_dn_s": 10.0},
         {"rate_dn_s": 1.0, "hot_share": 0.0002, "hot_rate_dn_s": 100.0},
         {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 20.0},
         {"rate_dn_s": 0.0, "hot_share": 0.0002, "hot_rate_dn_s": 200.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (DARKS_OF_TWO_TIMES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,
@@ -97,23 +102,29 @@ class DarkCurrent:
     def _dark_dn(self, geometry: ImageGeometry, context: ImageContext, channels: int) -> NDArray[np.float32]:
         """(H, W, C) dark signal [DN]."""
         c, g = self.config, geometry
-        hot = _hot_rates(c.map_seed, g.camera, g.full_height_px, g.full_width_px, channels, c.hot_share)
+        size = (g.full_height_px, g.full_width_px, channels)
+        hot = _hot_rates(c.map_seed, g.camera, size, c.hot_share, g.binning)
         rate = c.rate_dn_s + c.hot_rate_dn_s * in_image(hot, geometry)
         return rate * np.float32(context.exposure_s)
 
 
 @lru_cache(maxsize=4)
 def _hot_rates(
-    seed: int, camera: str, height: int, width: int, channels: int, share: float
+    seed: int, camera: str, size: tuple[int, int, int], share: float, binning: float
 ) -> NDArray[np.float32]:
-    """(H, W, C) extra rates over their mean, 0 where a pixel is not hot.
+    """(H, W, C) extra rates over the mean of a hot photosite's, 0 where none is hot.
 
     Positions are an order of all pixels of which a larger share takes more: hot pixels of a smaller share
     stay hot.
     """
     rng = generator(seed, "pattern", "dark-current", camera)
-    heat = rng.random((height, width, channels), np.float32)
-    rates = rng.standard_exponential((height, width, channels), np.float32)
-    rates *= heat < share
+    heat = rng.random(size, np.float32)
+    if binning == 1.0:
+        rates = rng.standard_exponential(size, np.float32)
+        rates *= heat < share
+    else:
+        photosites = binning**2
+        hot = poisson.ppf(1 - heat, share * photosites)  # of rare ones, how many fall into a pixel
+        rates = (rng.standard_gamma(hot) / photosites).astype(np.float32)
     rates.flags.writeable = False
     return rates

@@ -11,10 +11,10 @@ from pydantic import model_validator
 
 from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
 from tacos_framework.camera.depth_of_field import blur_by_depth, signed_radius
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import EDGES
 
 
 class Defocus:
@@ -37,6 +37,13 @@ class Defocus:
         radius_px: float = setting(
             0.0, help="Radius of the disc all over the image.", unit="px", ge=0, le=100
         )
+        radius_um: float | None = physical(
+            "radius_px",
+            help="Radius of the disc on the sensor, in place of radius_px.",
+            unit="um",
+            ge=0,
+            le=1e3,
+        )
         focus_m: float | None = setting(
             None,
             help="Distance of focus; if given, the radius follows from the depth of each pixel.",
@@ -50,24 +57,30 @@ class Defocus:
 
         @model_validator(mode="after")
         def _one_radius(self) -> Defocus.Config:
-            if self.radius_px and self.focus_m is not None:
-                raise ValueError("radius_px and focus_m exclude each other: give one radius, or a focus")
+            for name in ("radius_px", "radius_um"):
+                if getattr(self, name) and self.focus_m is not None:
+                    raise ValueError(f"{name} and focus_m exclude each other: give one radius, or a focus")
             return self
 
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"radius_px": 0.0, "focus_m": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"radius_px": 1.5},
         {"radius_px": 4.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "lens-blur",
+            observed.one_depth_one_place,
+            "edge",
+            "edges over the whole field: blur of the lens grows towards the corners",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (EDGES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture out of focus, truth as a pinhole sees it; itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

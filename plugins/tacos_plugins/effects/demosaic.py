@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_plugins.effects.mosaic import METHODS, mosaic
-from tacos_plugins.effects.samples import with_files_changed
 
 
 class Demosaic:
@@ -22,6 +21,10 @@ class Demosaic:
     correlated between neighbours, false colours at fine edges. The methods: ``bilinear``;
     ``gradient-corrected`` (Malvar, He & Cutler 2004), linear as well; ``edge-aware`` (Hamilton & Adams
     1997), which interpolates along edges.
+
+    The mosaic is laid over the pixels of the image it is given. Of a binned camera these are averages of
+    photosites already, as of sensors that bin within a colour; a camera that reconstructs colours first and
+    averages afterwards has less false colour than this.
 
     References
     ----------
@@ -41,7 +44,7 @@ class Demosaic:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"method": "none"}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"method": "bilinear"},
         {"method": "gradient-corrected"},
         {"method": "edge-aware"},
@@ -49,12 +52,6 @@ class Demosaic:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 SIZE_PX = 5
 """Edge of the window [px]."""
@@ -33,6 +33,9 @@ class Denoise:
     chosen over bilateral or non-local ones because its strength is one continuous number with a meaning, and
     because it is fast.
 
+    The window counts pixels of the image it is given: at another binning the filter is another one, as is
+    that of a camera whose processing follows the binning.
+
     References
     ----------
     Lee 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Trans. PAMI
@@ -52,20 +55,15 @@ class Denoise:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"strength": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"strength": 0.2},
         {"strength": 1.0},
         {"strength": 3.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (REPEATED_FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

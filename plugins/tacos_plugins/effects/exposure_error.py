@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 
 class ExposureError:
@@ -29,17 +28,13 @@ class ExposureError:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"scale": 1.1},
         {"scale": 0.9},
     )
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with the other exposure in every view; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

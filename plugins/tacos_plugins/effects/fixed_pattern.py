@@ -87,7 +87,13 @@ def _measured(path: str, height: int, width: int, channels: int) -> NDArray[np.f
         ) from error
     if found.shape not in ((height, width), (height, width, channels)):
         raise UserError(
-            Fault(path, f"the map has the shape {found.shape}", wanted, "Give a map of this sensor.")
+            Fault(
+                path,
+                f"the map has the shape {found.shape}, which is not that of the sensor of this camera",
+                wanted,
+                "A map belongs to one specimen of a sensor and says nothing of others: leave it out for "
+                "another camera, and a pattern of the same spread is drawn.",
+            )
         )
     pattern = found.reshape(height, width, -1).astype(np.float32)
     spread = pattern.std()

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, lit
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import LAMPS
 
 
 class Flicker:
@@ -20,8 +21,9 @@ class Flicker:
 
         1 + depth sin(2 pi row / period_rows + phase)
 
-    Rows are those of the full sensor. The lamp does not know of the camera, so each frame draws its own
-    phase. There is no wave in the dark, unlike with noise of rows.
+    Rows are those of the full sensor's photosites; a binned row averages over its own. The lamp does not
+    know of the camera, so each frame draws its own phase. There is no wave in the dark, unlike with noise of
+    rows.
     """
 
     class Config(Settings):
@@ -35,14 +37,24 @@ class Flicker:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"depth": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"depth": 0.05, "period_rows": 150.0},)
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"depth": 0.05, "period_rows": 150.0},)
+    shown_by: ClassVar[Sequence[ShownBy]] = (LAMPS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with flickering light in every view; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The three strongest waves over the rows that differ by more than a quarter."""
+        depths = wave_depths(captures)
+        chosen: list[float] = []
+        for period in sorted(depths, key=lambda period: -depths[period]):
+            if all(abs(math.log(period / other)) > 0.25 for other in chosen):
+                chosen.append(period)
+            if len(chosen) == 3:
+                break
+        for period in chosen:
+            yield {"depth": max(depths[period], 0.005), "period_rows": period}
 
     def on_array(
         self,
@@ -70,9 +82,9 @@ def lamp_wave(
     geometry
         The image.
     depth
-        Height of the wave over the mean [1].
+        Height of the wave over the mean, in a row of photosites [1].
     period_rows
-        Rows read out in one period [row].
+        Rows of the image in one period [row].
     phase_rad
         (N,) phase in the sensor's row 0 [rad].
 
@@ -88,4 +100,27 @@ def lamp_wave(
     [1.0, 1.5, 1.0, 0.5]
     """
     angle = 2 * math.pi * geometry.sensor_row / period_rows
+    row = math.pi / (period_rows * geometry.binning)  # half the phase from photosite to photosite
+    depth *= math.sin(row * geometry.binning) / (geometry.binning * math.sin(row))
     return np.asarray(1 + depth * np.sin(angle + phase_rad[:, None, None]))
+
+
+def wave_depths(captures: Captures) -> dict[float, float]:
+    """Depth of the waves over the rows that captures show beside what is expected [1], by period [row].
+
+    Periods are refined between whole fractions of the height. Of three frames or more what stays from frame
+    to frame is left out.
+    """
+    depths: dict[float, float] = {}
+    seen = [c for c in lit(captures) if c.expected_dn is not None]
+    for capture in seen:
+        assert capture.expected_dn is not None
+        signal = np.maximum(capture.expected_dn.mean(axis=0).mean(axis=-1), 1.0).sum(axis=1)
+        rows = (capture.real_dn - capture.expected_dn).mean(axis=-1).sum(axis=2) / signal
+        rows = rows - rows.mean(axis=0) if len(rows) > 2 else rows - rows.mean(axis=1, keepdims=True)
+        height = rows.shape[1]
+        spectrum = np.abs(np.fft.rfft(rows * np.hanning(height), n=8 * height, axis=1)).mean(axis=0)
+        for k in range(6, min(8 * 60, len(spectrum))):
+            period = round(8 * height / k, 2)
+            depths[period] = depths.get(period, 0.0) + float(spectrum[k]) * 4 / height / len(seen)
+    return depths

@@ -6,14 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import Places
-from tacos_framework.camera.resampling import resample
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_pixels_moved
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import BOARDS
 
 
 class FocalLengthError:
@@ -34,15 +32,27 @@ class FocalLengthError:
         dy_px: float = setting(
             0.0, help="Real minus believed principal point, downwards.", unit="px", ge=-1e4, le=1e4
         )
+        dx_um: float | None = physical(
+            "dx_px", help="The same to the right, on the sensor.", unit="um", ge=-1e5, le=1e5
+        )
+        dy_um: float | None = physical(
+            "dy_px", help="The same downwards, on the sensor.", unit="um", ge=-1e5, le=1e5
+        )
 
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0, "dx_px": 0.0, "dy_px": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"scale": 1.01},
         {"dx_px": 2.0},
         {"dy_px": 2.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "pose-error", observed.flat_on, "board", "tilted views tell the focal length from the distance"
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BOARDS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -51,25 +61,10 @@ class FocalLengthError:
     def _off(self) -> bool:
         return (self.config.scale, self.config.dx_px, self.config.dy_px) == (1.0, 0.0, 0.0)
 
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture as the real camera sees it, truth moved along; itself where the effect is off."""
+    def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
+        """Where in the believed image each pixel of the real one looks, (H, W); None where off [px]."""
         if self._off:
-            return image
-        return with_pixels_moved(image, lambda view: self.source(ImageGeometry.of_camera(view.camera)))
-
-    def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light as the real camera sees it."""
-        return signal if self._off else resample(signal, *self.source(geometry))
-
-    def source(self, geometry: ImageGeometry) -> Places:
-        """Where in the believed image each pixel of the real one looks, (H, W) columns and rows [px]."""
+            return None
         cx, cy = geometry.centre_px
         x = cx + (geometry.x_px - self.config.dx_px) / self.config.scale
         y = cy + (geometry.y_px - self.config.dy_px) / self.config.scale

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import FLAT
 
 
 class IlluminationGradient:
@@ -33,17 +33,14 @@ class IlluminationGradient:
     stage: ClassVar[Stage] = "scene"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"gx": 0.0, "gy": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"gx": 0.1},
         {"gy": 0.1},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with uneven light in every view; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 _SAMPLING = {
     "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
@@ -27,6 +26,9 @@ class Jpeg:
     Files of more than 8 bits are scaled to 8 for it and back. The images are coded as they are, without a
     tone curve: list `effect.tone-curve` beside it where the camera has one. At a quality of 100 the
     effect is off altogether, though a real encoder still rounds there.
+
+    The blocks of 8 x 8 are pixels of the image it is given, binned or not: the file of a binned camera is
+    coded after the binning.
 
     References
     ----------
@@ -43,7 +45,7 @@ class Jpeg:
 
     stage: ClassVar[Stage] = "codec"
     neutral: ClassVar[Mapping[str, Any]] = {"quality": 100}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"quality": 97, "subsampling": "4:2:0"},
         {"quality": 93, "subsampling": "4:2:0"},
         {"quality": 88, "subsampling": "4:2:0"},
@@ -59,12 +61,6 @@ class Jpeg:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -12,8 +12,7 @@ from tacos_framework.camera.motion import Places
 from tacos_framework.camera.resampling import resample
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 _LARGEST = 0.05
 _ROUNDS = 6
@@ -41,7 +40,7 @@ class LateralChromaticAberration:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"red": 0.0, "blue": 0.0, "red_r2": 0.0, "blue_r2": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"red": 0.001},
         {"blue": 0.001},
         {"red_r2": 0.001},
@@ -50,10 +49,6 @@ class LateralChromaticAberration:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with fringes in every view, truth as green sees it; itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

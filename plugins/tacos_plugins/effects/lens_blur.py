@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.blur import airy_transfer, blur, gaussian_transfer, kernel_of
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import EDGES
 
 _STEP = 1.15  # from each blur to the next
 _REACH_SIGMAS = 4.0
@@ -36,6 +36,13 @@ class LensBlur:
         """Settings of the effect."""
 
         sigma_px: float = setting(0.0, help="Standard deviation on the axis.", unit="px", ge=0, le=50)
+        sigma_um: float | None = physical(
+            "sigma_px",
+            help="Standard deviation on the axis and on the sensor, in place of sigma_px.",
+            unit="um",
+            ge=0,
+            le=500,
+        )
         growth: float = setting(
             0.0, help="Growth of the standard deviation from the axis to the corner.", ge=-1, le=20
         )
@@ -46,18 +53,15 @@ class LensBlur:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_px": 0.0, "growth": 0.0, "wavelength_nm": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"sigma_px": 0.8, "growth": 0.0},
         {"sigma_px": 0.5, "growth": 1.5},
         {"sigma_px": 2.0, "growth": 0.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (EDGES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with every view blurred; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

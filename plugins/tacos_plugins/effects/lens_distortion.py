@@ -7,16 +7,14 @@ from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import model_validator
 
 from tacos_framework.camera.distortion import BrownConrady, Fisheye
 from tacos_framework.camera.motion import Places
-from tacos_framework.camera.resampling import resample
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_pixels_moved
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import BOARDS
 
 
 class LensDistortion:
@@ -60,13 +58,19 @@ class LensDistortion:
         "p1": 0.0,
         "p2": 0.0,
     }
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"k1": -0.1},
         {"k2": -0.05},
         {"k3": -0.05},
         {"p1": 0.002},
         {"p2": 0.002},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "pose-error", observed.one_view, "board", "further tilted views tell the lens from a bent board"
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BOARDS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -82,26 +86,9 @@ class LensDistortion:
             return Fisheye(c.k1, c.k2, c.k3)
         return BrownConrady(c.k1, c.k2, c.k3, c.p1, c.p2)
 
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture through the lens, truth moved along; the capture itself where the effect is off."""
-        if self._off:
-            return image
-        return with_pixels_moved(image, lambda view: self.source(ImageGeometry.of_camera(view.camera)))
-
-    def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light through the lens."""
-        return signal if self._off else resample(signal, *self.source(geometry))
-
-    def source(self, geometry: ImageGeometry) -> Places:
-        """Where in the pinhole's image each pixel looks, (H, W) columns and rows [px]."""
-        return _source(self._lens, geometry)
+    def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
+        """Where in the pinhole's image each pixel looks, (H, W) columns and rows; None where off [px]."""
+        return None if self._off else _source(self._lens, geometry)
 
 
 @lru_cache(maxsize=2)  # of a design's frames all look alike

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.radial import darkens, even_polynomial
-from tacos_plugins.effects.samples import with_files_changed
 
 
 class LensShadingCorrection:
@@ -37,7 +36,7 @@ class LensShadingCorrection:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"k1": 0.3},
         {"k2": 0.3},
     )
@@ -53,12 +52,6 @@ class LensShadingCorrection:
     def _gain(self, geometry: ImageGeometry) -> NDArray[np.float64]:
         """(H, W, 1) gain, never below 0 [1]."""
         return even_polynomial(geometry.radius, self.config.k1, self.config.k2)[..., None]
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

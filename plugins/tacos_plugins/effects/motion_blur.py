@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.blur import blur, kernel_of, line_transfer
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, structured
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import MOTION
+
+_DIRECTIONAL = 1.5
+"""Gradients kept in one direction, over those in another, from which on blur seems to have a direction."""
 
 
 class MotionBlur:
@@ -28,6 +32,14 @@ class MotionBlur:
         length_px: float = setting(
             0.0, help="Length of the path during the exposure.", unit="px", ge=0, le=200
         )
+        speed_deg_s: float | None = physical(
+            "length_px",
+            help="Speed of the camera's turn, in place of length_px: by it the path follows from exposure "
+            "time and focal length.",
+            unit="deg/s",
+            ge=0,
+            le=1e4,
+        )
         angle_deg: float = setting(
             0.0,
             help="Direction of the path: 0 along the rows, 90 along the columns, turning clockwise.",
@@ -39,19 +51,37 @@ class MotionBlur:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"length_px": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"length_px": 5.0, "angle_deg": 0.0},
         {"length_px": 5.0, "angle_deg": 45.0},
         {"length_px": 5.0, "angle_deg": 90.0},
         {"length_px": 5.0, "angle_deg": 135.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (MOTION,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with motion blur in every view; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The direction whose gradients have lost most against what is expected, at unusual lengths."""
+        steepest: tuple[float, float] = (_DIRECTIONAL, 0.0)
+        for capture in structured(captures):
+            if capture.expected_dn is None:
+                continue
+            real, expected = (
+                gradient_energy(f.mean(axis=0), capture.valid) for f in (capture.real_dn, capture.expected_dn)
+            )
+            angles = np.arange(0.0, 180.0, 5.0)
+            along = np.stack([np.cos(np.radians(angles)), np.sin(np.radians(angles))])
+            left, whole = (np.einsum("ia,ij,ja->a", along, energy, along) for energy in (real, expected))
+            kept = left / whole
+            anisotropy = float(kept.max() / max(kept.min(), 1e-9))
+            if anisotropy > steepest[0]:
+                steepest = anisotropy, float(angles[np.argmin(kept)])
+        if steepest[0] > _DIRECTIONAL:
+            for length in (10.0, 22.0):
+                yield {"length_px": length, "angle_deg": steepest[1]}
 
     def on_array(
         self,
@@ -67,3 +97,10 @@ class MotionBlur:
             return signal
         transfer = line_transfer(length_px, self.config.angle_deg)
         return blur(signal, kernel_of(transfer, reach_px=length_px / 2))
+
+
+def gradient_energy(image: NDArray[np.floating], valid: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(2, 2) mean outer product of the gradient of an (H, W, C) image, x before y [DN^2 per px^2]."""
+    down, right = np.gradient(image.mean(axis=-1))
+    gradients = np.stack([right[valid], down[valid]])
+    return np.asarray(gradients @ gradients.T / gradients.shape[1] + 1e-6 * np.eye(2), np.float64)

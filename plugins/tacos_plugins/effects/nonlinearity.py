@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments, moments_behind
-from tacos_plugins.effects.samples import with_samples_changed
+from tacos_plugins.effects.shown_by import BRACKET
 
 
 class Nonlinearity:
@@ -37,17 +37,28 @@ class Nonlinearity:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"a2": 0.0, "a3": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"a2": -0.1},
         {"a3": -0.1},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "exposure-error",
+            observed.one_level,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+        LookAlike(
+            "tone-curve",
+            observed.one_level,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BRACKET,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -11,11 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from tacos_framework.camera.geometry import invert_pose
 from tacos_framework.camera.motion import Places, inverse_depth, reprojected, source_of
-from tacos_framework.camera.resampling import resample, resample_inverse_depth
+from tacos_framework.camera.resampling import resample_inverse_depth
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig, View
-from tacos_plugins.effects.light import with_pixels_moved
+from tacos_framework.values import ImageContext, ImageGeometry
 
 
 class PoseError:
@@ -45,36 +44,10 @@ class PoseError:
     stage: ClassVar[Stage] = "scene"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = dict.fromkeys(("rx", "ry", "rz", "tx", "ty", "tz"), 0.0)
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"rx": 0.2}, {"ry": 0.2}, {"rz": 0.3})
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"rx": 0.2}, {"ry": 0.2}, {"rz": 0.3})
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture from the real pose, pixels' truth with it; itself where the effect is off."""
-        if self._off:
-            return image
-
-        def source(view: View) -> Places:
-            context = ImageContext.of_light(view, exposure)
-            return self.source(ImageGeometry.of_camera(view.camera), context, frames=len(view.depth_m))
-
-        def real_depth(view: View, places: Places, near: NDArray[np.floating]) -> NDArray[np.floating]:
-            geometry = ImageGeometry.of_camera(view.camera)
-            return near / reprojected(*places, near, geometry, self.real_from_believed)[2]
-
-        return with_pixels_moved(image, source, real_depth)
-
-    def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light from the real pose; a shift needs the context's depth."""
-        return signal if self._off else resample(signal, *self.source(geometry, context, frames=len(signal)))
 
     @property
     def _off(self) -> bool:
@@ -90,8 +63,22 @@ class PoseError:
         believed_from_real[:3, 3] = np.array([c.tx, c.ty, c.tz]) * 1e-3
         return invert_pose(believed_from_real)
 
-    def source(self, geometry: ImageGeometry, context: ImageContext, *, frames: int) -> Places:
+    def moved_inverse_depth(
+        self,
+        near: NDArray[np.floating],
+        columns: NDArray[np.float64],
+        rows: NDArray[np.float64],
+        *,
+        geometry: ImageGeometry,
+    ) -> NDArray[np.floating]:
+        """One over the depth from the real pose, of what lies at those places of the believed image [1/m]."""
+        scale = reprojected(columns, rows, near, geometry, self.real_from_believed)[2]
+        return np.asarray(near / scale)
+
+    def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
         """Where in the believed image each pixel of the real one looks, (N, H, W) or (H, W) [px]."""
+        if self._off:
+            return None
         transform = self.real_from_believed
         c = self.config
         if not (c.tx or c.ty or c.tz):

@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.fixed_pattern import PatternSettings, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
+from tacos_plugins.effects.shown_by import FLAT, REPEATED_FLAT
 
 
 class Prnu:
@@ -31,20 +31,32 @@ class Prnu:
         """Settings of the effect."""
 
         sigma: float = setting(
-            0.0, help="Spread of the response, over its mean; 0.003 to 0.015 is usual.", ge=0, le=1
+            0.0,
+            help="Spread of the photosites' response, over its mean; 0.003 to 0.015 is usual.",
+            averaging="photosites",
+            ge=0,
+            le=1,
         )
 
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"sigma": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"sigma": 0.01},)
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"sigma": 0.01},)
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "conversion-gain-error",
+            observed.no_repeats,
+            "flat",
+            "two or more frames of one setting tell fixed patterns from noise",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (
+        FLAT,
+        REPEATED_FLAT,
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
 
 
 class Quantisation:
     """Rounds samples to multiples of `step_dn`, to the nearest or downwards.
 
     A 10-bit converter in a 12-bit file has a step of 4 DN and leaves a comb of empty codes. Rounding
-    downwards darkens the image by half a step. Nothing happens at a step of 1 DN to the nearest, which is how
-    the file is rounded anyway.
+    downwards darkens the image by half a step. Nothing happens at a step of 1 DN or less to the nearest:
+    so the file is rounded anyway. The photosites of a binned pixel are rounded one by one, and noise makes
+    their errors independent: the average has steps as many times finer as the binning, and the same shift.
 
     References
     ----------
@@ -30,13 +30,20 @@ class Quantisation:
     class Config(Settings):
         """Settings of the effect."""
 
-        step_dn: float = setting(1.0, help="Distance from code to code.", unit="DN", ge=1, le=65535)
+        step_dn: float = setting(1.0, help="Distance from code to code.", unit="DN", gt=0, le=65535)
+        step_share: float | None = physical(
+            "step_dn",
+            help="The same over the range of the file's codes: 1/1024 is a converter of 10 bits.",
+            unit="of full scale",
+            gt=0,
+            le=1,
+        )
         rounding: Literal["nearest", "floor"] = setting("nearest", help="Where values between two codes go.")
 
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"step_dn": 1.0, "rounding": "nearest"}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"rounding": "floor"},
         {"step_dn": 2},
         {"step_dn": 3},
@@ -49,10 +56,6 @@ class Quantisation:
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
-
     def on_array(
         self,
         signal: NDArray[np.floating],
@@ -62,9 +65,9 @@ class Quantisation:
         rng: np.random.Generator,
     ) -> NDArray[np.floating]:
         """The samples, rounded."""
-        step = self.config.step_dn
+        step = self.config.step_dn / geometry.binning
         if self.config.rounding == "floor":
-            return np.floor(signal / step) * step
+            return np.floor(signal / step) * step - (self.config.step_dn - step) / 2
         return np.rint(signal / step) * step if step > 1 else signal
 
     def moments(
@@ -76,6 +79,6 @@ class Quantisation:
         context: ImageContext,
     ) -> Moments:
         """Moments in excess of the file's own rounding, which adds 1/12 DN^2."""
-        step = self.config.step_dn
-        shift = step / 2 if self.config.rounding == "floor" else 0.0
-        return mean_dn - shift, variance_dn2 + (step**2 - 1) / 12
+        step = self.config.step_dn / geometry.binning
+        shift = self.config.step_dn / 2 if self.config.rounding == "floor" else 0.0
+        return mean_dn - shift, variance_dn2 + max(step**2 - 1, 0.0) / 12

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
+
+_HEAVIEST_TAIL = 0.245
+"""Of those with a kurtosis that is taken for one without [1]."""
 
 
 class ReadNoise:
@@ -20,7 +22,8 @@ class ReadNoise:
 
     With a `tail` the noise follows Student's t distribution of 1 / tail degrees of freedom, scaled to the
     same variance: the rare large values of random telegraph noise. At tail t below 1/4 its excess kurtosis
-    is 6 t / (1 - 4 t).
+    is 6 t / (1 - 4 t). The mean of n photosites in a binned pixel has that kurtosis over n; above 1/4, where
+    there is none, that of nearly 1/4 is taken for it.
 
     References
     ----------
@@ -32,7 +35,15 @@ class ReadNoise:
         """Settings of the effect."""
 
         sigma_dn: float = setting(
-            0.0, help="Standard deviation of the noise added.", unit="DN", ge=0, le=65535
+            0.0,
+            help="Standard deviation of the noise added to each photosite.",
+            unit="DN",
+            averaging="photosites",
+            ge=0,
+            le=65535,
+        )
+        sigma_e: float | None = physical(
+            "sigma_dn", help="The same in electrons, in place of sigma_dn.", unit="e-", ge=0, le=1e6
         )
         tail: float = setting(
             0.0, help="How heavy the tails are: 1 / degrees of freedom; 0 is Gaussian.", ge=0, le=0.45
@@ -41,17 +52,13 @@ class ReadNoise:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "tail": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"sigma_dn": 1.0},
         {"sigma_dn": 1.0, "tail": 0.05},
     )
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,
@@ -66,7 +73,7 @@ class ReadNoise:
             return signal
         noise = rng.standard_normal(signal.shape, np.float32)
         if self.config.tail:
-            freedom = 1 / self.config.tail
+            freedom = 1 / tail_of_mean(self.config.tail, geometry.binning**2)
             spread = rng.standard_gamma(freedom / 2, signal.shape, np.float32)  # half of chi squared
             noise *= np.sqrt(np.float32(freedom / 2 - 1) / spread)  # Student's t of variance 1
         noise *= np.float32(self.config.sigma_dn)
@@ -82,3 +89,18 @@ class ReadNoise:
     ) -> Moments:
         """Variances with that of the noise."""
         return mean_dn, variance_dn2 + self.config.sigma_dn**2
+
+
+def tail_of_mean(tail: float, photosites: float) -> float:
+    """The tail of the mean of so many photosites: that of Student's t of the mean's excess kurtosis.
+
+    Examples
+    --------
+    >>> tail_of_mean(0.2, 1.0), round(tail_of_mean(0.2, 16.0), 9)
+    (0.2, 0.05)
+    """
+    if photosites == 1.0:
+        return tail
+    capped = min(tail, _HEAVIEST_TAIL)
+    excess = 6 * capped / (1 - 4 * capped) / photosites
+    return excess / (6 + 4 * excess)

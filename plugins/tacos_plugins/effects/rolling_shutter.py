@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places, image_velocity, source_of
-from tacos_framework.camera.resampling import nearest, resample
-from tacos_framework.contracts import Stage
+from tacos_framework.camera.motion import Places, source_of
+from tacos_framework.camera.resampling import nearest
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig, View
-from tacos_plugins.effects.light import with_pixels_moved
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import MOTION
 
 
 class RollingShutter:
@@ -45,48 +44,33 @@ class RollingShutter:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = {"row_time_us": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"row_time_us": 30.0},
         {"row_time_us": -30.0},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "pose-error",
+            observed.one_velocity,
+            "sequence",
+            "another velocity: readout bends by it, a pose does not",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (MOTION,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with rows exposed in turn, truth moved along; itself where the effect is off."""
+    def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
+        """Where in the frame's moment each pixel looks, (N, H, W) columns and rows; None where off [px]."""
         if self.config.row_time_us == 0.0:
-            return image
-
-        def source(view: View) -> Places:
-            context = replace(
-                ImageContext.of_light(view, exposure), velocity_px_s=image_velocity(view, image.episode)
-            )
-            return self.source(ImageGeometry.of_camera(view.camera), context, frames=len(view.depth_m))
-
-        return with_pixels_moved(image, source)
-
-    def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light with rows exposed in turn; needs the context's velocity."""
-        if self.config.row_time_us == 0.0:
-            return signal
-        return resample(signal, *self.source(geometry, context, frames=len(signal)))
-
-    def source(self, geometry: ImageGeometry, context: ImageContext, *, frames: int) -> Places:
-        """Where in the frame's moment each pixel looks, (N, H, W) columns and rows [px]."""
+            return None
         velocity = context.known_velocity_px_s("effect.rolling-shutter")
         size = (frames, geometry.height_px, geometry.width_px)
         velocity_x = np.broadcast_to(velocity[..., 0], size)
         velocity_y = np.broadcast_to(velocity[..., 1], size)
         row = np.arange(geometry.height_px, dtype=np.float64)[:, None]
-        later_s = (row - context.reference_row) * self.config.row_time_us * 1e-6
+        later_s = (row - context.reference_row) * geometry.binning * self.config.row_time_us * 1e-6
 
         def moved(x: NDArray[np.float64], y: NDArray[np.float64]) -> Places:
             return x + nearest(velocity_x, x, y) * later_s, y + nearest(velocity_y, x, y) * later_s

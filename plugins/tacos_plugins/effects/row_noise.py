@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
+from tacos_plugins.effects.shown_by import DARK
 
 
 class RowNoise:
@@ -30,26 +30,39 @@ class RowNoise:
         """Settings of the effect."""
 
         sigma_dn: float = setting(
-            0.0, help="Standard deviation of the rows' offsets.", unit="DN", ge=0, le=65535
+            0.0,
+            help="Standard deviation of the rows' offsets.",
+            unit="DN",
+            averaging="lines",
+            ge=0,
+            le=65535,
         )
         column_sigma_dn: float = setting(
-            0.0, help="Standard deviation of the columns' offsets.", unit="DN", ge=0, le=65535
+            0.0,
+            help="Standard deviation of the columns' offsets.",
+            unit="DN",
+            averaging="lines",
+            ge=0,
+            le=65535,
+        )
+        sigma_e: float | None = physical(
+            "sigma_dn", help="That of the rows in electrons.", unit="e-", ge=0, le=1e6
+        )
+        column_sigma_e: float | None = physical(
+            "column_sigma_dn", help="That of the columns in electrons.", unit="e-", ge=0, le=1e6
         )
 
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "column_sigma_dn": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"sigma_dn": 0.5},
         {"column_sigma_dn": 0.5},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (DARK,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
 
     def on_array(
         self,

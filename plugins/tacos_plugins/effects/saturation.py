@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig, Signal
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures
+from tacos_framework.settings import Settings, physical, setting
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_samples_changed
+from tacos_plugins.effects.shown_by import BRACKET
 
 
 class Saturation:
@@ -21,7 +22,9 @@ class Saturation:
 
     Electrons above the full well are lost once they are counted, so the effect follows the noise: samples
     pile up at the level and their variance goes to zero. From the file's white level on it changes nothing
-    that the file would not cut off itself.
+    that the file would not cut off itself. Of a binned pixel it is the average that is cut off, where a
+    camera cuts off each photosite: close to the level, within the noise, the average comes out too high by a
+    fraction of that noise.
 
     References
     ----------
@@ -36,21 +39,33 @@ class Saturation:
             None,
             help="Level at which pixels are full, pedestal included; the white level by default.",
             unit="DN",
+            with_pedestal=True,
             gt=0,
+        )
+        level_e: float | None = physical(
+            "level_dn", help="Electrons above the pedestal at which pixels are full.", unit="e-", gt=0
         )
 
     stage: ClassVar[Stage] = "pixel"
     after_noise: ClassVar[bool] = True
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"level_dn": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    shown_by: ClassVar[Sequence[ShownBy]] = (BRACKET,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def apply(self, image: Signal, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Signal:
-        """The signal with the effect; the signal itself where the effect is off."""
-        return with_samples_changed(image, self, exposure, rng)
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The value that many pixels share at the top of a capture, below full scale."""
+        found = set()
+        for capture in captures:
+            top = float(capture.real_dn.max())
+            if top < capture.context.white_level_dn and np.mean(capture.real_dn >= top - 2) > 0.01:
+                found.add(top)
+        for level in sorted(found)[-2:]:
+            yield {"level_dn": level}
 
     def on_array(
         self,

@@ -9,18 +9,23 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.camera.blur import gaussian_transfer, kernel_of
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_plugins.effects.shown_by import EDGES
+
+_REACH_SIGMAS = 4.0
 
 
 class Sharpening:
     """Unsharp mask: adds `amount` times the difference between the image and its Gaussian blur.
 
-    Overshoot stands at edges, and the power of noise rises at high frequencies.
+    Overshoot stands at edges, and the power of noise rises at high frequencies. The radius counts photosites:
+    edges of a binned image are overdrawn as much as by sharpening ahead of the binning, while noise that is
+    finer than a binned pixel is not there to be raised.
 
     References
     ----------
@@ -38,29 +43,23 @@ class Sharpening:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 70
     neutral: ClassVar[Mapping[str, Any]] = {"amount": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"amount": 0.5, "radius_px": 1.0},
         {"amount": 0.5, "radius_px": 2.0},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (EDGES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
     @cached_property
     def _kernel(self) -> NDArray[np.float64]:
-        """(K, K) weights that sum to 1, as far as four standard deviations of the blur."""
-        reach = int(np.ceil(4 * self.config.radius_px))
-        bell = np.exp(-(np.arange(-reach, reach + 1) ** 2) / (2 * self.config.radius_px**2))
-        bell /= bell.sum()
-        kernel = -self.config.amount * np.outer(bell, bell)
-        kernel[reach, reach] += 1 + self.config.amount
+        """(K, K) weights that sum to 1."""
+        radius_px = self.config.radius_px
+        bell = kernel_of(gaussian_transfer(radius_px), reach_px=_REACH_SIGMAS * radius_px)
+        kernel = -self.config.amount * bell
+        kernel[len(bell) // 2, len(bell) // 2] += 1 + self.config.amount
         return kernel
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

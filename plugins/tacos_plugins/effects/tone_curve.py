@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 from scipy.interpolate import PchipInterpolator
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments, moments_behind
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_plugins.effects.shown_by import BRACKET
 
 _STEPS = 4096  # of the table that stands for the cubic
 
@@ -60,11 +60,26 @@ class ToneCurve:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"gamma": 1.0, "knots": None}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"gamma": 0.85},
         {"gamma": 1.2},
         {"gamma": 0.45},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "exposure-error",
+            observed.one_exposure_of_a_scene,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+        LookAlike(
+            "exposure-error",
+            observed.one_level,
+            "bracket",
+            "levels against exposure times tell a curve from a scale",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (BRACKET,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -94,12 +109,6 @@ class ToneCurve:
         step = np.minimum(place.astype(np.int32), _STEPS - 1)
         table = self._table.astype(t.dtype)
         return table[step] + (place - step.astype(t.dtype)) * np.diff(table)[step]
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 
 _COARSE_PX = 64
 """Stray light is smooth: it is spread on an image of this size."""
@@ -48,14 +47,10 @@ class VeilingGlare:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.03},)
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.03},)
 
     def __init__(self, config: Config) -> None:
         self.config = config
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with stray light in every view; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

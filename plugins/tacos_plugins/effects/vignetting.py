@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, ImageContext, ImageGeometry, Rig
-from tacos_plugins.effects.light import with_light_changed
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.radial import brightens, even_polynomial
+from tacos_plugins.effects.shown_by import FLAT
 
 
 class Vignetting:
@@ -37,11 +37,26 @@ class Vignetting:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0, "k3": 0.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"k1": -0.2},
         {"k2": -0.2},
         {"k3": -0.2},
     )
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike(
+            "illumination-gradient",
+            observed.one_flat_without_stack,
+            "flat",
+            "rotated by 90 degrees it tells vignetting from uneven light",
+        ),
+        LookAlike(
+            "lens-shading-correction",
+            observed.one_flat_without_stack,
+            "flat",
+            "a stack of frames: noise over the field tells light lost from values scaled",
+        ),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -50,10 +65,6 @@ class Vignetting:
     def plausible(self) -> bool:
         """Whether light falls off, or at least does not rise: no lens brightens its corners."""
         return not brightens(self.config.k1, self.config.k2, self.config.k3)
-
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture with the fall-off in every view; the capture itself where the effect is off."""
-        return with_light_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, Exposure, FrameBatch, ImageContext, ImageGeometry, Rig
+from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_plugins.effects.mosaic import mosaic_channels
 from tacos_plugins.effects.pointwise import Moments
-from tacos_plugins.effects.samples import with_files_changed
+from tacos_plugins.effects.shown_by import COLOURS
 
 
 class WhiteBalance:
@@ -31,10 +31,11 @@ class WhiteBalance:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"red": 1.0, "blue": 1.0}
-    probes: ClassVar[Sequence[Mapping[str, Any]]] = (
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"red": 1.1},
         {"blue": 1.1},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (COLOURS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -49,12 +50,6 @@ class WhiteBalance:
                 "effect.white-balance needs images in colour, or the colour filters of a mosaic"
             )
         return gains[mosaic_channels(context.cfa, shape[1], shape[2])][..., None]
-
-    def apply(
-        self, image: FrameBatch, *, rig: Rig, exposure: Exposure, rng: np.random.Generator
-    ) -> FrameBatch:
-        """The frames with the effect; the batch itself where the effect is off."""
-        return with_files_changed(image, self, exposure, rng)
 
     def on_array(
         self,

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import luminance
-from tacos_framework.camera.exposure import digitise, exposure_per_luminance, gain_factor
+from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor
 from tacos_framework.camera.noise import add_noise, gain_ratio
 from tacos_framework.catalog import Calibration, load_calibration
-from tacos_framework.contracts import Effects
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Signal, View
+from tacos_framework.values import Camera, Exposure
 
 
 class NoiseLevels(NamedTuple):
@@ -38,8 +38,7 @@ class AffineNoise:
     photosites into one simulated pixel (`Camera.binning`) divides the variance by b^2. A calibration of one
     channel stands for a monochrome sensor, whose images are the luminance of the scene.
 
-    Effects of the stage pixel act on the expected signal, those of the stage readout on noisy samples;
-    rounding to whole digital numbers (which adds 1/12 DN^2, as in a real converter) and clipping come last.
+    Rounding to whole digital numbers, which the framework does last, adds 1/12 DN^2, as in a real converter.
 
     Examples
     --------
@@ -80,7 +79,6 @@ class AffineNoise:
         given = config.calibration
         self.calibration = load_calibration(given) if isinstance(given, str) else given
         self.bit_depth = config.bit_depth or self.calibration.bit_depth
-        self.white_level_dn = 2**self.bit_depth - 1
         if config.black_level_dn >= self.white_level_dn:
             raise UserError(
                 Fault(
@@ -91,36 +89,68 @@ class AffineNoise:
                 )
             )
 
-    def expose(
-        self, capture: Capture, *, exposure: Exposure, rng: np.random.Generator, effects: Effects
-    ) -> FrameBatch:
-        """Linear frames of every camera, RGB or mono: uint8 up to 8 bits, else uint16 [DN].
+    @property
+    def black_level_dn(self) -> float:
+        """Pedestal of the files [DN]."""
+        return self.config.black_level_dn
 
-        Noise is drawn frame by frame, camera by camera, so that the way an episode is cut into batches does
-        not change it.
-        """
-        expected = [effects.pixel(self._expected(view, exposure)) for view in capture.views]
-        levels = [self.noise_levels(view.camera, exposure.gain_db) for view in capture.views]
-        noisy = [np.empty(signal.samples_dn.shape, np.float32) for signal in expected]
-        for frame in range(len(capture.episode)):
-            for signal, level, out in zip(expected, levels, noisy, strict=True):
-                add_noise(
-                    signal.samples_dn[frame],
-                    out[frame],
-                    black_level_dn=signal.black_level_dn,
-                    photon_dn=level.photon_dn * np.float32(signal.photon_scale),
-                    thermal_dn2=level.thermal_dn2,
-                    rng=rng,
-                )
-        return FrameBatch(
-            capture=capture,
-            images=tuple(
-                self._read_out(view, samples, effects)
-                for view, samples in zip(capture.views, noisy, strict=True)
-            ),
-            black_level_dn=self.config.black_level_dn,
-            white_level_dn=self.white_level_dn,
+    @property
+    def white_level_dn(self) -> float:
+        """Full scale of the files [DN]."""
+        return 2**self.bit_depth - 1
+
+    def expect(
+        self, light_cd_m2: NDArray[np.float32], *, camera: Camera, exposure: Exposure
+    ) -> NDArray[np.float32]:
+        """See `tacos_framework.contracts.Sensor.expect`; a calibration of one channel gives luminance."""
+        if len(self.calibration.photon_dn) == 1:
+            light_cd_m2 = luminance(light_cd_m2)[..., None].astype(np.float32)
+        samples = light_cd_m2 * np.float32(self.dn_per_luminance(exposure))
+        samples += np.float32(self.black_level_dn)
+        return samples
+
+    def moments(
+        self,
+        samples_dn: NDArray[np.float32],
+        *,
+        camera: Camera,
+        exposure: Exposure,
+        photon_scale: float = 1.0,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """See `tacos_framework.contracts.Sensor.moments` (eq. 1)."""
+        levels = self.noise_levels(camera, exposure.gain_db)
+        signal = np.maximum(samples_dn - np.float32(self.black_level_dn), 0)
+        return samples_dn, levels.photon_dn * np.float32(photon_scale) * signal + levels.thermal_dn2
+
+    def draw(
+        self,
+        samples_dn: NDArray[np.float32],
+        *,
+        camera: Camera,
+        exposure: Exposure,
+        rng: np.random.Generator,
+        photon_scale: float = 1.0,
+    ) -> NDArray[np.float32]:
+        """See `tacos_framework.contracts.Sensor.draw`."""
+        levels = self.noise_levels(camera, exposure.gain_db)
+        noisy = np.empty(samples_dn.shape, np.float32)
+        add_noise(
+            samples_dn,
+            noisy,
+            black_level_dn=self.black_level_dn,
+            photon_dn=levels.photon_dn * np.float32(photon_scale),
+            thermal_dn2=levels.thermal_dn2,
+            rng=rng,
         )
+        return noisy
+
+    def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float | None:
+        """System gain K of a photosite [DN/e-]: the slope of the photon noise, that of green in colour.
+
+        The variance of n electrons is n, so that K^2 n over K n is what the calibration calls s_p.
+        """
+        photon = self.noise_levels(replace(camera, binning=1.0), exposure.gain_db).photon_dn
+        return float(photon[len(photon) // 2]) or None
 
     def dn_per_luminance(self, exposure: Exposure) -> float:
         """Signal above black that one cd/m2 makes [DN / (cd/m2)]."""
@@ -146,17 +176,3 @@ class AffineNoise:
     def _file_scale(self) -> float:
         """Digital numbers of the images per digital number of the calibration [1]."""
         return 2.0 ** (self.bit_depth - self.calibration.bit_depth)
-
-    def _expected(self, view: View, exposure: Exposure) -> Signal:
-        light = view.luminance_cd_m2
-        if len(self.calibration.photon_dn) == 1:
-            light = luminance(light)[..., None].astype(np.float32)
-        samples = light * np.float32(self.dn_per_luminance(exposure))
-        samples += np.float32(self.config.black_level_dn)
-        return Signal(view, samples, self.config.black_level_dn, self.white_level_dn)
-
-    def _read_out(
-        self, view: View, samples_dn: NDArray[np.float32], effects: Effects
-    ) -> NDArray[np.uint8] | NDArray[np.uint16]:
-        signal = effects.readout(Signal(view, samples_dn, self.config.black_level_dn, self.white_level_dn))
-        return digitise(signal.samples_dn, self.white_level_dn)

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import luminance
 from tacos_framework.camera.electrons import Spectrum, count_electrons, photons_per_luminance, system_gain
-from tacos_framework.camera.exposure import digitise, gain_factor
-from tacos_framework.contracts import Effects
+from tacos_framework.camera.exposure import gain_factor
 from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Exposure, FrameBatch, Rig, Signal, View
+from tacos_framework.values import Camera, Exposure, Rig
 
 NEEDED: Mapping[str, str] = {
     "quantum_efficiency": "electrons per photon",
@@ -48,7 +47,7 @@ class Emva:
 
     Averaging b x b photosites into one simulated pixel (`Camera.binning`) divides the variance by b^2.
     Effects of the stage pixel act on the signal that light makes; the dark signal joins it when electrons
-    are counted. Effects of the stage readout act on what was read; rounding and clipping come last.
+    are counted.
 
     References
     ----------
@@ -107,7 +106,6 @@ class Emva:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-        self.white_level_dn = 2**config.bit_depth - 1
         faults = []
         if config.black_level_dn >= self.white_level_dn:
             faults.append(
@@ -127,46 +125,75 @@ class Emva:
         if faults:
             raise UserError(faults)
 
-    def expose(
-        self, capture: Capture, *, exposure: Exposure, rng: np.random.Generator, effects: Effects
-    ) -> FrameBatch:
-        """Linear frames of every camera, RGB or mono: uint8 up to 8 bits, else uint16 [DN].
+    @property
+    def black_level_dn(self) -> float:
+        """Pedestal of the files [DN]."""
+        return self.config.black_level_dn
 
-        Electrons are drawn frame by frame, camera by camera, so that the way an episode is cut into batches
-        does not change them.
+    @property
+    def white_level_dn(self) -> float:
+        """Full scale of the files [DN]."""
+        return 2**self.config.bit_depth - 1
+
+    def expect(
+        self, light_cd_m2: NDArray[np.float32], *, camera: Camera, exposure: Exposure
+    ) -> NDArray[np.float32]:
+        """See `tacos_framework.contracts.Sensor.expect`; without the dark signal, which joins in `draw`.
 
         Raises
         ------
         CandidateFailed
             When neither the catalog nor the settings know all that the model needs of an image sensor.
         """
-        cameras = [view.camera for view in capture.views]
-        sites = [self.photosite(camera) for camera in cameras]
-        gains = [self.gain_dn_per_e(camera, exposure) for camera in cameras]
-        expected = [effects.pixel(self._expected(view, exposure)) for view in capture.views]
-        read = [np.empty(signal.samples_dn.shape, np.float32) for signal in expected]
-        for frame in range(len(capture.episode)):
-            for signal, camera, site, gain, out in zip(expected, cameras, sites, gains, read, strict=True):
-                above_black = signal.samples_dn[frame] - np.float32(signal.black_level_dn)
-                electrons = count_electrons(
-                    above_black / gain + site.dark_current_e_s * exposure.time_s,
-                    full_well_e=site.full_well_e,
-                    read_noise_e=site.read_noise_e,
-                    rng=rng,
-                    photosites=camera.binning**2,
-                    photon_scale=signal.photon_scale,
-                )
-                np.multiply(electrons, np.float32(gain), out=out[frame])
-                out[frame] += np.float32(signal.black_level_dn)
-        return FrameBatch(
-            capture=capture,
-            images=tuple(
-                self._read_out(view, samples, effects)
-                for view, samples in zip(capture.views, read, strict=True)
-            ),
-            black_level_dn=self.config.black_level_dn,
-            white_level_dn=self.white_level_dn,
+        if self.config.channels == "mono":
+            light_cd_m2 = luminance(light_cd_m2)[..., None].astype(np.float32)
+        else:
+            light_cd_m2 = light_cd_m2 * np.array(self.config.channel_response, np.float32)
+        gain = self.gain_dn_per_e(camera, exposure)
+        samples = light_cd_m2 * np.float32(gain * self.electrons_per_luminance(camera, exposure))
+        samples += np.float32(self.black_level_dn)
+        return samples
+
+    def moments(
+        self,
+        samples_dn: NDArray[np.float32],
+        *,
+        camera: Camera,
+        exposure: Exposure,
+        photon_scale: float = 1.0,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """See `tacos_framework.contracts.Sensor.moments`; the mean has the dark signal."""
+        site, gain = self.photosite(camera), np.float32(self.gain_dn_per_e(camera, exposure))
+        dark_e = np.float32(site.dark_current_e_s * exposure.time_s)
+        electrons = np.maximum((samples_dn - np.float32(self.black_level_dn)) / gain + dark_e, 0)
+        variance_e2 = np.float32(photon_scale) * electrons + np.float32(site.read_noise_e**2)
+        return samples_dn + gain * dark_e, gain**2 * variance_e2 / np.float32(camera.binning**2)
+
+    def draw(
+        self,
+        samples_dn: NDArray[np.float32],
+        *,
+        camera: Camera,
+        exposure: Exposure,
+        rng: np.random.Generator,
+        photon_scale: float = 1.0,
+    ) -> NDArray[np.float32]:
+        """See `tacos_framework.contracts.Sensor.draw`."""
+        site, gain = self.photosite(camera), self.gain_dn_per_e(camera, exposure)
+        above_black = samples_dn - np.float32(self.black_level_dn)
+        electrons = count_electrons(
+            above_black / gain + site.dark_current_e_s * exposure.time_s,
+            full_well_e=site.full_well_e,
+            read_noise_e=site.read_noise_e,
+            rng=rng,
+            photosites=camera.binning**2,
+            photon_scale=photon_scale,
         )
+        return np.asarray(electrons * np.float32(gain) + np.float32(self.black_level_dn), np.float32)
+
+    def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float | None:
+        """System gain K [DN/e-]."""
+        return self.gain_dn_per_e(camera, exposure)
 
     def lacks(self, rig: Rig) -> str | None:
         """What is not known of a rig's image sensors, in a sentence; None where all is known."""
@@ -216,20 +243,3 @@ class Emva:
         of_catalog: float | None = getattr(camera.electrons, name)
         of_settings: float | None = getattr(self.config, name)
         return of_settings if of_catalog is None else of_catalog
-
-    def _expected(self, view: View, exposure: Exposure) -> Signal:
-        light = view.luminance_cd_m2
-        if self.config.channels == "mono":
-            light = luminance(light)[..., None].astype(np.float32)
-        else:
-            light = light * np.array(self.config.channel_response, np.float32)
-        gain = self.gain_dn_per_e(view.camera, exposure)
-        samples = light * np.float32(gain * self.electrons_per_luminance(view.camera, exposure))
-        samples += np.float32(self.config.black_level_dn)
-        return Signal(view, samples, self.config.black_level_dn, self.white_level_dn)
-
-    def _read_out(
-        self, view: View, samples_dn: NDArray[np.float32], effects: Effects
-    ) -> NDArray[np.uint8] | NDArray[np.uint16]:
-        signal = effects.readout(Signal(view, samples_dn, self.config.black_level_dn, self.white_level_dn))
-        return digitise(signal.samples_dn, self.white_level_dn)

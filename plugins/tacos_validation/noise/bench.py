@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from tacos_framework.graph import signature_of
+from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedSensor
 from tacos_framework.plan.building import build, episode_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, FrameBatch, Rig, Signal
+from tacos_framework.values import Capture, Exposure, FrameBatch, Rig
 from tacos_validation.noise.frame_files import FrameStack, stack_of
 
 
@@ -56,30 +57,33 @@ def capture_of(bench: Bench, rig: Rig, exposure: Exposure, plugins: Plugins) -> 
 
 
 def take_frames(
-    sensor: Any, capture: Capture, rig: Rig, exposure: Exposure, frames: int, rng: np.random.Generator
+    sensor: Any, capture: Capture, exposure: Exposure, frames: int, draws: EpisodeDraws
 ) -> tuple[FrameStack, FrameBatch]:
     """Frames of the first camera with fresh noise each, and one batch that tells their levels."""
-    batches = [expose(sensor, capture, rig, exposure, rng) for _ in range(frames)]
+    batches = [expose(sensor, capture, exposure, draws, frame) for frame in range(frames)]
     images = np.concatenate([batch.images[0] for batch in batches])
     return stack_of(images, "the rendered frames"), batches[0]
 
 
 def expose(
-    sensor: Any, capture: Capture, rig: Rig, exposure: Exposure, rng: np.random.Generator
+    sensor: Any, capture: Capture, exposure: Exposure, draws: EpisodeDraws, frame: int = 0
 ) -> FrameBatch:
-    """Frames of a capture, without effects; the sensor is given what it asks for of the rest."""
-    wanted = signature_of(type(sensor), "sensor").supplied
-    offered = {"rig": rig, "exposure": exposure, "rng": rng, "effects": _NoEffects()}
-    supplied = {name: value for name, value in offered.items() if name in wanted}
-    batch: FrameBatch = sensor.expose(capture, **supplied)
-    return batch
+    """Frames of a capture of one frame, without effects: the bench measures the sensor alone.
 
-
-class _NoEffects:
-    """The bench measures the sensor alone."""
-
-    def pixel(self, signal: Signal) -> Signal:
-        return signal
-
-    def readout(self, signal: Signal) -> Signal:
-        return signal
+    Parameters
+    ----------
+    sensor
+        The component, built.
+    capture
+        Of one frame, which may be exposed any number of times.
+    exposure
+        How long.
+    draws
+        What the noise is for.
+    frame
+        Which of the exposures of this capture; each has noise of its own.
+    """
+    of_frame = replace(capture, episode=replace(capture.episode, first_frame=frame))
+    use = f"sensor.{type(sensor).__name__}"
+    taken = ImageFormation(exposure).expose(of_frame, PlacedSensor(use, "frames", sensor), draws)
+    return replace(taken, capture=capture)

@@ -10,9 +10,9 @@ from pydantic import model_validator
 
 from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor, lambertian_luminance
 from tacos_framework.catalog import Calibration, load_calibration
+from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plan.building import build, build_rig
 from tacos_framework.plugins import Plugins
-from tacos_framework.randomness import generator
 from tacos_framework.report.figures.photon_transfer import photon_transfer
 from tacos_framework.report.page import Code, Drawing, Page, Section, Table, Warnings, write_page
 from tacos_framework.settings import Settings, setting
@@ -147,8 +147,8 @@ class CalibrateNoise:
         rig = build_rig(rendering.rig, plugins)
         sensor = build(rendering.sensor, "sensor", plugins)
         capture = capture_of(rendering.bench, rig, exposure, plugins)
-        rng = generator(seed, "calibrate-noise", "frames")
-        stack, batch = take_frames(sensor, capture, rig, exposure, rendering.bench.frames, rng)
+        draws = EpisodeDraws(seed, ("calibrate-noise", "frames"))
+        stack, batch = take_frames(sensor, capture, exposure, rendering.bench.frames, draws)
         known: Calibration | None = getattr(sensor, "calibration", None)
         camera = FilmedCamera(
             sensor=rig.cameras[0].electrons.sensor,

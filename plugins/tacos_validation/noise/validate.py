@@ -13,9 +13,9 @@ from tacos_framework.camera.exposure import gain_factor
 from tacos_framework.camera.photon_transfer import ROUNDING_DN2
 from tacos_framework.catalog import load_calibration
 from tacos_framework.errors import UserError
+from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plan.building import build, build_rig
 from tacos_framework.plugins import Plugins
-from tacos_framework.randomness import generator
 from tacos_framework.report.figures.photon_transfer import photon_transfer
 from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings, write_page
 from tacos_framework.settings import Settings, setting
@@ -147,8 +147,8 @@ class ValidateNoise:
         for place, each in enumerate(camera.settings):
             exposure = each.as_exposure()
             capture = capture_of(self.config.bench, rig, exposure, plugins)
-            rng = generator(seed, "validate-noise", camera.title, place)
-            stack, batch = take_frames(sensor, capture, rig, exposure, self.config.bench.frames, rng)
+            draws = EpisodeDraws(seed, ("validate-noise", camera.title, place))
+            stack, batch = take_frames(sensor, capture, exposure, self.config.bench.frames, draws)
             try:
                 measured = measure(
                     stack,

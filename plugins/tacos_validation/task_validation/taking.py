@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import Scores
-from tacos_framework.randomness import generator
+from tacos_framework.formation import EpisodeDraws
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
 from tacos_validation.noise.bench import expose
 
@@ -77,8 +77,8 @@ def take(
         luminance += float(view.luminance_cd_m2[0][target].mean()) / places if target.any() else 0.0
         for setting, exposure in enumerate(exposures):
             for number in range(seeds):
-                rng = generator(seed, *names, setting, number, place)
-                frame = expose(sensor, capture, rig, exposure, rng)
+                draws = EpisodeDraws(seed, (*names, setting, number))
+                frame = expose(sensor, capture, exposure, draws, place)
                 if place == places // 2 and number == 0:
                     samples.append(frame)
                 if (last := begun.pop((setting, number), None)) is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import ModuleType
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,19 +68,6 @@ class MitsubaRenderer:
                     f"the sampler low-discrepancy takes 1, 4, 16, 64, ... samples for each pose, not {paths}"
                 )
             return self
-
-    reads: ClassVar[frozenset[str]] = frozenset(
-        {
-            "width_px",
-            "height_px",
-            "pixel_um",
-            "binning",
-            "focal_length_mm",
-            "principal_point_px",
-            "agent_from_camera",
-            "time_s",
-        }
-    )
 
     def __init__(self, config: Config):
         self._config = config

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,19 +71,6 @@ class ModernglRenderer:
         reuse_memory_mb: int = setting(
             2048, help="Memory for cube maps in each process; those used longest ago go.", unit="MB", ge=64
         )
-
-    reads: ClassVar[frozenset[str]] = frozenset(
-        {
-            "width_px",
-            "height_px",
-            "pixel_um",
-            "binning",
-            "focal_length_mm",
-            "principal_point_px",
-            "agent_from_camera",
-            "time_s",
-        }
-    )
 
     def __init__(self, config: Config):
         self._config = config

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, ContextMissing, Exposure, ImageContext, ImageGeometry, Rig, View
+from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 
 
 class Haze:
@@ -39,15 +38,9 @@ class Haze:
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def apply(self, image: Capture, *, rig: Rig, exposure: Exposure, rng: np.random.Generator) -> Capture:
-        """The capture seen through haze; the capture itself where there is none."""
-        if self.config.extinction_per_m == 0:
-            return image
-        return replace(image, views=tuple(self._seen(view, rng) for view in image.views))
-
     def on_array(
         self,
-        signal: NDArray[Any],
+        light: NDArray[Any],
         *,
         geometry: ImageGeometry,
         context: ImageContext,
@@ -55,19 +48,10 @@ class Haze:
     ) -> NDArray[Any]:
         """(N, H, W, C) light seen through haze, of the same shape and type; needs the depth."""
         if self.config.extinction_per_m == 0:
-            return signal
+            return light
         if context.depth_m is None:
             raise ContextMissing("haze needs the distance of what each pixel shows")
         per_depth = np.sqrt(1 + (geometry.x_px**2 + geometry.y_px**2) / geometry.focal_length_px**2)
         kept = np.exp(-self.config.extinction_per_m * context.depth_m * per_depth)[..., None]
-        air = self.config.airlight * signal.mean(axis=(-3, -2), keepdims=True)
-        return np.asarray(signal * kept + air * (1 - kept)).astype(signal.dtype)
-
-    def _seen(self, view: View, rng: np.random.Generator) -> View:
-        light = self.on_array(
-            view.luminance_cd_m2,
-            geometry=ImageGeometry.of_camera(view.camera),
-            context=ImageContext(depth_m=view.depth_m),
-            rng=rng,
-        )
-        return replace(view, luminance_cd_m2=light)
+        air = self.config.airlight * light.mean(axis=(-3, -2), keepdims=True)
+        return np.asarray(light * kept + air * (1 - kept)).astype(light.dtype)

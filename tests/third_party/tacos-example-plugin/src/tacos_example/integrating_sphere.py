@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
@@ -29,18 +27,6 @@ class IntegratingSphere:
         """Settings of the renderer."""
 
         near_m: float = setting(0.01, help="Surfaces nearer than this are not seen.", unit="m", gt=0)
-
-    reads: ClassVar[frozenset[str]] = frozenset(
-        {
-            "width_px",
-            "height_px",
-            "pixel_um",
-            "binning",
-            "focal_length_mm",
-            "principal_point_px",
-            "agent_from_camera",
-        }
-    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

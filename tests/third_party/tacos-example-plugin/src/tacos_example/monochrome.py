@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from tacos_framework.camera.colour import luminance
-from tacos_framework.camera.exposure import digitise, exposure_per_luminance
-from tacos_framework.contracts import Effects
+from tacos_framework.camera.exposure import exposure_per_luminance
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, FrameBatch, Signal, View
+from tacos_framework.values import Camera, Exposure
 
-WHITE_LEVEL_DN = 255
+Samples = NDArray[np.float32]
 
 
 class MonochromeSensor:
@@ -32,41 +31,40 @@ class MonochromeSensor:
         full_well_e: float = setting(10_000.0, help="Electrons of a full photosite.", unit="e", gt=0)
         read_noise_e: float = setting(2.0, help="Standard deviation of read noise.", unit="e", ge=0)
 
+    black_level_dn = 0.0
+    white_level_dn = 255.0
+
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def expose(
-        self, capture: Capture, *, exposure: Exposure, rng: np.random.Generator, effects: Effects
-    ) -> FrameBatch:
-        """Frames of one channel, uint8."""
-        expected = [effects.pixel(self._expected(view, exposure)) for view in capture.views]
-        noisy = [np.empty_like(signal.samples_dn) for signal in expected]
-        for frame in range(len(capture.episode)):  # in this order, so that batches may be cut anywhere
-            for signal, out in zip(expected, noisy, strict=True):
-                out[frame] = self._with_noise(signal, frame, exposure, rng)
-        read = [
-            effects.readout(Signal(view, samples, 0.0, WHITE_LEVEL_DN))
-            for view, samples in zip(capture.views, noisy, strict=True)
-        ]
-        images = tuple(digitise(signal.samples_dn, WHITE_LEVEL_DN) for signal in read)
-        return FrameBatch(capture, images, black_level_dn=0.0, white_level_dn=WHITE_LEVEL_DN)
+    def expect(self, light_cd_m2: Samples, *, camera: Camera, exposure: Exposure) -> Samples:
+        """Signal of the luminance, one channel."""
+        lux_s = luminance(light_cd_m2) * exposure_per_luminance(exposure.time_s, exposure.f_number)
+        electrons = lux_s * self.config.sensitivity_e_per_lux_s_um2 * camera.pixel_um**2
+        return (electrons * self.dn_per_electron(camera, exposure))[..., None].astype(np.float32)
 
-    def _dn_per_e(self, exposure: Exposure) -> float:
-        return WHITE_LEVEL_DN / self.config.full_well_e * exposure.gain
+    def moments(
+        self, samples_dn: Samples, *, camera: Camera, exposure: Exposure, photon_scale: float = 1.0
+    ) -> tuple[Samples, Samples]:
+        """Shot noise and read noise; pixels that average photosites have less of them."""
+        gain = np.float32(self.dn_per_electron(camera, exposure))
+        shot_e2 = np.float32(photon_scale) * np.maximum(samples_dn / gain, 0)
+        variance_e2 = shot_e2 + np.float32(self.config.read_noise_e**2)
+        return samples_dn, gain**2 * variance_e2 / np.float32(camera.binning**2)
 
-    def _expected(self, view: View, exposure: Exposure) -> Signal:
-        lux_s = luminance(view.luminance_cd_m2) * exposure_per_luminance(exposure.time_s, exposure.f_number)
-        pitch_um = view.camera.pixel_um
-        electrons = lux_s * self.config.sensitivity_e_per_lux_s_um2 * pitch_um**2
-        samples = (electrons * self._dn_per_e(exposure))[..., None].astype(np.float32)
-        return Signal(view, samples, 0.0, WHITE_LEVEL_DN)
+    def draw(
+        self,
+        samples_dn: Samples,
+        *,
+        camera: Camera,
+        exposure: Exposure,
+        rng: np.random.Generator,
+        photon_scale: float = 1.0,
+    ) -> Samples:
+        """Samples with Gaussian noise of that variance."""
+        _, variance = self.moments(samples_dn, camera=camera, exposure=exposure, photon_scale=photon_scale)
+        return samples_dn + np.sqrt(variance) * rng.standard_normal(samples_dn.shape, dtype=np.float32)
 
-    def _with_noise(
-        self, signal: Signal, frame: int, exposure: Exposure, rng: np.random.Generator
-    ) -> NDArray[np.float32]:
-        """One frame with noise; simulated pixels that average photosites have less of it."""
-        samples, dn_per_e = signal.samples_dn[frame], np.float32(self._dn_per_e(exposure))
-        photosites = np.float32(signal.view.camera.binning**2)
-        variance_e2 = np.maximum(samples / dn_per_e, 0) + np.float32(self.config.read_noise_e**2)
-        sigma_dn = dn_per_e * np.sqrt(variance_e2 / photosites)
-        return samples + sigma_dn * rng.standard_normal(samples.shape, dtype=np.float32)
+    def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float:
+        """What an electron adds to a sample."""
+        return self.white_level_dn / self.config.full_well_e * exposure.gain

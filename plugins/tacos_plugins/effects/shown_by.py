@@ -1,0 +1,36 @@
+"""What it takes to speak of the default effects, in the words of a remedy."""
+
+from __future__ import annotations
+
+from tacos_framework.contracts import ShownBy
+from tacos_framework.contracts.observed import (
+    FEWEST_TIMES,
+    FEWEST_VIEWS,
+    a_series_of_exposures,
+    any_of_kind,
+    colours_or_mono,
+    known_motion,
+    repeated,
+    structured_of_kind,
+    two_dark_exposures,
+    views_of_a_board,
+)
+
+DARK = ShownBy(any_of_kind("dark"), "kind dark: frames with the cap on")
+DARKS_OF_TWO_TIMES = ShownBy(two_dark_exposures, "kind dark at a second, ten times longer exposure")
+FLAT = ShownBy(any_of_kind("flat", "bracket"), "kind flat: frames of an even surface")
+REPEATED_FLAT = ShownBy(
+    repeated("dark", "flat", "bracket"), "two or more frames of a flat, with the same settings"
+)
+BRACKET = ShownBy(
+    a_series_of_exposures,
+    f"kind bracket: {FEWEST_TIMES} or more exposure times under the same light, in one group",
+)
+EDGES = ShownBy(structured_of_kind("edge", "scene", "chart"), "kind edge: sharp edges all over the field")
+BOARDS = ShownBy(
+    views_of_a_board,
+    f"kind board: {FEWEST_VIEWS} or more views, tilted by 20 to 40 degrees to different sides",
+)
+COLOURS = ShownBy(colours_or_mono, "kind chart: a colour chart with its patches")
+MOTION = ShownBy(known_motion, "kind sequence: something that moves at a known velocity_px_s")
+LAMPS = ShownBy(repeated("flat", "sequence"), "two or more frames under the lamps in question")

@@ -1,0 +1,41 @@
+"""What is drawn and remembered along an episode: every frame has generators of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tacos_framework.randomness import generator
+
+
+@dataclass(frozen=True)
+class EpisodeDraws:
+    """Generators by frame and name, so that no draw depends on batches, workers or order.
+
+    Parameters
+    ----------
+    seed
+        Seed of the study.
+    names
+        Which episode: the same seed and names draw the same noise.
+
+    Examples
+    --------
+    >>> draws = EpisodeDraws(7, ("design", 0))
+    >>> bool(draws.rng(3, "noise").random() == EpisodeDraws(7, ("design", 0)).rng(3, "noise").random())
+    True
+    """
+
+    seed: int
+    names: tuple[str | int, ...]
+    _memories: dict[tuple[str, ...], dict[str, Any]] = field(default_factory=dict, repr=False, compare=False)
+
+    def rng(self, frame: int, *what: str) -> np.random.Generator:
+        """The generator of one thing in one frame, counted in the whole episode."""
+        return generator(self.seed, *self.names, frame, *what)
+
+    def memory(self, *what: str) -> dict[str, Any]:
+        """What one thing keeps from frame to frame."""
+        return self._memories.setdefault(what, {})

@@ -1,0 +1,181 @@
+"""Image formation of captures and frames, as a study calls it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import FILE_STAGES, LIGHT_STAGES
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.formation.arrays import SensorAt, digital, form_files
+from tacos_framework.formation.chain import EffectChain
+from tacos_framework.formation.draws import EpisodeDraws
+from tacos_framework.formation.placed import PlacedEffect, PlacedSensor
+from tacos_framework.formation.views import light_context, with_light_effects
+from tacos_framework.plugins.guarded import blameless
+from tacos_framework.values import (
+    Capture,
+    ContextMissing,
+    Exposure,
+    FrameBatch,
+    ImageContext,
+    ImageGeometry,
+    View,
+)
+
+
+class ImageFormation:
+    """Image formation under one exposure, with the effects that hold for all images.
+
+    Parameters
+    ----------
+    exposure
+        Of the scenario.
+    effects
+        The effects of the recipe, in any order.
+    """
+
+    def __init__(self, exposure: Exposure, effects: Sequence[PlacedEffect] = ()):
+        self.exposure = exposure
+        self.effects = tuple(effects)
+
+    def light(self, capture: Capture, draws: EpisodeDraws) -> Capture:
+        """What a renderer gave, with the effects on light."""
+        return self._light(capture, self.effects, draws)
+
+    def with_effect(
+        self, image: Capture | FrameBatch, effect: PlacedEffect, draws: EpisodeDraws
+    ) -> Capture | FrameBatch:
+        """An image that passes a node of the graph that is an effect.
+
+        Light and files change at once; effects of the stages pixel and readout wait for the sensor.
+        """
+        stage = effect.cls.stage
+        if isinstance(image, FrameBatch):
+            if stage not in FILE_STAGES:
+                raise TypeError(f"{effect.use} of the stage {stage} acts before there are frames")
+            return self._files(image, effect, draws)
+        if stage in LIGHT_STAGES:
+            return self._light(image, [effect], draws)
+        return replace(image, pending=(*image.pending, effect))
+
+    def expose(self, capture: Capture, sensor: PlacedSensor, draws: EpisodeDraws) -> FrameBatch:
+        """The frames of a batch, with the effects inside the sensor and on its files.
+
+        Returns
+        -------
+        FrameBatch
+            uint8 up to a white level of 255, else uint16 [DN].
+        """
+        effects = (*self.effects, *capture.pending)
+        images = [self._exposed(view, capture, sensor, effects, draws) for view in capture.views]
+        first = sensor.at(capture.views[0].camera.name)
+        return FrameBatch(
+            capture=replace(capture, pending=()),
+            images=tuple(images),
+            black_level_dn=first.black_level_dn,
+            white_level_dn=first.white_level_dn,
+        )
+
+    def _exposed(
+        self,
+        view: View,
+        capture: Capture,
+        sensor: PlacedSensor,
+        effects: Sequence[PlacedEffect],
+        draws: EpisodeDraws,
+    ) -> NDArray[np.unsignedinteger]:
+        """The files of one camera, frame by frame."""
+        camera = view.camera
+        at = SensorAt(sensor.use, sensor.name, sensor.at(camera.name), camera, self.exposure)
+        geometry = ImageGeometry.of_camera(camera)
+        chain = EffectChain.of(effects, geometry, at.context)
+        file_type = _file_type(at.context.white_level_dn)
+        files = []
+        for i in range(len(capture.episode)):
+            try:
+                made = form_files(
+                    at.expect(view.luminance_cd_m2[i : i + 1]),
+                    chain,
+                    at,
+                    geometry=geometry,
+                    context=replace(at.context, depth_m=view.depth_m[i]),
+                    draws=draws,
+                    frame=capture.episode.first_frame + i,
+                )
+            except ContextMissing as missing:
+                raise _unknown(camera.name, missing) from missing
+            files.append(made.astype(file_type))
+        return files[0] if len(files) == 1 else np.concatenate(files)
+
+    def _light(self, capture: Capture, effects: Sequence[PlacedEffect], draws: EpisodeDraws) -> Capture:
+        chosen = [effect for effect in effects if effect.cls.stage in LIGHT_STAGES]
+        if not chosen:
+            return capture
+        chains = []
+        for view in capture.views:
+            context = light_context(view, capture.episode, self.exposure)
+            chains.append(EffectChain.of(chosen, ImageGeometry.of_camera(view.camera), context).light)
+        try:
+            return with_light_effects(capture, chains, self.exposure, draws)
+        except ContextMissing as missing:
+            raise _unknown(capture.views[0].camera.name, missing) from missing
+
+    def _files(self, frames: FrameBatch, effect: PlacedEffect, draws: EpisodeDraws) -> FrameBatch:
+        """Frames with one effect; the batch itself where it is off."""
+        images = [
+            self._processed(frames, image, view, effect, draws)
+            for image, view in zip(frames.images, frames.capture.views, strict=True)
+        ]
+        same = all(after is before for after, before in zip(images, frames.images, strict=True))
+        return frames if same else replace(frames, images=tuple(images))
+
+    def _processed(
+        self,
+        frames: FrameBatch,
+        image: NDArray[np.unsignedinteger],
+        view: View,
+        effect: PlacedEffect,
+        draws: EpisodeDraws,
+    ) -> NDArray[np.unsignedinteger]:
+        context = ImageContext(
+            exposure_s=self.exposure.time_s,
+            gain_db=self.exposure.gain_db,
+            f_number=self.exposure.f_number,
+            black_level_dn=frames.black_level_dn,
+            white_level_dn=frames.white_level_dn,
+        )
+        geometry = ImageGeometry.of_camera(view.camera)
+        chain = EffectChain.of([effect], geometry, context)
+        changed = []
+        for i in range(len(image)):
+            before = image[i : i + 1].astype(np.float32)
+            after = before
+            try:
+                for acting in chain.files:
+                    after = acting.on(
+                        after,
+                        geometry=geometry,
+                        context=replace(context, depth_m=view.depth_m[i]),
+                        draws=draws,
+                        frame=frames.episode.first_frame + i,
+                    )
+            except ContextMissing as missing:
+                raise _unknown(view.camera.name, missing) from missing
+            if after is before:
+                return image
+            changed.append(digital(after, frames.white_level_dn).astype(image.dtype))
+        return np.concatenate(changed)
+
+
+def _file_type(white_level_dn: float) -> type[np.unsignedinteger]:
+    return np.uint8 if white_level_dn <= 255 else np.uint16
+
+
+def _unknown(camera: str, missing: ContextMissing) -> UserError:
+    """What an effect asks for that is not known in a simulation."""
+    remedy = "Use a sensor that gives it, or take the effect out of the recipe."
+    return blameless(UserError(Fault(f"camera {camera!r}", str(missing), "", remedy)))

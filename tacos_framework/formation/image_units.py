@@ -1,0 +1,129 @@
+"""An effect's lengths and charges in the pixels and digital numbers of the image it acts on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from pydantic import ValidationError
+
+from tacos_framework.camera.units import LENGTH_UNITS, binned, image_units_per
+from tacos_framework.errors import CandidateFailed
+from tacos_framework.settings import (
+    Settings,
+    averaging_of,
+    includes_pedestal,
+    physical_settings,
+    unit_of,
+)
+from tacos_framework.values import ImageContext, ImageGeometry
+
+
+def in_image_units(config: Settings, use: str, geometry: ImageGeometry, context: ImageContext) -> Settings:
+    """Settings with every physical value turned into that of an image, and binning taken account of.
+
+    Parameters
+    ----------
+    config
+        Settings of an effect, in physical units or in those of photosites.
+    use
+        The component, for messages.
+    geometry, context
+        The image.
+
+    Returns
+    -------
+    Settings
+        In pixels and digital numbers of the image alone; `config` itself where that is what it has.
+
+    Raises
+    ------
+    CandidateFailed
+        Where a value is out of bounds there, or the camera's conversion gain is not known.
+    """
+    photosites = _in_photosites(config, use, geometry, context)
+    if geometry.binning == 1.0:
+        return photosites
+    kind = type(config)
+    values = {name: getattr(photosites, name) for name in _of_photosites(kind)}
+    changed = {
+        name: value * binned(unit_of(kind, name), averaging_of(kind, name), geometry.binning)
+        for name, value in values.items()
+        if value is not None
+    }
+    # Bounds are those of photosites: in binned pixels a length may well be shorter.
+    return photosites.model_copy(update=changed) if changed else photosites
+
+
+def _in_photosites(config: Settings, use: str, geometry: ImageGeometry, context: ImageContext) -> Settings:
+    """Settings with physical values turned into pixels and digital numbers of the camera's photosites."""
+    kind = type(config)
+    changed: dict[str, Any] = {}
+    for name, image_name in physical_settings(kind).items():
+        value = getattr(config, name)
+        if value is None:
+            continue
+        unit = unit_of(kind, image_name)
+        per = image_units_per(unit_of(kind, name), unit, geometry=geometry, context=context)
+        if per is None:
+            raise CandidateFailed(
+                f"{use} has {name} = {value:g} {unit_of(kind, name)}, but how many DN an electron makes on "
+                f"camera {geometry.camera!r} is not known: give {image_name} instead"
+            )
+        pedestal = context.black_level_dn if includes_pedestal(kind, image_name) else 0.0
+        changed |= {name: None, image_name: value * per + pedestal}
+    if not changed:
+        return config
+    values = {name: getattr(config, name) for name in kind.model_fields}
+    try:
+        return kind(**{**values, **changed})
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise CandidateFailed(
+            f"{use} on camera {geometry.camera!r}: {'.'.join(map(str, first['loc']))} comes to "
+            f"{first['input']}: {first['msg']}"
+        ) from error
+
+
+@cache
+def _of_photosites(kind: type[Settings]) -> tuple[str, ...]:
+    """Settings that binning changes."""
+    return tuple(
+        name
+        for name, field in kind.model_fields.items()
+        if unit_of(kind, name) in LENGTH_UNITS or averaging_of(kind, name)
+        if field.annotation in (float, int, float | None)
+    )
+
+
+def physical_settings_of(
+    kind: type[Settings], values: Mapping[str, Any], geometry: ImageGeometry, context: ImageContext
+) -> dict[str, tuple[str, float]]:
+    """Settings in pixels and digital numbers of a camera's photosites, in physical units.
+
+    Parameters
+    ----------
+    kind
+        Settings of an effect.
+    values
+        Those given.
+    geometry, context
+        The camera they were found with.
+
+    Returns
+    -------
+    dict
+        Setting -> physical setting and its value, where there is one and the camera is known well enough.
+    """
+    found = {}
+    for name, image_name in physical_settings(kind).items():
+        value = values.get(image_name)
+        if not isinstance(value, int | float):
+            continue
+        unit = unit_of(kind, name)
+        per = image_units_per(unit, unit_of(kind, image_name), geometry=geometry, context=context)
+        if per:
+            pedestal = context.black_level_dn if includes_pedestal(kind, image_name) else 0.0
+            found[image_name] = (name, (value - pedestal) / per)
+    return found

@@ -1,0 +1,69 @@
+"""Effects and sensors as a recipe places them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from tacos_framework.settings import Settings
+
+
+@dataclass(frozen=True)
+class PlacedEffect:
+    """An effect, the cameras it acts on, and its settings for each.
+
+    Parameters
+    ----------
+    use
+        The component, for messages.
+    name
+        Its name in the recipe; what it draws follows from it.
+    cls
+        Its class.
+    config
+        Its settings.
+    by_camera
+        Settings of cameras that have their own.
+    cameras
+        The cameras it acts on; all of them if None.
+    """
+
+    use: str
+    name: str
+    cls: type[Any]
+    config: Settings
+    by_camera: Mapping[str, Settings] = field(default_factory=dict)
+    cameras: tuple[str, ...] | None = None
+
+    def config_at(self, camera: str) -> Settings | None:
+        """Its settings at a camera; None where it does not act there."""
+        if self.cameras is not None and camera not in self.cameras:
+            return None
+        return self.by_camera.get(camera, self.config)
+
+
+@dataclass(frozen=True)
+class PlacedSensor:
+    """A sensor model, built, and those of cameras with settings of their own.
+
+    Parameters
+    ----------
+    use
+        The component, for messages.
+    name
+        Its node in the recipe; the noise it draws follows from it.
+    sensor
+        The sensor.
+    by_camera
+        The sensors of cameras that have their own.
+    """
+
+    use: str
+    name: str
+    sensor: Any
+    by_camera: Mapping[str, Any] = field(default_factory=dict)
+
+    def at(self, camera: str) -> Any:
+        """The sensor of a camera."""
+        return self.by_camera.get(camera, self.sensor)

@@ -1,0 +1,128 @@
+"""Effects on the light of rendered views; where they move pixels, truth moves along."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.motion import Places, image_velocity, inverse_depth
+from tacos_framework.camera.resampling import nearest, resample, resample_inverse_depth
+from tacos_framework.contracts import moves_pixels
+from tacos_framework.formation.chain import ActingEffect
+from tacos_framework.formation.draws import EpisodeDraws
+from tacos_framework.plugins.guarded import calling
+from tacos_framework.values import Capture, Episode, Exposure, ImageContext, ImageGeometry, View
+
+
+def light_context(view: View, episode: Episode, exposure: Exposure) -> ImageContext:
+    """The context of a rendered view; its middle row is the one that shows the moment of the frame."""
+    return ImageContext(
+        exposure_s=exposure.time_s,
+        gain_db=exposure.gain_db,
+        f_number=exposure.f_number,
+        depth_m=view.depth_m,
+        velocity_px_s=partial(image_velocity, view, episode),
+        reference_row=(view.camera.height_px - 1) / 2,
+    )
+
+
+def with_light_effects(
+    capture: Capture,
+    effects: Sequence[Sequence[ActingEffect]],
+    exposure: Exposure,
+    draws: EpisodeDraws,
+) -> Capture:
+    """The capture with effects on the light of every view, frame by frame.
+
+    Parameters
+    ----------
+    capture
+        What the renderer gave.
+    effects
+        For each view those of its camera, in their order.
+    exposure
+        Of the scenario.
+    draws
+        Generators by frame.
+
+    Returns
+    -------
+    Capture
+        The capture itself where every effect is off.
+    """
+    views = [
+        _joined(
+            [_frame(capture, view, chosen, exposure, draws, i) for i in range(len(capture.episode))], view
+        )
+        for view, chosen in zip(capture.views, effects, strict=True)
+    ]
+    same = all(after is before for after, before in zip(views, capture.views, strict=True))
+    return capture if same else replace(capture, views=tuple(views))
+
+
+def _frame(
+    capture: Capture,
+    view: View,
+    effects: Sequence[ActingEffect],
+    exposure: Exposure,
+    draws: EpisodeDraws,
+    index: int,
+) -> View:
+    """One frame of a view with the effects."""
+    frame = view if len(view.depth_m) == 1 else view.frame(index)
+    episode = capture.episode[index : index + 1]
+    geometry = ImageGeometry.of_camera(view.camera)
+    for acting in effects:
+        context = light_context(frame, episode, exposure)
+        if moves_pixels(type(acting.effect)):
+            frame = _moved(frame, acting, geometry, context)
+            continue
+        light = acting.on(
+            frame.luminance_cd_m2,
+            geometry=geometry,
+            context=context,
+            draws=draws,
+            frame=episode.first_frame,
+        )
+        if light is not frame.luminance_cd_m2:
+            frame = replace(frame, luminance_cd_m2=light)
+    return frame
+
+
+def _joined(frames: Sequence[View], view: View) -> View:
+    """The frames of a view together; the view itself where none has changed."""
+    if len(frames) == 1:
+        return frames[0]
+    names = ("luminance_cd_m2", "depth_m", "object_id")
+    changed: dict[str, Any] = {
+        name: np.concatenate([getattr(frame, name) for frame in frames])
+        for name in names
+        if any(not np.shares_memory(getattr(frame, name), getattr(view, name)) for frame in frames)
+    }
+    return replace(view, **changed) if changed else view
+
+
+def _moved(view: View, acting: ActingEffect, geometry: ImageGeometry, context: ImageContext) -> View:
+    """A view with light, depth and object ids fetched from elsewhere; its camera stays what tasks believe."""
+    with calling(acting.use, doing="source"):
+        places: Places | None = acting.effect.source(
+            geometry=geometry, context=context, frames=len(view.depth_m)
+        )
+        if places is None:
+            return view
+        near: NDArray[np.floating] = resample_inverse_depth(inverse_depth(view.depth_m), *places)
+        if callable(moved := getattr(acting.effect, "moved_inverse_depth", None)):
+            near = moved(near, *places, geometry=geometry)
+    with np.errstate(divide="ignore"):
+        depth_m = 1.0 / near
+    return replace(
+        view,
+        luminance_cd_m2=resample(view.luminance_cd_m2, *places),
+        depth_m=depth_m.astype(np.float32),
+        object_id=nearest(view.object_id, *places),
+    )

@@ -1,0 +1,23 @@
+"""The default sensors pass the suite that third parties are given."""
+
+# ruff: noqa: RUF012 - settings stand as plain class attributes, as plugin authors will write them
+
+from __future__ import annotations
+
+from tacos_framework.testing import SensorConformance
+from tacos_plugins.sensors.affine_noise import AffineNoise
+from tacos_plugins.sensors.emva import Emva
+
+
+class TestAffineNoise(SensorConformance):
+    component = AffineNoise
+
+
+class TestAffineNoiseAtTwelveBits(SensorConformance):
+    component = AffineNoise
+    config = {"bit_depth": 12, "black_level_dn": 64}
+
+
+class TestEmva(SensorConformance):
+    component = Emva
+    config = {"quantum_efficiency": 0.6, "full_well_e": 1e4, "read_noise_e": 3.0, "dark_current_e_s": 10.0}
