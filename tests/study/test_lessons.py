@@ -20,7 +20,7 @@ class Recorder:
         self.lessons = []
 
     def map(self, evaluate, jobs):
-        self.lessons += [job.training for job in jobs if getattr(job, "training", None)]
+        self.lessons += [job.value.training for job in jobs if getattr(job.value, "training", None)]
         return map(evaluate, jobs)
 
 

@@ -168,15 +168,6 @@ def test_what_breaks_a_constraint_is_not_simulated(toys):
     assert "60" in wide.failed
 
 
-def test_a_defect_of_a_component_comes_out_unchanged_with_its_place(toys, tmp_path):
-    recipe = toy_recipe(nodes={"width": {"crash_above_deg": 10}})
-    with pytest.raises(ZeroDivisionError, match="a defect of the toy") as caught:
-        run(recipe, toys, tmp_path / "out")
-    notes = "\n".join(caught.value.__notes__)
-    assert "in node 'width' (task.toy-width)" in notes
-    assert "focal_length_mm" in notes
-
-
 def test_effects_act_at_their_stage_whatever_their_order(toys):
     def brightness(effects):
         evaluate = Evaluator(toy_recipe(effects=effects, nodes={"frames": {"sigma_dn": 0}}), toys)
