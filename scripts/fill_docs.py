@@ -15,7 +15,8 @@ PROJECTS = ROOT / "tests" / "third_party"
 EMBEDDING = ROOT / "tests" / "embedding"
 
 _BLOCK = re.compile(
-    r'^(?P<fence>```\w+ title="(?P<path>(?:tacos-example-plugin|embedding)/[^":]+)(?::(?P<name>\w+))?")\n.*?^```$',
+    r'^(?P<fence>```\w+ title="(?P<path>(?:tacos-example-plugin|embedding)/[^":]+)(?::(?P<name>\w+))?")\n'
+    r".*?^```$",
     re.MULTILINE | re.DOTALL,
 )
 
