@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from tacos_framework.contracts import State as State
     from tacos_framework.contracts import Task as Task
     from tacos_framework.contracts import Trainable as Trainable
+    from tacos_framework.contracts import Transform as Transform
     from tacos_framework.environment import Finding as Finding
     from tacos_framework.errors import CandidateFailed as CandidateFailed
     from tacos_framework.errors import Fault as Fault
@@ -87,6 +88,7 @@ _HOMES = {
         "State",
         "Task",
         "Trainable",
+        "Transform",
     ),
     "environment": ("Finding",),
     "errors": ("CandidateFailed", "Fault", "UserError"),

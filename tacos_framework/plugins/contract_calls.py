@@ -133,7 +133,7 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
     "scene": (_CONFIG, Call("episode", None, ("rng", "illumination_lux"), asked_for=True)),
     "rig": (_CONFIG, Call("build", ("variables",)), Call("derived", ("variables",))),
     "renderer": (_CONFIG, Call("capture", None, _SCENARIO, asked_for=True)),
-    "transform": (_CONFIG, Call("transform", None, _SCENARIO, asked_for=True)),
+    "transform": (_CONFIG, Call("transform", None, (*_SCENARIO, "memory"), asked_for=True)),
     "effect": (
         _CONFIG,
         Call("on_array", ("samples",), ("geometry", "context", "rng")),

@@ -73,8 +73,8 @@ class Remembering:
     def map(self, evaluate, jobs):
         for job in jobs:
             outcome = evaluate(job)
-            if isinstance(job, ScoreJob):
-                self.scored += zip(job.episodes, outcome.episodes, strict=True)
+            if isinstance(job.value, ScoreJob):
+                self.scored += zip(job.value.episodes, outcome.value.episodes, strict=True)
             yield outcome
 
 
