@@ -4,6 +4,8 @@ bin := .venv/bin
 # The tests run in two processes; more threads in each would only wait for one another.
 one_thread := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 packages := tacos_framework plugins
+# What a host that embeds the library relies on, checked as strictly as a host may.
+embedding := tests/embedding/design_a_camera.py tests/embedding/public_types.py
 
 .DEFAULT_GOAL := help
 .PHONY: help setup setup-demo demo test lint format docs slow mutants clean
@@ -25,6 +27,7 @@ lint: setup ## Check style, formatting, types and layers
 	$(bin)/ruff check .
 	$(bin)/ruff format --check .
 	$(bin)/mypy
+	$(bin)/mypy --strict --follow-imports=silent $(embedding)
 	$(bin)/lint-imports
 
 format: setup ## Put the code into its format

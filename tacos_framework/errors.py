@@ -55,7 +55,14 @@ class CandidateFailed(Exception):
     """A component cannot evaluate *this* candidate (too large, degenerate), but may evaluate others.
 
     The study tells the optimizer that the candidate failed, with this message, and goes on. Any other
-    exception is a defect and ends the study.
+    exception is a defect: of those, ``study: {on_error: ...}`` says what becomes.
+    """
+
+
+class ContractBroken(Exception):
+    """A component does what its contract rules out; the message names it, what it gave, what was expected.
+
+    No input of the user's is to blame, and no other component: the plugin has a defect.
     """
 
 

@@ -1,4 +1,8 @@
-"""Every hook a plugin may implement, on one screen."""
+"""Every hook a plugin may implement, on one screen.
+
+A hook that raises stops nobody: the plugin is listed as broken, or switched off where it observes a study.
+Those that observe are given copies, which are theirs to keep and to change.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +30,10 @@ def tacos_doctor() -> Sequence[Finding]:  # type: ignore[empty-body]
 
 @hookspec
 def tacos_commands() -> Sequence[Command]:  # type: ignore[empty-body]
-    """Offer commands of ``tacos``. Called whenever it starts: import nothing heavy."""
+    """Offer commands of ``tacos``. Called whenever it starts: import nothing heavy.
+
+    A name that two plugins offer is left out, as is one that ``tacos`` has itself.
+    """
 
 
 @hookspec
@@ -36,7 +43,7 @@ def tacos_reference_pages() -> Sequence[ReferencePage]:  # type: ignore[empty-bo
 
 @hookspec
 def tacos_study_started(recipe: Any, out: Any) -> None:
-    """A study begins: its `Recipe` and its results folder (`pathlib.Path`)."""
+    """A study begins, or goes on: its `Recipe` and its results folder (`pathlib.Path`)."""
 
 
 @hookspec
@@ -46,7 +53,7 @@ def tacos_generation_finished(generation: int, evaluated: Sequence[Any], best: A
 
 @hookspec
 def tacos_candidate_failed(candidate: Any, reason: str) -> None:
-    """A candidate could not be evaluated, and why; the study goes on."""
+    """A candidate could not be evaluated, and why: a constraint, a component that refuses it, a defect."""
 
 
 @hookspec

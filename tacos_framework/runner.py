@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from tacos_framework import __version__
-from tacos_framework.contracts import Executor
+from tacos_framework.contracts import JobRunner
 from tacos_framework.environment import describe_environment
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import Plan
 from tacos_framework.plan.procedure import ProcedurePlan, plan_procedure
-from tacos_framework.plugins import Plugins
+from tacos_framework.plugins import Plugins, calling
+from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_framework.results import Results
@@ -27,7 +27,7 @@ def run(
     *,
     out: str | Path,
     plugins: Plugins | None = None,
-    executor: Executor | None = None,
+    executor: JobRunner | None = None,
     resume: bool = False,
     progress: Progress | None = None,
     command: str = "",
@@ -84,7 +84,7 @@ def _run_procedure(
     given: ProcedureRecipe | ProcedurePlan,
     out: Path,
     plugins: Plugins,
-    executor: Executor | None,
+    executor: JobRunner | None,
     resume: bool,
     progress: Progress,
     command: str,
@@ -95,10 +95,20 @@ def _run_procedure(
         raise UserError(
             Fault("--resume", f"{recipe.use} cannot go on with a broken run", "", "Start it anew.")
         )
-    procedure = plan.cls(plan.config)
+    distribution = plugins.distribution_of(recipe.use)
+    with calling(recipe.use, distribution, "as it is built"):
+        procedure = plan.cls(plan.config)
     data = plan.as_data()
     results = Results.resume(out, data)[0] if resume else Results.create(out, data)
-    evaluates = executor or plan.executor_cls(plan.executor_config)
+    evaluates = (
+        GuardedExecutor.of_host(executor)
+        if executor
+        else GuardedExecutor(
+            plan.executor_cls(plan.executor_config),
+            recipe.executor.use,
+            plugins.distribution_of(recipe.executor.use),
+        )
+    )
     supplied = {
         "out": out,
         "seed": recipe.seed,
@@ -110,9 +120,9 @@ def _run_procedure(
     began = time.monotonic()
     with results, results.logging({"tacos_framework", plan.cls.__module__.partition(".")[0]}):
         try:
-            found: Mapping[str, Any] = procedure.run(
-                **{name: value for name, value in supplied.items() if name in plan.asks_for}
-            )
+            asked = {name: value for name, value in supplied.items() if name in plan.asks_for}
+            with calling(recipe.use, distribution, "run"):
+                found: Mapping[str, Any] = procedure.run(**asked)
         finally:
             if executor is None:
                 evaluates.close()
@@ -123,7 +133,7 @@ def _run_procedure(
             "procedure": recipe.use,
             "seed": recipe.seed,
             "seconds": round(time.monotonic() - began, 3),
-            "environment": describe_environment(workers, chain(*plugins.hook.tacos_doctor())),
+            "environment": describe_environment(workers, plugins.findings()),
             "command": command,
             **found,
         }

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from tacos_framework.errors import UserError
 
 DONE = 0
+FAILED = 1
 WRONG_INPUT = 2
 INTERRUPTED = 130
 """128 + SIGINT, as shells expect of a command ended by Ctrl-C."""

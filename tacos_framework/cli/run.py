@@ -11,7 +11,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tacos_framework.cli.exits import DONE, INTERRUPTED, exit_status
+from tacos_framework.cli.exits import DONE, FAILED, INTERRUPTED, exit_status
 from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
 
     from tacos_framework.cli.bar import progress_for
     from tacos_framework.runner import run
-    from tacos_framework.study import BROKEN_OFF
+    from tacos_framework.study import BROKEN_OFF, DEFECT
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
     with progress_for(quiet=arguments.quiet) as progress:
@@ -93,7 +93,10 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
             plan, out=out, plugins=plugins, resume=arguments.resume, progress=progress, command=command
         )
     print(summary(result, out))
-    return INTERRUPTED if result.get("stopped") == BROKEN_OFF else DONE
+    stopped = str(result.get("stopped"))
+    if stopped.startswith(DEFECT):
+        return FAILED
+    return INTERRUPTED if stopped == BROKEN_OFF else DONE
 
 
 def _plan_study(recipe: Any, plugins: Plugins, faults: list[Fault]) -> tuple[Plan, Callable[[], str]]:

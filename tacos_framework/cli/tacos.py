@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,8 +43,12 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     new_plugin.add_argument("--in", dest="folder", type=Path, default=Path(), help="where to put it [here]")
     report = commands.add_parser("report", help="write report.html of a results folder anew")
     report.add_argument("folder", metavar="DIR", type=Path, help="results folder of a run")
-    for command in plugins.commands():
-        command.add_arguments(commands.add_parser(command.name, help=command.help))
+    for command in plugins.commands(taken=tuple(commands.choices)):
+        try:
+            command.add_arguments(argparse.ArgumentParser())  # in vain, as a parser once added stays
+            command.add_arguments(commands.add_parser(command.name, help=command.help))
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - kept and shown by `tacos plugins`
+            plugins.reject(command, error)
     return parser
 
 
@@ -54,9 +58,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     plugins = Plugins.discover()
     arguments = parser(plugins).parse_args(argv)
-    own = {
-        "plugins": _plugins,
-        "doctor": _doctor,
+    own: dict[str, Callable[[argparse.Namespace], int]] = {
+        "plugins": lambda arguments: _plugins(plugins),
+        "doctor": lambda arguments: _doctor(plugins),
         "catalog": _catalog,
         "schema": _schema,
         "completion": _completion,
@@ -67,10 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return exit_status(lambda: commands[arguments.command](arguments))
 
 
-def _plugins(arguments: argparse.Namespace) -> int:
-    from tacos_framework.plugins import Plugins
-
-    plugins = Plugins.discover()
+def _plugins(plugins: Plugins) -> int:
     for registered in plugins:
         component = registered.component
         missing = component.missing_packages()
@@ -79,27 +80,24 @@ def _plugins(arguments: argparse.Namespace) -> int:
             f"{component.use:<30} {component.summary}{note}  [{registered.distribution or registered.plugin}]"
         )
     for failure in plugins.failures:
-        print(f"broken: plugin {failure.plugin}: {failure.reason}", file=sys.stderr)
+        print(f"broken: plugin {failure.plugin}: {failure.reason}. {failure.remedy}", file=sys.stderr)
     return DONE
 
 
-def _doctor(arguments: argparse.Namespace) -> int:
-    import itertools
+def _doctor(plugins: Plugins) -> int:
     import platform
 
     from tacos_framework import __version__
     from tacos_framework.environment import Finding, usable_cores
-    from tacos_framework.plugins import Plugins
 
-    plugins = Plugins.discover()
     findings = [
         Finding("tacos-framework", __version__),
         Finding("Python", platform.python_version()),
         Finding("cores", str(usable_cores())),
         _torch(),
-        *itertools.chain(*plugins.hook.tacos_doctor()),
+        *plugins.findings(),
         *(
-            Finding(f"plugin {f.plugin}", f.reason, ok=False, remedy="Update or uninstall it.")
+            Finding(f"plugin {f.plugin}", f.reason, ok=False, remedy=f.remedy)
             for f in [*plugins.failures, *plugins.unusable()]
         ),
     ]

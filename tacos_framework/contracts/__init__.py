@@ -34,7 +34,7 @@ from tacos_framework.contracts.effect import (
     formation_order,
     moves_pixels,
 )
-from tacos_framework.contracts.executor import Executor
+from tacos_framework.contracts.executor import Executor, JobRunner
 from tacos_framework.contracts.observed import LookAlike, ObservedCapture, ShownBy
 from tacos_framework.contracts.optimizer import Evaluated, Optimizer
 from tacos_framework.contracts.procedure import Procedure
@@ -55,6 +55,7 @@ __all__ = [
     "Effect",
     "Evaluated",
     "Executor",
+    "JobRunner",
     "LookAlike",
     "ObservedCapture",
     "Optimizer",

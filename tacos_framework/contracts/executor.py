@@ -11,8 +11,8 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
-class Executor(Protocol):
-    """Runs evaluations, here or elsewhere.
+class JobRunner(Protocol):
+    """Runs evaluations, here or elsewhere: what a host may hand to `run` in place of a recipe's executor.
 
     A further member is optional:
 
@@ -20,17 +20,24 @@ class Executor(Protocol):
         How many jobs it runs at a time; work is cut into as many parts. 1 where it does not say.
     """
 
-    Config: ClassVar[type[Settings]]
-
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
         """The results in the order of the jobs, each as soon as it and those before it are there.
 
         `evaluate` can be pickled and keeps costly things (GL context, worlds) between calls in the process
         it runs in. An exception it raises comes out of the iterator unchanged. Where a process dies or hangs
         on a job whenever it is tried, the result is ``evaluate.lost(job, reason)`` if `evaluate` has that.
+
+        The framework tells results by a key that each carries: a result too many, too few or of another call
+        is an error, and another order is put right.
         """
         ...
 
     def close(self) -> None:
         """Let go of all workers; safe to call twice."""
         ...
+
+
+class Executor(JobRunner, Protocol):
+    """A `JobRunner` that recipes can name."""
+
+    Config: ClassVar[type[Settings]]

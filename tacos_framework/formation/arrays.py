@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation.chain import ActingEffect, EffectChain
+from tacos_framework.formation.checked import checked_samples
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.plugins.guarded import calling
 from tacos_framework.values import Camera, Exposure, ImageContext, ImageGeometry
@@ -53,9 +54,8 @@ class SensorAt:
     def expect(self, light_cd_m2: NDArray[np.float32]) -> Samples:
         """See `tacos_framework.contracts.Sensor.expect`."""
         with calling(self.use, doing="expect"):
-            return np.asarray(
-                self.sensor.expect(light_cd_m2, camera=self.camera, exposure=self.exposure), np.float32
-            )
+            expected = self.sensor.expect(light_cd_m2, camera=self.camera, exposure=self.exposure)
+            return checked_samples(self.use, np.asarray(expected, np.float32), light_cd_m2)
 
     def draw(self, samples_dn: Samples, rng: np.random.Generator, photon_scale: float) -> Samples:
         """See `tacos_framework.contracts.Sensor.draw`."""
@@ -63,7 +63,7 @@ class SensorAt:
             drawn = self.sensor.draw(
                 samples_dn, camera=self.camera, exposure=self.exposure, rng=rng, photon_scale=photon_scale
             )
-        return np.asarray(drawn, np.float32)
+            return checked_samples(self.use, np.asarray(drawn, np.float32), samples_dn)
 
 
 def form_files(

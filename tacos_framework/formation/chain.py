@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from math import prod
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.resampling import resample
@@ -18,6 +17,7 @@ from tacos_framework.contracts import (
     formation_order,
     moves_pixels,
 )
+from tacos_framework.formation.checked import checked_samples
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.image_units import in_image_units
 from tacos_framework.formation.placed import PlacedEffect
@@ -47,14 +47,13 @@ class ActingEffect:
             if moves_pixels(type(self.effect)):
                 places = self.effect.source(geometry=geometry, context=context, frames=len(samples))
                 return samples if places is None else resample(samples, *places)
-            return np.asarray(
-                self.effect.on_array(
-                    samples,
-                    geometry=geometry,
-                    context=replace(context, memory=draws.memory("effect", self.name, geometry.camera)),
-                    rng=draws.rng(frame, "effect", self.name, geometry.camera),
-                )
+            changed = self.effect.on_array(
+                samples,
+                geometry=geometry,
+                context=replace(context, memory=draws.memory("effect", self.name, geometry.camera)),
+                rng=draws.rng(frame, "effect", self.name, geometry.camera),
             )
+            return samples if changed is samples else checked_samples(self.use, changed, samples)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from tacos_framework.formation.chain import EffectChain
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.placed import PlacedEffect, PlacedSensor
 from tacos_framework.formation.views import light_context, with_light_effects
+from tacos_framework.plugins.guarded import blameless
 from tacos_framework.values import (
     Capture,
     ContextMissing,
@@ -177,4 +178,4 @@ def _file_type(white_level_dn: float) -> type[np.unsignedinteger]:
 def _unknown(camera: str, missing: ContextMissing) -> UserError:
     """What an effect asks for that is not known in a simulation."""
     remedy = "Use a sensor that gives it, or take the effect out of the recipe."
-    return UserError(Fault(f"camera {camera!r}", str(missing), "", remedy))
+    return blameless(UserError(Fault(f"camera {camera!r}", str(missing), "", remedy)))

@@ -16,7 +16,8 @@ from tacos_framework.values import Episode, Rig
 def part_of(use: Use, kind: str, plugins: Plugins) -> Part:
     """A component class with its settings; raises a `UserError` with all that is wrong with them."""
     cls = plugins.resolve(use.use, kind, where=use.use)
-    return Part(use.use, cls, _checked(cls.Config, use.settings, use.use))
+    config = _checked(cls.Config, use.settings, use.use)
+    return Part(use.use, cls, config, plugins.distribution_of(use.use))
 
 
 def build(use: Use, kind: str, plugins: Plugins) -> Any:

@@ -22,5 +22,7 @@ def find_effects(findings: Findings) -> dict[str, EffectPart]:
             continue
         settings = with_starting_values(recipe, "effect", name, cls, use.settings)
         if (part := findings.configured(cls, use.use, settings, path)) and name not in found:
-            found[name] = EffectPart(part.use, part.cls, part.config, part.built, name, use.cameras)
+            found[name] = EffectPart(
+                part.use, part.cls, part.config, part.distribution, part.built, name, use.cameras
+            )
     return {part.name: part for part in sorted(found.values(), key=lambda part: formation_order(part.cls))}

@@ -86,14 +86,15 @@ class Findings:
         config = self.checked(cls.Config, dict(settings), path)
         if config is None:
             return None
+        distribution = self.plugins.distribution_of(use)
         if use.partition(".")[0] in ("optimizer", "executor"):  # these are built by the study, for good
-            return Part(use, cls, config)
+            return Part(use, cls, config, distribution)
         try:
             built = cls(config)  # what a component refuses, such as a file that is not there, shows now
         except UserError as error:
             self.adopt(path, error)
             return None
-        return Part(use, cls, config, built)
+        return Part(use, cls, config, distribution, built)
 
 
 def _place(fault: Fault) -> tuple[str, int, int]:

@@ -76,7 +76,7 @@ def _part(findings: Findings, name: str, use: NodeUse, cls: type[Any]) -> Part |
     part = findings.configured(cls, use.use, settings, path)
     if part is None:
         return None
-    return EffectPart(part.use, part.cls, part.config, part.built, name, cameras)
+    return EffectPart(part.use, part.cls, part.config, part.distribution, part.built, name, cameras)
 
 
 def _check_training(

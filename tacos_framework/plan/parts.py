@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
+from tacos_framework.plugins import guarded
 from tacos_framework.settings import Settings
 
 
@@ -22,6 +23,8 @@ class Part:
         Its class.
     config
         Its settings.
+    distribution
+        The distribution it comes from; None where it was registered by hand.
     built
         The component as it was built when the recipe was checked; None where it was not.
     """
@@ -29,16 +32,28 @@ class Part:
     use: str
     cls: type[Any]
     config: Settings
+    distribution: str | None = None
     built: Any = field(default=None, compare=False, repr=False)
+
+    @property
+    def origin(self) -> str:
+        """The component with its distribution, as messages have it."""
+        return guarded.Culprit(self.use, self.distribution).name
 
     @property
     def instance(self) -> Any:
         """The component with exactly these settings: that of the check, where there is one."""
         return self.make() if self.built is None else self.built
 
+    def calling(self, doing: str) -> guarded.calling:
+        """The guard around whatever the component is called for."""
+        return guarded.calling(self.use, self.distribution, doing)
+
     def make(self, overrides: Mapping[str, Any] | None = None, **supplied: Any) -> Any:
         """Build the component anew, with some settings replaced."""
-        return self.cls(self.with_settings(overrides).config, **supplied)
+        part = self.with_settings(overrides)
+        with self.calling("as it is built"):
+            return self.cls(part.config, **supplied)
 
     def with_settings(self, overrides: Mapping[str, Any] | None) -> Self:
         """The same with some settings replaced, by plain data."""

@@ -2,50 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import Any, TypeVar
 
 import pluggy
 
 from tacos_framework import hookspecs
-from tacos_framework.components import CONTRACT_VERSION, KINDS, Command, Component
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.components import CONTRACT_VERSION, Command, Component, ReferencePage
+from tacos_framework.environment import Finding
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.plugins.failures import PluginFailure, in_words, tried
+from tacos_framework.plugins.observers import Observer, Observers
+from tacos_framework.plugins.registry import Registered, Registry
 
 GROUP = "tacos"
 """The entry-point group plugins register in."""
 
-
-@dataclass(frozen=True)
-class PluginFailure:
-    """A plugin, or one component of it, that cannot be used.
-
-    Parameters
-    ----------
-    plugin
-        Name of the entry point or module.
-    reason
-        What went wrong, in a sentence.
-    error
-        The exception it raised, unchanged; None when the framework refused it.
-    uses
-        The components that are lost by it, as far as they are known.
-    """
-
-    plugin: str
-    reason: str
-    error: BaseException | None = None
-    uses: tuple[str, ...] = ()
+Offer = TypeVar("Offer")
 
 
 @dataclass(frozen=True)
-class Registered:
-    """A component and the plugin that offers it."""
+class _Plugin:
+    """A module or object with hooks, and where it comes from."""
 
-    component: Component
-    plugin: str
-    distribution: str | None = None
+    hooks: Any
+    name: str
+    distribution: str | None
+
+    @property
+    def source(self) -> str:
+        return self.distribution or self.name
 
 
 class Plugins:
@@ -61,9 +50,11 @@ class Plugins:
     def __init__(self) -> None:
         self._manager = pluggy.PluginManager(GROUP)
         self._manager.add_hookspecs(hookspecs)
-        self._components: dict[str, Registered] = {}
+        self._plugins: list[_Plugin] = []
+        self._components = Registry()
         self._modules: list[str] = []
-        self.failures: list[PluginFailure] = []
+        self._command_sources: dict[str, str] = {}
+        self._failures: dict[tuple[str, str], PluginFailure] = {}
 
     @classmethod
     def discover(cls) -> Plugins:
@@ -75,15 +66,11 @@ class Plugins:
 
     def _load(self, entry_point: EntryPoint) -> None:
         distribution = _name_of(entry_point)
-        try:
-            module = entry_point.load()
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:  # noqa: BLE001 - whatever a stranger's import raises is kept and shown
-            reason = f"its import failed: {type(error).__name__}: {error}"
-            self.failures.append(PluginFailure(distribution or entry_point.name, reason, error))
-            return
-        self._register(module, entry_point.name, distribution)
+        module, error = tried(entry_point.load)
+        if error is not None:
+            self._fail(distribution or entry_point.name, f"its import failed: {in_words(error)}", error)
+        else:
+            self._register(_Plugin(module, entry_point.name, distribution))
 
     def register(self, plugin: Any, name: str | None = None) -> None:
         """Add a module or object with hooks: the door for embedding and tests.
@@ -93,53 +80,130 @@ class Plugins:
         name = name or str(getattr(plugin, "__name__", type(plugin).__name__))
         if hasattr(plugin, "__spec__"):
             self._modules.append(plugin.__name__)
-        self._register(plugin, name, None)
+        self._register(_Plugin(plugin, name, None))
 
-    def _register(self, plugin: Any, name: str, distribution: str | None) -> None:
+    def _register(self, plugin: _Plugin) -> None:
         known = set(self._manager.get_plugins())
-        unique = f"{distribution}:{name}" if distribution else name  # names are chosen by strangers
+        unique = f"{plugin.distribution}:{plugin.name}" if plugin.distribution else plugin.name
         try:
-            self._manager.register(plugin, unique)
+            self._manager.register(plugin.hooks, unique)  # names are chosen by strangers
             self._manager.check_pending()
         except (pluggy.PluginValidationError, ValueError) as error:
-            if plugin not in known and self._manager.is_registered(plugin):
-                self._manager.unregister(plugin)
-            reason = f"its hooks do not fit: {error}"
-            self.failures.append(PluginFailure(distribution or name, reason, error))
+            if plugin.hooks not in known and self._manager.is_registered(plugin.hooks):
+                self._manager.unregister(plugin.hooks)
+            self._fail(plugin.source, f"its hooks do not fit: {error}", error)
             return
-        if not self._manager.get_hookcallers(plugin):
-            reason = "it implements no hook: mark tacos_components with @hookimpl"
-            self.failures.append(PluginFailure(distribution or name, reason))
+        if not self._manager.get_hookcallers(plugin.hooks):
+            self._fail(plugin.source, "it implements no hook: mark tacos_components with @hookimpl")
             return
-        others = [other for other in self._manager.get_plugins() if other is not plugin]
-        hooks = self._manager.subset_hook_caller("tacos_components", remove_plugins=others)
-        try:
-            offered = [component for components in hooks() for component in components]
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:  # noqa: BLE001 - kept and shown, as above
-            reason = f"its tacos_components failed: {type(error).__name__}: {error}"
-            self.failures.append(PluginFailure(distribution or name, reason, error))
-            return
-        for component in offered:
-            self._add(component, name, distribution)
+        self._plugins.append(plugin)
+        for component in self._offered(plugin, "tacos_components", Component):
+            if component.contract == CONTRACT_VERSION:
+                self._components.add(Registered(component, plugin.name, plugin.distribution))
+            else:
+                self._fail(
+                    plugin.source,
+                    f"{component.use} is written for contract {component.contract}, this is "
+                    f"{CONTRACT_VERSION}: install a version of the plugin made for this tacos-framework",
+                    uses=(component.use,),
+                )
 
-    def _add(self, component: Any, plugin: str, distribution: str | None) -> None:
-        def refuse(reason: str, uses: tuple[str, ...] = ()) -> None:
-            self.failures.append(PluginFailure(distribution or plugin, reason, uses=uses))
+    # what plugins offer by hooks --------------------------------------------------------------------------
 
-        if not isinstance(component, Component):
-            refuse(f"it offers a {type(component).__name__} where a Component is expected")
-        elif component.contract != CONTRACT_VERSION:
-            refuse(
-                f"{component.use} is written for contract {component.contract}, this is {CONTRACT_VERSION}: "
-                "install a version of the plugin made for this tacos-framework",
-                (component.use,),
-            )
-        elif (other := self._components.get(component.use)) is not None:
-            refuse(f"{component.use} is already offered by {other.distribution or other.plugin}")
-        else:
-            self._components[component.use] = Registered(component, plugin, distribution)
+    def _hook_of(self, plugin: _Plugin, hook: str) -> Any:
+        """Calls a hook of one plugin alone."""
+        others = [other.hooks for other in self._plugins if other.hooks is not plugin.hooks]
+        return self._manager.subset_hook_caller(hook, remove_plugins=others)
+
+    def _offered(self, plugin: _Plugin, hook: str, kind: type[Offer]) -> list[Offer]:
+        """What a plugin offers by a hook; its failures are kept."""
+        call = self._hook_of(plugin, hook)
+        offered, error = tried(partial(_all, call))
+        if error is not None:
+            self._fail(plugin.source, f"its {hook} failed: {in_words(error)}", error)
+        for offer in offered or ():
+            if not isinstance(offer, kind):
+                self._fail(
+                    plugin.source,
+                    f"it offers a {type(offer).__name__} where a {kind.__name__} is expected",
+                )
+        return [offer for offer in offered or () if isinstance(offer, kind)]
+
+    def findings(self) -> list[Finding]:
+        """What plugins found out about this machine; a look that fails is a finding too."""
+        found = []
+        for plugin in self._plugins:
+            call = self._hook_of(plugin, "tacos_doctor")
+            findings, error = tried(partial(_all, call))
+            for finding in findings or ():
+                if isinstance(finding, Finding):
+                    found.append(finding)
+                else:
+                    error = TypeError(f"it gives a {type(finding).__name__} where a Finding is expected")
+            if error is not None:
+                said = f"its tacos_doctor failed: {in_words(error)}"
+                found.append(Finding(f"plugin {plugin.source}", said, ok=False, remedy="Update it."))
+        return found
+
+    def commands(self, taken: tuple[str, ...] = ()) -> list[Command]:
+        """The commands of ``tacos`` of plugins, by name, without those whose name is not theirs alone.
+
+        Parameters
+        ----------
+        taken
+            Names the host has given already.
+        """
+        offers: dict[str, list[tuple[_Plugin, Command]]] = {}
+        for plugin in self._plugins:
+            for command in self._offered(plugin, "tacos_commands", Command):
+                offers.setdefault(command.name, []).append((plugin, command))
+        for name, offered in offers.items():
+            sources = [plugin.source for plugin, _ in offered]
+            if name in taken:
+                sources.insert(0, "tacos itself")
+            if len(sources) > 1:
+                by = " and by ".join(sources)
+                self._fail(sources[-1], f"the command {name!r} is offered by {by}, so it is left out")
+            self._command_sources[name] = sources[-1]
+        return [
+            offered[0][1]
+            for name, offered in sorted(offers.items())
+            if len(offered) == 1 and name not in taken
+        ]
+
+    def reject(self, command: Command, error: BaseException) -> None:
+        """Keep that a command cannot be used, which showed only when it was."""
+        source = self._command_sources[command.name]
+        self._fail(source, f"its command {command.name!r} failed: {in_words(error)}", error)
+
+    def reference_pages(self) -> list[ReferencePage]:
+        """The pages of the reference that plugins offer."""
+        return [
+            page
+            for plugin in self._plugins
+            for page in self._offered(plugin, "tacos_reference_pages", ReferencePage)
+        ]
+
+    def observers(self) -> Observers:
+        """Those who listen to a study; for one study, as those that fail are told no more."""
+        observers = []
+        for plugin in self._plugins:
+            implemented = self._manager.get_hookcallers(plugin.hooks) or []
+            hooks = {caller.name: self._hook_of(plugin, caller.name) for caller in implemented}
+            observers.append(Observer(plugin.name, plugin.distribution, hooks))
+        return Observers(observers)
+
+    # failures ---------------------------------------------------------------------------------------------
+
+    @property
+    def failures(self) -> list[PluginFailure]:
+        """What cannot be used, as far as it is known without importing components."""
+        return [*self._failures.values(), *self._components.clashes()]
+
+    def _fail(
+        self, plugin: str, reason: str, error: BaseException | None = None, uses: tuple[str, ...] = ()
+    ) -> None:
+        self._failures[plugin, reason] = PluginFailure(plugin, reason, error, uses)
 
     def unusable(self) -> list[PluginFailure]:
         """Components that cannot be imported or do not fit their kind. Imports every one of them.
@@ -148,7 +212,7 @@ class Plugins:
         """
         found = []
         for registered in self:
-            component, plugin = registered.component, registered.distribution or registered.plugin
+            component = registered.component
             if component.missing_packages():
                 continue
             try:
@@ -156,30 +220,16 @@ class Plugins:
             except UserError as error:
                 reason, cause = "; ".join(fault.what for fault in error.faults), None
             except Exception as error:  # noqa: BLE001 - kept and shown, as at discovery
-                reason, cause = f"{component.use} cannot be imported: {type(error).__name__}: {error}", error
+                reason, cause = f"{component.use} cannot be imported: {in_words(error)}", error
             else:
                 continue
-            found.append(PluginFailure(plugin, reason, cause, (component.use,)))
+            found.append(PluginFailure(registered.source, reason, cause, (component.use,)))
         return found
 
+    # components -------------------------------------------------------------------------------------------
+
     def __iter__(self) -> Iterator[Registered]:
-        order = {kind: i for i, kind in enumerate(KINDS)}
-        return iter(
-            sorted(self._components.values(), key=lambda r: (order[r.component.kind], r.component.name))
-        )
-
-    @property
-    def hook(self) -> Any:
-        """The observer hooks of all plugins (pluggy's hook relay)."""
-        return self._manager.hook
-
-    def commands(self) -> list[Command]:
-        """The commands of ``tacos`` that plugins offer, by name; of two with one name the first stays."""
-        offered = (command for of_plugin in self.hook.tacos_commands() for command in of_plugin)
-        commands: dict[str, Command] = {}
-        for command in offered:
-            commands.setdefault(command.name, command)
-        return [commands[name] for name in sorted(commands)]
+        return iter(self._components)
 
     @property
     def modules(self) -> tuple[str, ...]:
@@ -198,30 +248,12 @@ class Plugins:
         ------
         UserError
             When nothing of that name (and kind) is installed, with the nearest name, what is broken, or
-            what to install.
+            what to install; when two plugins offer it.
         """
         found = self._components.get(use)
         if found is not None and (kind is None or found.component.kind == kind):
             return found.component
-        raise UserError(self._absent(use, kind, found, where))
-
-    def _absent(self, use: str, kind: str | None, found: Registered | None, where: str) -> Fault:
-        if found is not None:
-            return Fault(
-                where, f"{use} is a {found.component.kind}, not a {kind}", f"a component {kind}.NAME", ""
-            )
-        lost = [failure for failure in self.failures if use in failure.uses or not failure.uses]
-        remedy = did_you_mean(
-            use, (u for u, r in self._components.items() if kind in (None, r.component.kind))
-        )
-        if lost:
-            broken = "; ".join(f"plugin {failure.plugin} is unusable: {failure.reason}" for failure in lost)
-            remedy = f"{remedy} Note: {broken}."
-        else:
-            remedy = f"{remedy} If a plugin package offers it, install that package beside tacos-framework."
-        return Fault(
-            where, f"no component {use!r} is installed", f"a component {kind or 'KIND'}.NAME", remedy
-        )
+        raise UserError(self._components.absent(use, kind, where, self.failures))
 
     def resolve(self, use: str, kind: str | None = None, *, where: str = "plugins") -> type[Any]:
         """The class of a component, checked against its contract.
@@ -247,11 +279,18 @@ class Plugins:
         except Exception as error:
             error.add_note(f"while importing {component.target} for {use} ({where})")
             raise
+        from tacos_framework.plugins.contract_check import contract_faults
+
         if faults := contract_faults(component, cls):
             raise UserError(
                 [Fault(where, f"{use}: {fault}", remedy="Correct the plugin.") for fault in faults]
             )
         return cls
+
+
+def _all(hook: Callable[[], Iterable[Iterable[Any]]]) -> list[Any]:
+    """What a hook returns, in one list."""
+    return [each for returned in hook() for each in returned]
 
 
 def _name_of(entry_point: EntryPoint) -> str | None:
@@ -260,26 +299,3 @@ def _name_of(entry_point: EntryPoint) -> str | None:
         return entry_point.dist.name if entry_point.dist else None
     except KeyError:  # a folder of metadata without METADATA, as an interrupted uninstall leaves it
         return None
-
-
-def contract_faults(component: Component, cls: type[Any]) -> list[str]:
-    """What a class lacks to be a component of its kind, in sentences; empty when it fits."""
-    from tacos_framework.contracts import PROTOCOLS, VERBS
-    from tacos_framework.settings import Settings
-
-    faults = [
-        f"{cls.__name__} has no method {verb}"
-        for verb in VERBS[component.kind]
-        if not callable(getattr(cls, verb, None))
-    ]
-    if not (isinstance(config := getattr(cls, "Config", None), type) and issubclass(config, Settings)):
-        faults.append(f"{cls.__name__}.Config is not a tacos_framework.settings.Settings class")
-    protocol = PROTOCOLS[component.kind]
-    properties = {name for name, member in vars(protocol).items() if isinstance(member, property)}
-    attributes = (set(protocol.__annotations__) | properties) - {"Config"}
-    faults += [
-        f"{cls.__name__} has no class attribute {name}"
-        for name in sorted(attributes)
-        if not hasattr(cls, name)
-    ]
-    return faults

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import TracebackType
+from typing import TypeVar
+
+Error = TypeVar("Error", bound=BaseException)
+
+_CULPRIT = "tacos_culprit"
 
 
 @dataclass(frozen=True)
@@ -24,9 +29,13 @@ class Culprit:
     distribution: str | None = None
     doing: str = ""
 
+    @property
+    def name(self) -> str:
+        """The component and its distribution."""
+        return f"{self.use} of {self.distribution}" if self.distribution else self.use
+
     def __str__(self) -> str:
-        of = f" of {self.distribution}" if self.distribution else ""
-        return f"{self.use}{of}{f', {self.doing}' if self.doing else ''}"
+        return f"{self.name}, {self.doing}" if self.doing else self.name
 
 
 class calling:
@@ -64,11 +73,23 @@ class calling:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        if isinstance(error, Exception | SystemExit) and culprit_of(error) is None:
-            error.add_note(f"in {self._culprit}")
-            error.__dict__["tacos_culprit"] = self._culprit
+        if isinstance(error, Exception | SystemExit):
+            blame(error, self._culprit)
+
+
+def blame(error: BaseException, culprit: Culprit) -> None:
+    """Note on an error where it comes from, unless it says so already."""
+    if _CULPRIT not in error.__dict__:
+        error.add_note(f"in {culprit}")
+        error.__dict__[_CULPRIT] = culprit
+
+
+def blameless(error: Error) -> Error:
+    """An error that is no component's, wherever it passes: what is wrong is in the recipe."""
+    error.__dict__[_CULPRIT] = None
+    return error
 
 
 def culprit_of(error: BaseException) -> Culprit | None:
     """The component an error arose in; None where it was none, or is not known."""
-    return getattr(error, "tacos_culprit", None)
+    return getattr(error, _CULPRIT, None)

@@ -200,6 +200,10 @@ class StudySettings(Settings):
     blocks: int = setting(
         1, help="Parts of consecutive frames an episode is cut into; each is scored like an episode.", ge=1
     )
+    on_error: Literal["fail_candidate", "stop"] = setting(
+        "fail_candidate",
+        help="What a defect of a component does that shows with one candidate: fail it, or stop the study.",
+    )
     race: RaceSettings | None = setting(
         None, help="Drop candidates that are clearly behind, block by block; {} for the default rules."
     )

@@ -242,8 +242,7 @@ def pages() -> dict[str, Callable[[], str]]:
         "recipe_keys.md": recipe_page,
         "hooks.md": hooks_page,
     }
-    offered = (page for of_plugin in Plugins.discover().hook.tacos_reference_pages() for page in of_plugin)
-    return own | {page.name: page.write for page in offered}
+    return own | {page.name: page.write for page in Plugins.discover().reference_pages()}
 
 
 def main(folder: Path) -> None:

@@ -7,6 +7,7 @@
 ``training``        frames for tasks that learn, and their states
 ``episodes``        which episode is meant, and its parts
 ``evaluation``      what came out for a candidate
+``checked_outputs`` light and depth that mean something
 ``clock``           seconds by name
 ``jobs``            what other processes are asked to do
 ``evaluator``       does jobs, in whatever process it is unpickled
@@ -16,7 +17,7 @@
 from __future__ import annotations
 
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.evaluation import Evaluation, joined, judged
+from tacos_framework.simulation.evaluation import Evaluation, Raised, failed_by, joined, judged
 from tacos_framework.simulation.evaluator import Evaluator
 from tacos_framework.simulation.jobs import SampleJob, ScoreJob
 from tacos_framework.simulation.simulation import Simulation
@@ -26,9 +27,11 @@ __all__ = [
     "EpisodeSpec",
     "Evaluation",
     "Evaluator",
+    "Raised",
     "SampleJob",
     "ScoreJob",
     "Simulation",
+    "failed_by",
     "joined",
     "judged",
     "state_key",

@@ -4,11 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from traceback import format_exception
 from typing import Any
 
 from tacos_framework.contracts import Scores, State
-from tacos_framework.errors import CandidateFailed
+from tacos_framework.errors import CandidateFailed, ContractBroken
 from tacos_framework.fitness import Fitness, mean_scores, weighted_mean
+from tacos_framework.plugins import culprit_of
+
+
+@dataclass(frozen=True)
+class Raised:
+    """The error that ended an evaluation, as text, so that it can travel between processes.
+
+    Parameters
+    ----------
+    component
+        The component it arose in, with its distribution; empty where that is not known.
+    kind
+        Type of the error.
+    traceback
+        Where it arose.
+    """
+
+    component: str
+    kind: str
+    traceback: str
 
 
 @dataclass(frozen=True)
@@ -46,6 +67,8 @@ class Evaluation:
     dropped
         Why it was not scored on all episodes, in a sentence; its fitness is then what its place in the race
         stands for, not the sum of `terms`, which are of the episodes it saw.
+    raised
+        The error behind `failed`, where a component has a defect rather than nothing to say.
     """
 
     values: Mapping[str, Any]
@@ -60,6 +83,7 @@ class Evaluation:
     states: Mapping[str, State] = field(default_factory=dict)
     cached: bool = False
     dropped: str | None = None
+    raised: Raised | None = None
     scenario_episodes: Mapping[str, Sequence[Scores]] = field(default_factory=dict)
     scenarios: Mapping[str, Scores] = field(default_factory=dict)
 
@@ -73,6 +97,20 @@ class Evaluation:
             {f"{name}/{score}": value for name, episodes in columns for score, value in episodes[i].items()}
             for i in range(len(next(iter(self.scenario_episodes.values()))))
         )
+
+
+def failed_by(evaluation: Evaluation, error: BaseException) -> Evaluation:
+    """An evaluation that an error ended: what it says, and which component of which distribution it is of."""
+    culprit = culprit_of(error)
+    kind = type(error).__name__
+    reason = f"{kind}: {error}" if str(error) else kind
+    if isinstance(error, ContractBroken):  # it names the component itself
+        reason = str(error)
+    elif culprit is not None:
+        place = f" ({culprit.doing})" if culprit.doing else ""
+        reason = f"{culprit.name} raised {reason}{place}"
+    raised = Raised(culprit.name if culprit else "", kind, "".join(format_exception(error)))
+    return replace(evaluation, failed=reason, raised=raised)
 
 
 def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:

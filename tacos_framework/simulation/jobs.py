@@ -64,7 +64,12 @@ class SampleJob:
 
     def run(self, simulation: Simulation) -> list[FrameBatch]:
         """One batch of one frame for each position in 0..1 along the episode."""
-        return [simulation.sample(self.values, self.episode, position) for position in self.at]
+        try:
+            return [simulation.sample(self.values, self.episode, position) for position in self.at]
+        except Exception as error:
+            if simulation.plan.recipe.study.on_error == "stop":
+                raise
+            return self.lost(f"{type(error).__name__}: {error}")
 
     def lost(self, reason: str) -> list[FrameBatch]:
         """No pictures."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from tacos_framework.contracts import Scorer, Scores, State
+from tacos_framework.simulation.checked_outputs import checked_scores
 from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.trial import Trial
 
@@ -42,6 +43,6 @@ def score(trial: Trial, spec: EpisodeSpec, states: Mapping[str, State]) -> tuple
                     scorers[task].update(**inputs[task])
         for task in tasks:
             with trial.at_work(task):
-                reported = scorers[task].scores()
-            scores.update({f"{task}.{name}": float(value) for name, value in reported.items()})
+                reported = checked_scores(trial.plan.nodes[task].origin, scorers[task].scores())
+            scores.update({f"{task}.{name}": value for name, value in reported.items()})
     return scores, images

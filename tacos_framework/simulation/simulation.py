@@ -10,15 +10,16 @@ from pydantic import ValidationError
 
 from tacos_framework.cache import Recent, content_key
 from tacos_framework.contracts import Scores, State
-from tacos_framework.errors import CandidateFailed
+from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
 from tacos_framework.plan import EffectPart, Part, Plan
+from tacos_framework.plugins import culprit_of
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import NamedScenario
 from tacos_framework.settings import Settings
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.evaluation import Evaluation, judged
+from tacos_framework.simulation.evaluation import Evaluation, failed_by, judged
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import train
@@ -46,12 +47,13 @@ class Simulation:
 
     def initial_states(self) -> dict[str, State]:
         """The states of the trainable tasks before the study."""
-        return {
-            name: self.plan.nodes[name].instance.initial_state(
-                rng=generator(self.plan.recipe.seed, "state", name)
-            )
-            for name in self.plan.trainable
-        }
+        states = {}
+        for name in self.plan.trainable:
+            rng = generator(self.plan.recipe.seed, "state", name)
+            part = self.plan.nodes[name]
+            with part.calling(f"initial_state in node {name!r}"):
+                states[name] = part.instance.initial_state(rng=rng)
+        return states
 
     def evaluate(
         self,
@@ -64,8 +66,9 @@ class Simulation:
     ) -> Evaluation:
         """Train on and score one candidate.
 
-        A candidate that breaks a constraint is not simulated. Components' errors pass unchanged, with a note
-        saying where they arose; only `CandidateFailed` is taken for an answer.
+        A candidate that breaks a constraint is not simulated. `CandidateFailed` is an answer; any other error
+        of a component fails the candidate too, or passes unchanged where the recipe has ``on_error: stop``.
+        What is wrong with the recipe, and shows only now, passes always.
 
         Parameters
         ----------
@@ -87,20 +90,24 @@ class Simulation:
                 variables = self.plan.rig_variables(values)
             except ValidationError as error:
                 return replace(evaluation, failed=f"the rig refuses it: {error.errors()[0]['msg']}")
-            derived = dict(self._rig.derived(variables))
-            evaluation = replace(evaluation, derived=derived)
-            broken = [sentence for c in self.plan.constraints for sentence in c.broken(derived)]
-            if broken:
-                return replace(evaluation, failed="; ".join(broken))
             try:
+                with self.plan.rig.calling("derived"):
+                    derived = dict(self._rig.derived(variables))
+                evaluation = replace(evaluation, derived=derived)
+                broken = [sentence for c in self.plan.constraints for sentence in c.broken(derived)]
+                if broken:
+                    return replace(evaluation, failed="; ".join(broken))
                 trials = self._trials(values, variables, clock)
                 scored = self._scored(evaluation, trials, episodes, states, training)
                 return scored if partial else judged(scored, self.plan.fitness)
             except CandidateFailed as error:
                 return replace(evaluation, failed=str(error), seconds=clock.seconds)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 error.add_note(f"while evaluating the candidate {dict(values)}")
-                raise
+                of_recipe = isinstance(error, UserError) and culprit_of(error) is None
+                if of_recipe or self.plan.recipe.study.on_error == "stop":
+                    raise
+                return replace(failed_by(evaluation, error), seconds=clock.seconds)
 
     def _scored(
         self,
@@ -180,7 +187,9 @@ class Simulation:
         overrides = overrides_of(values, plan.recipe.effect_names)
         components = {name: placed(name, part, overrides.nodes) for name, part in plan.nodes.items()}
         effects = [placed(part.name, part, overrides.effects) for part in plan.effects]
-        rig, key = self._rig.build(variables), content_key(values)
+        key = content_key(values)
+        with plan.rig.calling("build"):
+            rig = self._rig.build(variables)
         trials = {}
         for given in plan.recipe.scenarios:
             name = given.name if isinstance(given, NamedScenario) else ""
@@ -211,8 +220,8 @@ def placed(name: str, part: Part, overrides: SettingOverrides) -> Any:
     whole, own = overrides.parts(name, part)
     if part.use.partition(".")[0] == "sensor":
         by_camera = {camera: each.instance for camera, each in own.items()}
-        return PlacedSensor(part.use, name, whole.instance, by_camera)
+        return PlacedSensor(part.origin, name, whole.instance, by_camera)
     if isinstance(part, EffectPart):
         configs = {camera: each.config for camera, each in own.items()}
-        return PlacedEffect(part.use, name, part.cls, whole.config, configs, part.cameras)
+        return PlacedEffect(part.origin, name, part.cls, whole.config, configs, part.cameras)
     return whole.instance

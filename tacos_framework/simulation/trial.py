@@ -13,6 +13,7 @@ from tacos_framework.graph import Node
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Scenario
+from tacos_framework.simulation.checked_outputs import checked_output
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.episodes import EpisodeSpec, block_of
 from tacos_framework.values import Episode, Exposure, Rig
@@ -69,7 +70,9 @@ class Trial:
             component = self.plan.nodes[scene].make(overrides) if overrides else self.components[scene]
             supplied = {"rng": generator(spec.seed, *spec.name, scene), "illumination_lux": lux}
             wanted = self.plan.graph.nodes[scene].signature.supplied
-            return component.episode(**{name: supplied[name] for name in supplied if name in wanted})
+            with self.plan.nodes[scene].calling(f"episode in node {scene!r}"):
+                made: Episode = component.episode(**{n: supplied[n] for n in supplied if n in wanted})
+            return made
 
         whole = self.kept.get(
             (scene, replace(spec, block=(0, 1), scenario=None), lux, content_key(overrides)), make
@@ -118,14 +121,13 @@ class Trial:
         if "memory" in asked:
             wanted["memory"] = draws.memory(node.name)
         made = getattr(component, node.signature.verb)(**inputs, **wanted)
+        checked_output(self.plan.nodes[node.name].origin, made)
         return self.formation.light(made, draws) if node.kind == "renderer" else made
 
     @contextmanager
     def at_work(self, name: str, doing: str = "") -> Iterator[None]:
         """Count the time inside for a node, or for one thing it does; say so where an error arose there."""
-        with self.clock.of(f"{name}, {doing}" if doing else name):
-            try:
-                yield
-            except Exception as error:
-                error.add_note(f"in node {name!r} ({self.plan.graph.nodes[name].use})")
-                raise
+        at_node = f"in node {name!r}"
+        guard = self.plan.nodes[name].calling(f"{doing} {at_node}" if doing else at_node)
+        with self.clock.of(f"{name}, {doing}" if doing else name), guard:
+            yield

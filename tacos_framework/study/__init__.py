@@ -5,6 +5,8 @@
 ``search``   one run of an optimizer over a design space
 ``scoring``  candidates of a generation in a race, with ``racing``, its statistics
 ``relay``    weights that candidates share: the next one trains while the last is scored
+``asking``   the optimizer, guarded: what it asks for is checked
+``failing``  when candidates keep failing by one defect
 ``parts``    a few cameras on many episodes, cut up so that no worker idles
 ``progress`` what listens while it runs
 ===========  ================================================================================================
@@ -13,6 +15,6 @@
 from __future__ import annotations
 
 from tacos_framework.study.progress import Progress, Silent
-from tacos_framework.study.study import BROKEN_OFF, DESIGNED, Study, run_study
+from tacos_framework.study.study import BROKEN_OFF, DEFECT, DESIGNED, Study, run_study
 
-__all__ = ["BROKEN_OFF", "DESIGNED", "Progress", "Silent", "Study", "run_study"]
+__all__ = ["BROKEN_OFF", "DEFECT", "DESIGNED", "Progress", "Silent", "Study", "run_study"]

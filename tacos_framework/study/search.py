@@ -11,6 +11,8 @@ from tacos_framework.contracts import Evaluated, Executor, State
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
+from tacos_framework.study.asking import GuardedOptimizer
+from tacos_framework.study.failing import FailuresInARow, KeepsFailing, limit_of
 from tacos_framework.study.relay import score_in_a_relay
 from tacos_framework.study.scoring import score_in_a_race
 from tacos_framework.variables.design_space import Candidate, DesignSpace
@@ -67,14 +69,15 @@ class Search:
     decided: bool = False
     trained_best: int = 0
     best: Evaluation | None = None
+    failing: FailuresInARow = field(default_factory=FailuresInARow)
     contenders: dict[str, Contender] = field(default_factory=dict)
     cache: dict[str, Evaluation] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.optimizer: Any = None
+        self.optimizer: GuardedOptimizer | None = None
         if self.space is not None:
             rng = generator(self.plan.recipe.seed, "optimizer", self.name)
-            self.optimizer = self.plan.optimizer.make(space=self.space, rng=rng)
+            self.optimizer = GuardedOptimizer(self.plan.optimizer, self.space, rng)
 
     # what is simulated ------------------------------------------------------------------------------------
 
@@ -136,10 +139,33 @@ class Search:
 
         The search is changed only once all are there, so that a break in the middle loses this generation
         and nothing else.
+
+        Raises
+        ------
+        KeepsFailing
+            When candidates fail one after the other by the same defect of a component.
         """
         asked: list[Candidate] = self.optimizer.ask() if self.optimizer else []
-        wanted = [{**self.fixed, **candidate.as_dict()} for candidate in asked] or [dict(self.fixed)]
-        evaluations, states = self._evaluate(wanted, executor, evaluate, on_evaluated)
+        wanted = [{**self.fixed, **candidate.as_dict()} for candidate in asked]
+        if self.optimizer is None:
+            wanted = [dict(self.fixed)]
+        elif not asked:
+            self.stopped = self._stop()
+            return []
+        failing, seen = replace(self.failing), list[Evaluation]()
+        limit = limit_of(None if self.generation else len(wanted))
+
+        def see(evaluation: Evaluation) -> None:
+            on_evaluated(evaluation)
+            seen.append(evaluation)
+            failing.saw(evaluation, limit)
+
+        try:
+            evaluations, states = self._evaluate(wanted, executor, evaluate, see)
+        except KeepsFailing as error:
+            error.evaluations = seen
+            raise
+        self.failing = failing
         if self.optimizer:
             self.optimizer.tell([Evaluated(c, e.fitness) for c, e in zip(asked, evaluations, strict=True)])
         self._remember(evaluations)
@@ -195,15 +221,16 @@ class Search:
             fresh[key] = evaluation
             on_evaluated(evaluation)
         if self.comparable:  # otherwise no later generation can ask the same again
-            self.cache.update({key: replace(e, states={}) for key, e in fresh.items()})
+            known = {key: e for key, e in fresh.items() if e.raised is None}  # a defect may be mended
+            self.cache.update({key: replace(e, states={}) for key, e in known.items()})
         evaluations, given = [], set()
         for key in keys:
             if key in fresh and key not in given:
                 evaluations.append(fresh[key])
             else:
-                known = replace(fresh.get(key) or self.cache[key], cached=True, images=0, seconds={})
-                evaluations.append(known)
-                on_evaluated(known)
+                again = replace(fresh.get(key) or self.cache[key], cached=True, images=0, seconds={})
+                evaluations.append(again)
+                on_evaluated(again)
             given.add(key)
         return evaluations
 
@@ -289,6 +316,7 @@ class Search:
             "decided": self.decided,
             "trained_best": self.trained_best,
             "best": self.best and as_data(self.best),
+            "failing": asdict(self.failing),
             "contenders": {key: asdict(contender) for key, contender in self.contenders.items()},
             "cache": {key: as_data(evaluation) for key, evaluation in self.cache.items()},
             "optimizer": self.optimizer and self.optimizer.state(),
@@ -306,6 +334,7 @@ class Search:
         self.best = Evaluation(**state["best"]) if state["best"] else None
         self.contenders = {key: Contender(**contender) for key, contender in state["contenders"].items()}
         self.cache = {key: Evaluation(**evaluation) for key, evaluation in state["cache"].items()}
+        self.failing = FailuresInARow(**state["failing"])
         self.states = states
         if self.optimizer:
             self.optimizer.restore(state["optimizer"])
@@ -318,9 +347,9 @@ def _key(job: ScoreJob, weights: str) -> str:
 
 
 def as_data(evaluation: Evaluation) -> dict[str, Any]:
-    """An evaluation as plain data, without the states of tasks."""
-    data = asdict(replace(evaluation, states={}))
-    del data["states"]
+    """An evaluation as plain data, without the states of tasks and the error that ended it."""
+    data = asdict(replace(evaluation, states={}, raised=None))
+    del data["states"], data["raised"]
     return data
 
 

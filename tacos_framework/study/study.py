@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import logging
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +14,16 @@ from numpy.typing import NDArray
 from tacos_framework import __version__
 from tacos_framework.cache import content_key
 from tacos_framework.camera.colour import display_image
-from tacos_framework.contracts import Executor, State
+from tacos_framework.contracts import Executor, JobRunner, State
 from tacos_framework.environment import describe_environment
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
+from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
+from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.parts import score_in_parts
 from tacos_framework.study.progress import Progress, Silent
 from tacos_framework.study.search import Search, as_data
@@ -39,13 +40,16 @@ SAMPLES_AT = (0.15, 0.5, 0.85)
 BROKEN_OFF = "interrupted by the user"
 """Why a study stopped that was broken off with Ctrl-C, as its result says."""
 
+DEFECT = "stopped by a defect"
+"""Begins why a study stopped whose candidates kept failing by the same defect of a component."""
+
 
 def run_study(
     study: Recipe | Plan,
     *,
     out: Path,
     plugins: Plugins,
-    executor: Executor | None = None,
+    executor: JobRunner | None = None,
     resume: bool = False,
     progress: Progress | None = None,
     command: str = "",
@@ -58,14 +62,22 @@ def run_study(
     parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
     packages = {part.cls.__module__.partition(".")[0] for part in parts}
     with results, results.logging({"tacos_framework", *packages}):
-        evaluates = executor or plan.executor.make()
+        of_recipe, distribution = plan.executor, plan.executor.distribution
+        evaluates = (
+            GuardedExecutor.of_host(executor)
+            if executor
+            else GuardedExecutor(of_recipe.make(), of_recipe.use, distribution)
+        )
         running = Study(plan, plugins, results, evaluates, progress or Silent(), command)
         try:
             running.restore(checkpoint)
             running.run()
         except KeyboardInterrupt:
-            running.interrupted = True
+            running.broken_off = BROKEN_OFF
             log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
+        except KeepsFailing as error:
+            running.broken_off = f"{DEFECT}: {error}"
+            log.error("%s", running.broken_off)
         finally:
             if executor is None:
                 evaluates.close()
@@ -92,8 +104,8 @@ class Study:
     ):
         self.plan = plan
         self.results = results
-        self.interrupted = False
-        self._hook = plugins.hook
+        self.broken_off: str | None = None
+        self._observers = plugins.observers()
         self._executor = executor
         self._progress = progress
         self._command = command
@@ -104,7 +116,7 @@ class Study:
         self._test: dict[str, Evaluation] = {}
         self._samples: dict[str, list[str]] = {}
         workers = getattr(executor, "workers", 1)
-        self._environment = describe_environment(workers, itertools.chain(*self._hook.tacos_doctor()))
+        self._environment = describe_environment(workers, plugins.findings())
         self.searches = list(self._make_searches())
 
     def _make_searches(self) -> Iterator[Search]:
@@ -123,7 +135,7 @@ class Study:
         log.info("%s", self._command or self.plan.recipe.name)
         for name, value in self._environment["findings"].items():
             log.info("%s: %s", name, value)
-        self._hook.tacos_study_started(recipe=self.plan.recipe, out=self.results.folder)
+        self._observers.tell("tacos_study_started", recipe=self.plan.recipe, out=self.results.folder)
         for search in self.searches:
             self._search(search)
         self._train_best()
@@ -136,9 +148,20 @@ class Study:
         self._progress.phase(title, search.expected_candidates())
         while not search.stopped:
             began = time.monotonic()
-            evaluations = search.step(self._executor, self._evaluate, self._count)
-            if search.name == DESIGNED:
-                self._record_generation(search, evaluations, time.monotonic() - began)
+            number = search.generation
+            try:
+                evaluations = search.step(self._executor, self._evaluate, self._count)
+            except KeepsFailing as error:
+                if search.name == DESIGNED:  # shown; --resume asks for this generation again
+                    self._record(number, search, error.evaluations, time.monotonic() - began)
+                raise
+            if search.name == DESIGNED and evaluations:
+                self._record(number, search, evaluations, time.monotonic() - began)
+                best = search.best
+                self._observers.tell(
+                    "tacos_generation_finished", generation=number, evaluated=evaluations, best=best
+                )
+                log.info("generation %d: best %s", number, best and best.fitness)
             self._progress.best(search.best)
             self._checkpoint()
         search.decide(self._executor, self._evaluate, self._count)
@@ -169,10 +192,14 @@ class Study:
             self._seconds_by_node[node] = self._seconds_by_node.get(node, 0.0) + seconds
         if evaluation.failed and not evaluation.cached:
             log.info("failed: %s: %s", dict(evaluation.values), evaluation.failed)
-            self._hook.tacos_candidate_failed(candidate=evaluation.values, reason=evaluation.failed)
+            if evaluation.raised is not None:
+                log.error("%s", evaluation.raised.traceback)
+            self._observers.tell(
+                "tacos_candidate_failed", candidate=evaluation.values, reason=evaluation.failed
+            )
 
-    def _record_generation(self, search: Search, evaluations: list[Evaluation], seconds: float) -> None:
-        number = search.generation - 1
+    def _record(self, number: int, search: Search, evaluations: Sequence[Evaluation], seconds: float) -> None:
+        """Write a generation's line."""
         best = search.best
         line = {
             "generation": number,
@@ -182,8 +209,6 @@ class Study:
             "best": best and {"camera": best.values, "fitness": best.fitness, "scores": best.scores},
         }
         self.results.append_line("generations.jsonl", line)
-        self._hook.tacos_generation_finished(generation=number, evaluated=evaluations, best=best)
-        log.info("generation %d: best %s, %.1f s", number, best and best.fitness, seconds)
 
     def _judge(self) -> None:
         """Score every camera on the test scenes, and take sample frames there."""
@@ -253,12 +278,11 @@ class Study:
     def finish(self) -> dict[str, Any]:
         """Write ``result.json``; returns what stands in it."""
         designed = self.searches[0]
-        stopped = BROKEN_OFF if self.interrupted else designed.stopped
         result = {
             "tacos": __version__,
             "name": self.plan.recipe.name,
             "seed": self.plan.recipe.seed,
-            "stopped": stopped,
+            "stopped": self.broken_off or designed.stopped,
             "evaluations": sum(search.evaluations for search in self.searches) + len(self._test),
             "frames_rendered": sum(search.images for search in self.searches)
             + sum(evaluation.images for evaluation in self._test.values()),
@@ -284,7 +308,7 @@ class Study:
             "command": self._command,
         }
         self.results.write_json("result.json", result)
-        self._hook.tacos_study_finished(result=result)
+        self._observers.tell("tacos_study_finished", result=result)
         return result
 
     def _camera(self, search: Search) -> dict[str, Any]:

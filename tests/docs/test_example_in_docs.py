@@ -12,7 +12,8 @@ from tests.docs.pages import PAGES, ROOT, blocks
 
 HOW_TO = ROOT / "docs" / "how-to"
 EXAMPLE = "tacos-example-plugin/"
-WITH_EXAMPLE = sorted({block.page for block in blocks() if (block.title or "").startswith(EXAMPLE)})
+SHOWN = (EXAMPLE, "embedding/")
+WITH_EXAMPLE = sorted({block.page for block in blocks() if (block.title or "").startswith(SHOWN)})
 
 
 @pytest.mark.parametrize("page", WITH_EXAMPLE, ids=lambda page: page.stem)

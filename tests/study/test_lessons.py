@@ -20,7 +20,7 @@ class Recorder:
         self.lessons = []
 
     def map(self, evaluate, jobs):
-        self.lessons += [job.training for job in jobs if getattr(job, "training", None)]
+        self.lessons += [job.value.training for job in jobs if getattr(job.value, "training", None)]
         return map(evaluate, jobs)
 
 
@@ -78,7 +78,7 @@ def test_training_on_the_best_changes_no_camera_and_is_what_the_test_sees(toys, 
         (kept,) = (tmp_path / str(lessons) / "weights").glob("designed.learner.*.safetensors")
         steps[lessons] = int(load_file(kept)["steps"][0])
     searched, trained = results[0], results[3]
-    assert steps[3] == steps[0] + 3  # one batch of frames per training
+    assert steps[3] == steps[0] + 3 * FRAMES  # frames come one by one
     assert trained["best"] == searched["best"]
     assert any("trained 3 times more on each camera" in note for note in trained["notes"])
     assert not any("times more" in note for note in searched["notes"])

@@ -89,10 +89,11 @@ def test_a_second_run_into_the_same_folder_is_refused_and_the_first_goes_on(toys
 
 
 def test_the_folder_is_free_again_when_a_run_has_ended_in_whatever_way(toys, tmp_path):
+    recipe = toy_recipe(nodes={"width": {"crash_above_deg": 10}}, study={"on_error": "stop"})
     with pytest.raises(ZeroDivisionError):
-        run(toy_recipe(nodes={"width": {"crash_above_deg": 10}}), toys, tmp_path)
+        run(recipe, toys, tmp_path)
     with pytest.raises(ZeroDivisionError):
-        run(toy_recipe(nodes={"width": {"crash_above_deg": 10}}), toys, tmp_path, resume=True)
+        run(recipe, toys, tmp_path, resume=True)
 
 
 @pytest.mark.parametrize("folder", ["/proc/tacos", "/dev/null/out"])

@@ -69,10 +69,11 @@ def _dying(*arguments: object) -> None:
     """Run the script of dying studies, on one thread, so that its children can be forked."""
     one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     tests = Path(__file__).parents[1]
+    path = [str(tests), *filter(None, [os.environ.get("PYTHONPATH")])]
     script = Path(__file__).with_name("dying.py")
     done = subprocess.run(
         [sys.executable, script, *map(str, arguments)],
-        env={**os.environ, **one_thread, "PYTHONPATH": str(tests)},
+        env={**os.environ, **one_thread, "PYTHONPATH": os.pathsep.join(path)},
         capture_output=True,
         text=True,
         timeout=600,

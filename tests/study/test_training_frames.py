@@ -5,16 +5,10 @@ from __future__ import annotations
 import pytest
 from toy_study import LEARNER, merged, toy_recipe
 
-from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob, training, trial
+from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob, training
 from tacos_framework.testing.fingerprint import fingerprint
 
 FRAMES, PASSES = 8, 3
-
-
-@pytest.fixture
-def small_batches(monkeypatch):
-    """Batches of two frames."""
-    monkeypatch.setattr(trial, "BATCH_BYTES", 2 * 16 * 8 * trial.BYTES_PER_PIXEL)
 
 
 def trained(toys):
@@ -28,23 +22,21 @@ def trained(toys):
     return evaluate(ScoreJob(values, (), states, training=spec, partial=True))
 
 
-@pytest.mark.parametrize(("kept_batches", "images"), [(4, 8), (1.5, 8 + 6 + 6), (0, 3 * 8)])
-def test_what_fits_is_rendered_once_and_the_rest_in_each_pass(
-    toys, monkeypatch, small_batches, kept_batches, images
-):
+@pytest.mark.parametrize(("kept_frames", "images"), [(8, 8), (3.5, 8 + 5 + 5), (0, 3 * 8)])
+def test_what_fits_is_rendered_once_and_the_rest_in_each_pass(toys, monkeypatch, kept_frames, images):
     everything = trained(toys)
-    bytes_of_two_frames = 2 * 16 * 8 * (3 * 4 + 4 + 4 + 3)  # light, depth, ids, colours
-    monkeypatch.setattr(training, "KEPT_BYTES", kept_batches * bytes_of_two_frames)
+    bytes_of_a_frame = 16 * 8 * (3 * 4 + 4 + 4 + 3)  # light, depth, ids, colours
+    monkeypatch.setattr(training, "KEPT_BYTES", kept_frames * bytes_of_a_frame)
     some = trained(toys)
     assert some.images == images
     assert fingerprint(some.states) == fingerprint(everything.states)
-    assert int(some.states["learner"]["steps"][0]) == PASSES * FRAMES / 2
+    assert int(some.states["learner"]["steps"][0]) == PASSES * FRAMES
 
 
-def test_nothing_is_kept_for_a_single_pass(toys, monkeypatch, small_batches):
+def test_nothing_is_kept_for_a_single_pass(toys, monkeypatch):
     kept = []
     monkeypatch.setattr(
-        training.TrainingFrames, "_keep", lambda frames, batch: kept.append(frames.room_bytes)
+        training.TrainingFrames, "_keep", lambda frames, turn, batch: kept.append(frames.room_bytes)
     )
     evaluate = Evaluator(toy_recipe(**LEARNER), toys)
     states = evaluate.simulation.initial_states()

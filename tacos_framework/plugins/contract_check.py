@@ -1,0 +1,125 @@
+"""Whether a class is what its kind promises: all the framework will call, with what it will be called."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from tacos_framework.components import Component
+from tacos_framework.contracts import PROTOCOLS, STAGES, VERBS, learns
+from tacos_framework.errors import did_you_mean
+from tacos_framework.plugins.contract_calls import CALLS, OPTIONAL_CALLS, scorer_faults
+from tacos_framework.settings import Settings
+
+
+def contract_faults(component: Component, cls: type[Any]) -> list[str]:
+    """What a class lacks to be a component of its kind, in sentences; empty when it fits."""
+    if not isinstance(cls, type):
+        return [f"{component.target} is a {type(cls).__name__}, not a class"]
+    faults = [*_missing(component.kind, cls), *_misfits(component.kind, cls)]
+    return faults or [*_called_wrongly(component.kind, cls)]
+
+
+def _missing(kind: str, cls: type[Any]) -> Iterator[str]:
+    """Members that are not there at all."""
+    for verb in VERBS[kind]:
+        if not callable(getattr(cls, verb, None)):
+            yield f"{cls.__name__} has no method {verb}"
+    if kind == "effect" and not any(callable(getattr(cls, name, None)) for name in ("on_array", "source")):
+        yield (
+            f"{cls.__name__} has no method on_array, which changes the samples of one camera, "
+            "nor source in its place, for an effect that only moves pixels"
+        )
+    if not _is_settings(getattr(cls, "Config", None)):
+        yield f"{cls.__name__}.Config is not a tacos_framework.settings.Settings class"
+    for name in sorted(_class_attributes(kind)):
+        if not hasattr(cls, name):
+            yield f"{cls.__name__} has no class attribute {name}"
+    for name in sorted(_attributes(kind)):
+        if not hasattr(cls, name) and not any(
+            name in vars(each).get("__annotations__", {}) for each in cls.__mro__
+        ):
+            yield f"{cls.__name__} has no attribute {name}: give it one, or a property, or its annotation"
+
+
+def _class_attributes(kind: str) -> set[str]:
+    """Attributes and properties the Protocol of a kind asks the class itself for."""
+    protocol = PROTOCOLS[kind]
+    properties = {name for name, member in vars(protocol).items() if isinstance(member, property)}
+    of_class = {name for name, hint in protocol.__annotations__.items() if str(hint).startswith("ClassVar")}
+    return (of_class | properties) - {"Config"}
+
+
+def _attributes(kind: str) -> set[str]:
+    """Attributes the Protocol of a kind asks an instance for."""
+    hints = PROTOCOLS[kind].__annotations__
+    return {name for name, hint in hints.items() if not str(hint).startswith("ClassVar")}
+
+
+def _misfits(kind: str, cls: type[Any]) -> Iterator[str]:
+    """Class attributes that are there and not what they should be."""
+    name = cls.__name__
+    if kind == "effect":
+        yield from _effect_misfits(cls)
+    if kind == "rig":
+        if hasattr(cls, "Variables") and not _is_settings(cls.Variables):
+            yield f"{name}.Variables is not a tacos_framework.settings.Settings class"
+        if not _maps_text(getattr(cls, "derived_quantities", {})):
+            yield f"{name}.derived_quantities is no mapping of names to units, such as {{'hfov_deg': 'deg'}}"
+    if kind == "task":
+        yield from _score_misfits(cls)
+        if hasattr(cls, "Training") and not _is_settings(cls.Training):
+            yield f"{name}.Training is not a tacos_framework.settings.Settings class"
+
+
+def _effect_misfits(cls: type[Any]) -> Iterator[str]:
+    name = cls.__name__
+    if hasattr(cls, "stage") and cls.stage not in STAGES:
+        meant = did_you_mean(cls.stage, STAGES) if isinstance(cls.stage, str) else ""
+        yield f"{name}.stage is {cls.stage!r}, not one of {', '.join(STAGES)}. {meant}".rstrip(". ")
+    neutral = getattr(cls, "neutral", {})
+    if not isinstance(neutral, Mapping):
+        yield f"{name}.neutral is {neutral!r}, not a mapping of settings to the values that switch it off"
+    elif _is_settings(getattr(cls, "Config", None)):
+        known = [*cls.Config.model_fields]
+        for key in neutral:
+            if key not in known:
+                meant = did_you_mean(str(key), known)
+                yield f"{name}.neutral has {key!r}, which is no setting. {meant}".rstrip()
+    if not isinstance(getattr(cls, "rank", 0), int):
+        yield f"{name}.rank is {cls.rank!r}, not a whole number"
+
+
+def _score_misfits(cls: type[Any]) -> Iterator[str]:
+    name, scores = cls.__name__, getattr(cls, "scores", ("",))
+    if not _are_texts(scores, tuple) or not scores:
+        yield f"{name}.scores is {scores!r}, not a tuple of names such as ('inliers',)"
+        return
+    for score in getattr(cls, "lower_is_better", ()):
+        if score not in scores:
+            meant = did_you_mean(str(score), scores)
+            yield f"{name}.lower_is_better has {score!r}, which is no score of it. {meant}"
+
+
+def _called_wrongly(kind: str, cls: type[Any]) -> Iterator[str]:
+    """Methods that cannot be called with what the framework supplies."""
+    calls = [call for call in CALLS[kind] if call.verb == "__init__" or hasattr(cls, call.verb)]
+    calls += [call for call in OPTIONAL_CALLS.get(kind, ()) if callable(getattr(cls, call.verb, None))]
+    if kind == "task" and learns(cls):
+        calls += CALLS["trainable"]
+    for call in calls:
+        yield from call.faults(cls)
+    if kind == "task":
+        yield from scorer_faults(cls)
+
+
+def _is_settings(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Settings)
+
+
+def _are_texts(given: Any, *kinds: type[Iterable[Any]]) -> bool:
+    return isinstance(given, kinds) and all(isinstance(each, str) for each in given)
+
+
+def _maps_text(given: Any) -> bool:
+    return isinstance(given, Mapping) and all(isinstance(each, str) for each in (*given, *given.values()))

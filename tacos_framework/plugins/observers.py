@@ -1,0 +1,66 @@
+"""Observers of a study: they are told, on copies, and one that fails is told no more."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from tacos_framework.plugins.failures import in_words, tried
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Observer:
+    """A plugin that listens to studies.
+
+    Parameters
+    ----------
+    name
+        Name of the entry point, module or object.
+    distribution
+        The distribution it comes from; None where it was registered by hand.
+    hooks
+        What it listens to, by the name of the hook.
+    """
+
+    name: str
+    distribution: str | None
+    hooks: dict[str, Callable[..., Any]]
+
+    def __str__(self) -> str:
+        return f"{self.name} of {self.distribution}" if self.distribution else self.name
+
+
+class Observers:
+    """The observers of one study.
+
+    Whatever they do to what they are given, and however they fail, the study is the same.
+    """
+
+    def __init__(self, observers: Sequence[Observer] = ()) -> None:
+        self._listening = list(observers)
+
+    def tell(self, hook: str, **told: Any) -> None:
+        """Tell those that listen to a hook; each has a copy of its own."""
+        for observer in list(self._listening):
+            listen = observer.hooks.get(hook)
+            if listen is None:
+                continue
+            _, error = tried(partial(listen, **deepcopy(told)))
+            if error is not None:
+                self._switch_off(observer, hook, error)
+
+    def _switch_off(self, observer: Observer, hook: str, error: BaseException) -> None:
+        self._listening.remove(observer)
+        warning = (
+            f"the observer {observer} is switched off, as its {hook} raised {in_words(error)}; "
+            "the study goes on without it"
+        )
+        log.warning("%s", warning, exc_info=error)
+        print(f"warning: {warning}", file=sys.stderr)

@@ -1,0 +1,281 @@
+"""What a class lacks to be a component is said when it resolves, in a sentence for each thing."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import pytest
+
+from tacos_framework.components import Component
+from tacos_framework.plugins.contract_check import contract_faults
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Capture, Episode, FrameBatch
+
+
+class Built:
+    """What all components have."""
+
+    class Config(Settings):
+        """A setting."""
+
+        blur_px: float = setting(0.0, help="Blur.", unit="px")
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+
+class SoundScorer:
+    def update(self, frames: FrameBatch) -> None: ...
+
+    def scores(self) -> dict[str, float]: ...
+
+
+class SoundTask(Built):
+    scores: ClassVar[tuple[str, ...]] = ("inliers",)
+
+    def begin(self, *, state: Any) -> SoundScorer: ...
+
+
+class SoundEffect(Built):
+    stage = "optics"
+    neutral: ClassVar[dict[str, Any]] = {"blur_px": 0.0}
+
+    def on_array(self, samples: Any, *, geometry: Any, context: Any, rng: Any) -> Any: ...
+
+
+class SoundRenderer(Built):
+    def capture(self, episode: Episode, *, rig: Any, exposure: Any) -> Capture: ...
+
+
+class SoundExecutor(Built):
+    def map(self, evaluate: Any, jobs: Any) -> Any: ...
+
+    def close(self) -> None: ...
+
+
+class SoundRig(Built):
+    class Variables(Settings):
+        """None."""
+
+    derived_quantities: ClassVar[dict[str, str]] = {"hfov_deg": "deg"}
+
+    def build(self, variables: Any) -> Any: ...
+
+    def derived(self, variables: Any) -> Any: ...
+
+
+class SoundOptimizer(Built):
+    expected_candidates = None
+
+    def __init__(self, config: Any, *, space: Any, rng: Any) -> None: ...
+
+    def ask(self) -> Any: ...
+
+    def tell(self, evaluated: Any) -> None: ...
+
+    def stop(self) -> Any: ...
+
+    def state(self) -> Any: ...
+
+    def restore(self, state: Any) -> None: ...
+
+
+SOUND = {
+    "task": SoundTask,
+    "effect": SoundEffect,
+    "renderer": SoundRenderer,
+    "executor": SoundExecutor,
+    "rig": SoundRig,
+    "optimizer": SoundOptimizer,
+}
+
+
+def faults(kind: str, cls: Any) -> list[str]:
+    return contract_faults(Component(kind, "mine", "mine:Mine", summary="Mine."), cls)
+
+
+def changed(kind: str, **members: Any) -> list[str]:
+    """The faults of a sound component with members changed; None removes one."""
+    cls = type("Mine", (SOUND[kind],), members)
+    return faults(kind, cls)
+
+
+@pytest.mark.parametrize("kind", SOUND)
+def test_sound_classes_have_none(kind):
+    assert faults(kind, SOUND[kind]) == []
+
+
+def test_what_is_no_class_is_none():
+    assert faults("task", len) == ["mine:Mine is a builtin_function_or_method, not a class"]
+
+
+def test_an_effect_needs_on_array_or_source():
+    expected = [
+        "Mine has no method on_array, which changes the samples of one camera, "
+        "nor source in its place, for an effect that only moves pixels"
+    ]
+    assert changed("effect", on_array=None) == expected
+    assert changed("effect", on_array=None, source=lambda self, *, geometry, context, frames: None) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "members", "fault"),
+    [
+        (
+            "effect",
+            {"stage": "optic"},
+            "Mine.stage is 'optic', not one of scene, optics, exposure, pixel, readout, isp, codec. "
+            "Did you mean 'optics'?",
+        ),
+        (
+            "effect",
+            {"neutral": {"blur": 0}},
+            "Mine.neutral has 'blur', which is no setting. Did you mean 'blur_px'?",
+        ),
+        (
+            "effect",
+            {"neutral": ["blur_px"]},
+            "Mine.neutral is ['blur_px'], not a mapping of settings to the values that switch it off",
+        ),
+        ("effect", {"rank": "first"}, "Mine.rank is 'first', not a whole number"),
+        (
+            "task",
+            {"scores": ["inliers"]},
+            "Mine.scores is ['inliers'], not a tuple of names such as ('inliers',)",
+        ),
+        ("task", {"scores": ()}, "Mine.scores is (), not a tuple of names such as ('inliers',)"),
+        (
+            "task",
+            {"scores": "inliers"},
+            "Mine.scores is 'inliers', not a tuple of names such as ('inliers',)",
+        ),
+        (
+            "task",
+            {"lower_is_better": frozenset({"inlier"})},
+            "Mine.lower_is_better has 'inlier', which is no score of it. Did you mean 'inliers'?",
+        ),
+        ("task", {"Training": dict}, "Mine.Training is not a tacos_framework.settings.Settings class"),
+        ("rig", {"Variables": dict}, "Mine.Variables is not a tacos_framework.settings.Settings class"),
+        (
+            "rig",
+            {"derived_quantities": {"hfov_deg": 1}},
+            "Mine.derived_quantities is no mapping of names to units, such as {'hfov_deg': 'deg'}",
+        ),
+    ],
+)
+def test_class_attributes_must_be_what_they_are_for(kind, members, fault):
+    assert changed(kind, **members) == [fault]
+
+
+def no_type(self, episode, *, rig) -> Capture: ...
+def no_output(self, episode: Episode, *, rig): ...
+def by_position(self, episode: Episode, rig: Any) -> Capture: ...
+def any_ports(self, *episodes: Episode) -> Capture: ...
+def asks_for_more(self, episode: Episode, *, rigg) -> Capture: ...
+def asks_with_default(self, episode: Episode, *, quality: int = 3) -> Capture: ...
+def unknown_type(self, episode: Elsewhere) -> Capture: ...  # noqa: F821 - that is the point
+
+
+@pytest.mark.parametrize(
+    ("verb", "fault"),
+    [
+        (no_type, "Mine.capture: port 'episode' has no type annotation"),
+        (no_output, "Mine.capture does not say what it gives: annotate it with a type"),
+        (by_position, "Mine.capture: 'rig' is supplied by keyword, and no port: put it behind a *"),
+        (any_ports, "Mine.capture: 'episodes' stands for any ports; each needs a name and a type"),
+        (
+            asks_for_more,
+            "Mine.capture asks for 'rigg', which the framework does not supply: rig, exposure, rng, "
+            "illumination_lux can be had by keyword. Did you mean 'rig'?",
+        ),
+        (
+            unknown_type,
+            "Mine.capture: its annotations cannot be read: NameError: name 'Elsewhere' is not defined",
+        ),
+    ],
+)
+def test_verbs_of_nodes_have_typed_ports_and_ask_for_what_there_is(verb, fault):
+    assert changed("renderer", capture=verb) == [fault]
+
+
+def test_keywords_with_a_default_are_ones_own_affair():
+    assert changed("renderer", capture=asks_with_default) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "members", "fault"),
+    [
+        ("task", {"begin": None}, "Mine has no method begin"),
+        (
+            "effect",
+            {"on_array": lambda self, samples, *, geometry, rng: samples},
+            "Mine.on_array does not take 'context', with which the framework calls it",
+        ),
+        (
+            "effect",
+            {"on_array": lambda self, samples, strength, *, geometry, context, rng: samples},
+            "Mine.on_array needs 'strength', which it is not given: it is called with samples",
+        ),
+        (
+            "executor",
+            {"map": lambda self, jobs: jobs},
+            "Mine.map takes 1 arguments by position, but is called with evaluate, jobs",
+        ),
+        (
+            "optimizer",
+            {"__init__": lambda self, config, space: None},
+            "Mine does not take 'rng', with which the framework calls it",
+        ),
+        (
+            "optimizer",
+            {"tell": lambda self: None},
+            "Mine.tell takes 0 arguments by position, but is called with evaluated",
+        ),
+        (
+            "rig",
+            {"__init__": lambda self, config, room: None},
+            "Mine needs 'room', which it is not given: it is called with config",
+        ),
+        (
+            "rig",
+            {"__init__": object.__init__},
+            "Mine has no __init__, so that it cannot be built with its settings",
+        ),
+    ],
+)
+def test_other_verbs_can_be_called_with_exactly_what_the_framework_gives(kind, members, fault):
+    assert changed(kind, **members) == [fault]
+
+
+def test_a_static_method_is_no_worse():
+    assert changed("executor", map=staticmethod(lambda evaluate, jobs: jobs)) == []
+
+
+class NoScores:
+    def update(self, frames: FrameBatch) -> None: ...
+
+
+class NoPort(SoundScorer):
+    def update(self, frames) -> None: ...
+
+
+def begin_untyped(self, *, state): ...
+def begin_without_scores(self, *, state) -> NoScores: ...
+def begin_without_port(self, *, state) -> NoPort: ...
+
+
+@pytest.mark.parametrize(
+    ("begin", "fault"),
+    [
+        (begin_untyped, "Mine.begin does not say what it returns: annotate it with the class of the scorer"),
+        (begin_without_scores, "Mine.begin is annotated to return NoScores, which has no method scores"),
+        (begin_without_port, "NoPort.update: port 'frames' has no type annotation"),
+    ],
+)
+def test_a_task_says_what_scores_for_it(begin, fault):
+    assert changed("task", begin=begin) == [fault]
+
+
+def test_a_task_that_learns_is_called_to_fit():
+    fit = {"fit": lambda self, batches, *, state, rng: state, "initial_state": lambda self, *, rng: {}}
+    assert changed("task", **fit) == ["Mine.fit does not take 'budget', with which the framework calls it"]
