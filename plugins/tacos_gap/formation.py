@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import EffectChain, EpisodeDraws, PlacedEffect, form_files
 from tacos_framework.formation.chain import ActingEffect
-from tacos_framework.plugins.guarded import calling
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_gap.captures import Capture
 from tacos_gap.sensing import dark_signal, sensor_at
@@ -157,13 +156,9 @@ class _WhereKnown(ActingEffect):
     ) -> NDArray[Any]:
         """See `ActingEffect.on`."""
         try:
-            after = super().on(samples, geometry=geometry, context=context, draws=draws, frame=frame)
+            return super().on(samples, geometry=geometry, context=context, draws=draws, frame=frame)
         except ContextMissing:
             return samples
-        if after.shape != samples.shape:
-            with calling(self.use, doing="on_array"):
-                raise ValueError(f"it made {after.shape} of an array of {samples.shape}")
-        return after
 
 
 def _where_known(chain: EffectChain) -> EffectChain:

@@ -131,7 +131,10 @@ def test_an_effect_that_is_not_there_cannot_be_left_out(plugins):
     ("cls", "why"),
     [
         (Broken, "ZeroDivisionError: a defect of the toy"),
-        (Misshapen, "ValueError: it made (1, 119, 160, 1) of an array of (1, 120, 160, 1)"),
+        (
+            Misshapen,
+            "ContractBroken: effect.toy gives an array of the shape (1, 119, 160, 1)",
+        ),
         (Clueless, "KeyError: 'no such capture'"),
         (Undecided, "IndexError: tuple index out of range"),
     ],
@@ -143,7 +146,7 @@ def test_an_effect_that_raises_is_left_out_by_name_and_the_diagnosis_goes_on(cls
     found = diagnose(CaptureFolder(Path("captures"), tuple(captures)), considered, seed=3)
     assert [cause.effect for cause in found.causes] == ["read-noise"]
     said = f"effect.toy of acme-effects is not considered, since it fails. {why}"
-    assert found.limitations.count(said) == 1
+    assert len([text for text in found.limitations if text.startswith(said)]) == 1
 
 
 def test_an_error_that_is_nobody_s_effect_is_raised(plugins, monkeypatch):
