@@ -5,16 +5,18 @@ Only what no pose can explain is left, so that distance and tilt are never taken
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Sequence
-from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import formation_order
+from tacos_framework.camera.motion import Places
+from tacos_framework.contracts import formation_order, moves_pixels
+from tacos_framework.formation import PlacedEffect, in_image_units
+from tacos_framework.plugins.guarded import calling
 from tacos_framework.randomness import generator
+from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_gap.captures import Capture
 from tacos_gap.evidence import REPLICATES, Judged, Label
 
@@ -93,12 +95,12 @@ class BoardEvidence:
         ]
         self.floor = self._make_floor(seed, replicates)
 
-    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
+    def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """See `tacos_gap.evidence.Evidence`; only effects that move pixels bear on it."""
-        moving = sorted(filter(moves_pixels, effects), key=lambda e: formation_order(type(e)), reverse=True)
-        if not moving:
+        in_order = sorted(effects, key=lambda effect: formation_order(effect.cls), reverse=True)
+        sources = [s for e in in_order if (s := source_of(e, self.capture.geometry)) is not None]
+        if not sources:
             return self._misfit(self.corners_px)
-        sources = [effect.source(self.capture.geometry) for effect in moving]
 
         def pinhole(places: NDArray[np.float64]) -> NDArray[np.float64]:
             for source in sources:
@@ -114,7 +116,7 @@ class BoardEvidence:
         seen = np.linalg.solve(np.stack([across, down], axis=-1), misfit[..., None])[..., 0]
         return np.asarray(seen.T.ravel())
 
-    def judged(self, effects: Sequence[Any]) -> Judged:
+    def judged(self, effects: Sequence[PlacedEffect]) -> Judged:
         """See `tacos_gap.evidence.Evidence`: corners are found as well, whatever the lens."""
         z = self.residual(effects)
         return Judged(z, self.floor, np.ones_like(z))
@@ -137,13 +139,27 @@ class BoardEvidence:
         return np.stack([self._misfit(perfect + n) for n in noise])
 
 
-def moves_pixels(effect: Any) -> bool:
-    """Whether an effect does nothing but move pixels, and says from where: ``source(geometry)``."""
-    source = getattr(effect, "source", None)
-    return callable(source) and list(inspect.signature(source).parameters) == ["geometry"]
+def source_of(placed: PlacedEffect, geometry: ImageGeometry) -> Places | None:
+    """Where each pixel looks through an effect that does nothing but move pixels, and needs no circumstances.
+
+    None for all others, as for those that go by motion or depth.
+    """
+    if not moves_pixels(placed.cls):
+        return None
+    nothing = ImageContext()
+    with calling(placed.use, doing="source"):
+        effect = placed.cls(in_image_units(placed.config, placed.use, geometry, nothing))
+        try:
+            places: Places | None = effect.source(geometry=geometry, context=nothing, frames=1)
+        except ContextMissing:
+            return None
+        if places is None:
+            return None
+        x, y = (np.reshape(part, (geometry.height_px, geometry.width_px)) for part in places)
+    return x, y
 
 
-def _looked_up(source: tuple[NDArray[Any], NDArray[Any]], places: NDArray[np.float64]) -> NDArray[np.float64]:
+def _looked_up(source: Places, places: NDArray[np.float64]) -> NDArray[np.float64]:
     """Where pixels at `places` look, between the whole pixels that `source` gives."""
     x, y = (np.ascontiguousarray(part, np.float32) for part in source)
     at_x, at_y = (np.ascontiguousarray(part, np.float32)[None] for part in places.T)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.randomness import generator
+from tacos_framework.settings import unit_of
 from tacos_gap.ambiguity import NextCapture, confused_with
 from tacos_gap.attribution import Attribution
 from tacos_gap.captures import Capture
@@ -15,8 +16,9 @@ from tacos_gap.closure import bootstrap_interval, closure, shapley
 from tacos_gap.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
-from tacos_gap.parameters import Term, unit_of
+from tacos_gap.parameters import Term
 from tacos_gap.problem import Problem, bent
+from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained, block_index
 
 CONFIDENCE = 0.9
@@ -26,8 +28,30 @@ _LARGEST_PROBABILITY = 0.99
 
 
 def causes_of(
-    problem: Problem, attribution: Attribution, left: Unexplained, captures: Sequence[Capture], seed: int
+    problem: Problem,
+    attribution: Attribution,
+    left: Unexplained,
+    captures: Sequence[Capture],
+    effects: Mapping[str, type[Any]],
+    seed: int,
 ) -> list[Cause]:
+    """The effects of the best explanation, those with the largest share first.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    attribution
+        The best explanation and its rivals.
+    left
+        What it leaves.
+    captures
+        All captures.
+    effects
+        The classes of all candidates by name, which say what looks alike.
+    seed
+        Seeds the bootstrap.
+    """
     best = attribution.best
     if not best.hypothesis:
         return []
@@ -43,6 +67,7 @@ def causes_of(
         groups,
         generator(seed, "closure"),
     )
+    camera = Photographed.of(captures)
     causes, start = [], 0
     for term in best.hypothesis:
         stop = start + len(term.free)
@@ -53,7 +78,7 @@ def causes_of(
         rivals = sorted(
             (n for n in probabilities if n not in ("", term.name)), key=lambda n: -probabilities[n]
         )
-        alike = [name for name, _ in confused_with(term.name, captures)]
+        alike = list(confused_with(term.name, effects, captures))
         certainty = min(probabilities[term.name], _LARGEST_PROBABILITY)
         if alike:
             certainty = min(certainty, 1.0 / (1 + len(alike)))
@@ -62,7 +87,7 @@ def causes_of(
             Cause(
                 effect=term.name,
                 probability=certainty * (1 - left.probability),
-                parameters=_parameters(term, half_width[start:stop]),
+                parameters=_parameters(term, half_width[start:stop], camera),
                 closure=values[best.names] if len(best.names) == 1 else own,
                 closure_interval=interval,
                 closure_alone=alone,
@@ -70,6 +95,7 @@ def causes_of(
                 confused_with=tuple(dict.fromkeys([*alike, *near])),
                 evidence=_evidence(problem, best, term, rest, attribution),
                 settings=_settings(term),
+                specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
             )
         )
         start = stop
@@ -92,7 +118,7 @@ def _subset_closures(problem: Problem, best: Fitted, before: float) -> dict[tupl
     return values
 
 
-def _parameters(term: Term, half_width: Any) -> dict[str, Parameter]:
+def _parameters(term: Term, half_width: Any, camera: Photographed) -> dict[str, Parameter]:
     found: dict[str, Parameter] = {}
     settings = term.settings
     reach = dict(zip(term.free, half_width, strict=True))
@@ -100,13 +126,15 @@ def _parameters(term: Term, half_width: Any) -> dict[str, Parameter]:
         if name in reach:
             half = float(reach[name])
             ends = (as_fine_as(half, value - half), as_fine_as(half, value + half))
-            found[name] = Parameter(as_fine_as(half, value), ends, unit_of(term.cls, name))
+            found[name] = Parameter(as_fine_as(half, value), ends, unit_of(term.cls.Config, name))
         elif name == "matrix":
             rows = [[short(v) for v in row] for row in value]
-            found[name] = Parameter(rows, None, unit_of(term.cls, name))
+            found[name] = Parameter(rows, None, unit_of(term.cls.Config, name))
         else:
-            found[name] = Parameter(value, None, unit_of(term.cls, name))
-    return found
+            found[name] = Parameter(value, None, unit_of(term.cls.Config, name))
+    return {
+        name: camera.in_physical_units(term.cls.Config, parameter, name) for name, parameter in found.items()
+    }
 
 
 def _settings(term: Term) -> dict[str, Any]:
@@ -160,7 +188,10 @@ def slot_probabilities(scores: Mapping[str, float]) -> dict[str, float]:
 
 
 def cause_set_of(
-    causes: Sequence[Cause], attribution: Attribution, captures: Sequence[Capture]
+    causes: Sequence[Cause],
+    attribution: Attribution,
+    captures: Sequence[Capture],
+    effects: Mapping[str, type[Any]],
 ) -> tuple[tuple[str, ...], NextCapture | None]:
     """The smallest set that holds the truth with `CONFIDENCE`, and a capture that would make it smaller."""
     chosen: list[str] = []
@@ -174,7 +205,7 @@ def cause_set_of(
             held += probabilities[name]
             if held >= CONFIDENCE:
                 break
-        for other, capture in confused_with(cause.effect, captures):
+        for other, capture in confused_with(cause.effect, effects, captures).items():
             wanted = wanted or capture
             if other not in chosen:
                 chosen.append(other)

@@ -11,6 +11,7 @@ from tacos_framework.cli.exits import DONE
 from tacos_framework.errors import UserError
 
 if TYPE_CHECKING:
+    from tacos_gap.candidates import Candidates
     from tacos_gap.captures import Capture, CaptureFolder
 
 
@@ -68,15 +69,17 @@ def _simulate(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace) -> int:
     from tacos_framework.plugins import Plugins
     from tacos_gap.bench import recipe_renderer
+    from tacos_gap.candidates import candidates
     from tacos_gap.captures import read_captures
 
-    folder = read_captures(arguments.folder, recipe_renderer(Plugins.discover()))
-    print("\n".join(described(folder)))
+    plugins = Plugins.discover()
+    folder = read_captures(arguments.folder, recipe_renderer(plugins))
+    print("\n".join(described(folder, candidates(plugins))))
     return DONE
 
 
-def described(folder: CaptureFolder) -> Iterator[str]:
-    """What a folder holds, and what it cannot tell."""
+def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
+    """What a folder holds, and what it cannot tell of the effects."""
     from tacos_gap.captures.coverage import untold
 
     first = folder.captures[0]
@@ -94,12 +97,13 @@ def described(folder: CaptureFolder) -> Iterator[str]:
         left = [cell.ljust(width) for cell, width in zip(row[:2], widths, strict=False)]
         right = [cell.rjust(width) for cell, width in zip(row[2:], widths[2:], strict=True)]
         yield "  ".join([*left, *right])
-    if folder.limitations:
+    if folder.limitations or considered.limitations:
         yield from ("", "Limitations")
         yield from (f"  {text}" for text in _gathered(folder.limitations))
-    if lacking := list(untold(folder.captures)):
+        yield from (f"  {text}" for text in considered.limitations)
+    if lacking := untold(folder.captures, considered.effects):
         yield from ("", "What these captures cannot tell, and what would")
-        yield from (f"  {', '.join(effects)}: {remedy}" for effects, remedy in lacking)
+        yield from (f"  {', '.join(effects)}: {remedy}" for remedy, effects in lacking.items())
 
 
 def _gathered(limitations: Iterable[str]) -> Iterator[str]:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, Search
 from tacos_gap.boards import BoardEvidence, find_corners
+from tacos_gap.candidates import Candidates
 from tacos_gap.captures import Capture, CaptureFolder
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
@@ -22,6 +25,7 @@ from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import Term
 from tacos_gap.problem import Problem, bent
+from tacos_gap.transfer import of_one_specimen
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
 ENOUGH_PIXELS = 500_000
@@ -35,13 +39,15 @@ Notify = Callable[[str], None]
 
 def diagnose(
     folder: CaptureFolder,
-    effects: Mapping[str, type[Any]],
+    effects: Mapping[str, type[Any]] | Candidates,
     *,
     seed: int = 0,
     workers: int = 2,
     notify: Notify | None = None,
 ) -> Diagnosis:
     """Find what parts a simulation from a real camera.
+
+    An effect that raises is left out, and named in the limitations.
 
     Parameters
     ----------
@@ -57,21 +63,46 @@ def diagnose(
         Told what is being done.
     """
     tell = notify or (lambda text: None)
+    considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     tell("measuring the captures")
     evidence, limitations = gather(folder, seed, workers)
     problem = Problem(evidence)
+    while True:
+        try:
+            found = _explained(problem, folder.captures, considered.effects, seed, workers, tell)
+        except Exception as error:
+            culprit = culprit_of(error)
+            name = culprit.use.removeprefix("effect.") if culprit else ""
+            if name not in considered.effects:
+                raise
+            considered = considered.without(name, error)
+            tell(considered.limitations[-1])
+        else:
+            said = (*folder.limitations, *limitations, *considered.limitations, *found.limitations)
+            return replace(found, limitations=said)
+
+
+def _explained(
+    problem: Problem,
+    captures: Sequence[Capture],
+    effects: Mapping[str, type[Any]],
+    seed: int,
+    workers: int,
+    tell: Notify,
+) -> Diagnosis:
+    """What some effects explain of the evidence."""
     tell("trying effects")
     attribution = Search(problem, effects, workers, tell).run()
     best, problem = attribution.best, attribution.problem
     left = unexplained(problem, problem.judged(best.hypothesis))
     tell("how far the gap shrinks")
-    causes = causes_of(problem, attribution, left, folder.captures, seed)
+    causes = causes_of(problem, attribution, left, captures, effects, seed)
     if left.probability >= 0.5:  # a little of everything fits what nothing explains
         causes = [cause for cause in causes if cause.shapley >= LEAST_BESIDE_UNKNOWN]
     before, after = problem.gap(problem.null), problem.gap(best.held_out)
-    cause_set, wanted = cause_set_of(causes, attribution, folder.captures)
+    cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
-        wanted = best_capture(folder.captures, _rival_hypotheses(attribution, cause_set), seed)
+        wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed)
     return Diagnosis(
         verdict=_verdict(causes, before, after, left),
         gap_before=before,
@@ -84,7 +115,7 @@ def diagnose(
         next_capture=wanted,
         below_floor=_below_floor(attribution, causes),
         placebo=_placebo(problem, attribution),
-        limitations=(*folder.limitations, *limitations),
+        limitations=tuple(of_one_specimen(cause) for cause in causes if cause.specimen),
         problem=problem,
         attribution=attribution,
     )

@@ -13,9 +13,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.contracts import LIGHT_STAGES
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.randomness import generator
 from tacos_gap.captures import Capture
-from tacos_gap.formation import LIGHT, applied, simulate
+from tacos_gap.formation import lit_by, simulate
 from tacos_gap.statistics import Block, Sample, measure
 
 REPLICATES = 16
@@ -71,11 +73,11 @@ class Evidence(Protocol):
         """(B, K) the numbers when the simulator stands against itself."""
         ...
 
-    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
+    def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """(K,) real less the mean of so many simulations with these effects, in units of the floor."""
         ...
 
-    def judged(self, effects: Sequence[Any]) -> Judged:
+    def judged(self, effects: Sequence[PlacedEffect]) -> Judged:
         """Residuals and floor when these effects are part of the simulator."""
         ...
 
@@ -113,7 +115,7 @@ class ImageEvidence:
         self._level = self._level_direction()
         self.floor = np.stack([self._without_level((draw - self.mean) / self.sigma) for draw in draws])
 
-    def residual(self, effects: Sequence[Any], draws: int = 1) -> NDArray[np.float64]:
+    def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """See `Evidence`. Hypotheses share their noise, so that they differ by their effects alone."""
         expected = self.mean
         if effects and not self._untouched(effects):
@@ -121,7 +123,7 @@ class ImageEvidence:
             expected = self.mean + np.mean(changes, axis=0)
         return self._without_level((self.real - expected) / self.sigma)
 
-    def judged(self, effects: Sequence[Any]) -> Judged:
+    def judged(self, effects: Sequence[PlacedEffect]) -> Judged:
         """See `Evidence`: where an effect takes detail away, noise is larger in proportion."""
         if not effects or self._untouched(effects):
             return Judged(self.residual(effects), self.floor, np.ones_like(self.sigma))
@@ -138,25 +140,28 @@ class ImageEvidence:
         spread = _steadied(draws.std(axis=0, ddof=1), self._blocks)
         return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._amplitude**2))
 
-    def simulated(self, effects: Sequence[Any]) -> NDArray[np.float64]:
+    def simulated(self, effects: Sequence[PlacedEffect]) -> NDArray[np.float64]:
         """(K,) the statistics a simulation with these effects gives, with the noise of the first draw."""
         return self._simulated(effects, 0)
 
-    def _simulated(self, effects: Sequence[Any], draw: int) -> NDArray[np.float64]:
-        rng = generator(self._seed, "gap", self.capture.id, draw)
+    def _simulated(self, effects: Sequence[PlacedEffect], draw: int) -> NDArray[np.float64]:
         capture = self.capture
-        frames = simulate(capture, effects, rng)
+        frames = simulate(capture, effects, self._draws_of(draw))
         assert capture.expected_dn is not None
         expected = capture.expected_dn
         if capture.expected_frames:
             black = np.float32(capture.context.black_level_dn)
             spread = np.sqrt(capture.noise.variance_dn2(expected - black) / capture.expected_frames)
+            rng = generator(self._seed, "gap", capture.id, draw, "expected")
             expected = expected + rng.standard_normal(expected.shape, dtype=np.float32) * spread
         return _values(measure(Sample(capture, frames, expected)))
 
-    def _untouched(self, effects: Sequence[Any]) -> bool:
+    def _draws_of(self, draw: int) -> EpisodeDraws:
+        return EpisodeDraws(self._seed, ("gap", self.capture.id, draw))
+
+    def _untouched(self, effects: Sequence[PlacedEffect]) -> bool:
         """Whether effects on light leave this capture as it is: all of them do in the dark."""
-        if any(effect.stage not in LIGHT for effect in effects):
+        if any(effect.cls.stage not in LIGHT_STAGES for effect in effects):
             return False
         assert self.capture.expected_dn is not None
         light = self.capture.expected_dn - np.float32(self.capture.context.black_level_dn)
@@ -164,12 +169,13 @@ class ImageEvidence:
             return True
         if light.min() != light.max():
             return False
-        rng = generator(self._seed, "untouched")
-        for effect in effects:
-            changed = applied(effect, light, self.capture, rng)
-            if changed is not light and not np.allclose(changed, light, rtol=1e-6):
-                return False
-        return True
+        frame = light[:1]
+        draws = EpisodeDraws(self._seed, ("untouched",))
+        return all(
+            (changed := lit_by(self.capture, [effect], frame, draws)) is frame
+            or np.allclose(changed, frame, rtol=1e-6)
+            for effect in effects
+        )
 
     def _level_direction(self) -> NDArray[np.float64] | None:
         """How the numbers move when the light is stronger by one `level_uncertainty`."""
@@ -181,8 +187,7 @@ class ImageEvidence:
         brighter = replace(
             self.capture, expected_dn=(self.capture.expected_dn - black) * np.float32(1 + share) + black
         )
-        rng = generator(self._seed, "gap", self.capture.id, 0)
-        frames = simulate(brighter, (), rng)
+        frames = simulate(brighter, (), self._draws_of(0))
         moved = _values(measure(Sample(self.capture, frames, self.capture.expected_dn)))
         return np.asarray((moved - self._draws[0]) / self.sigma)
 

@@ -16,17 +16,34 @@ from tacos_gap.unknown import Unexplained
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """A fitted parameter with its 90 % interval; `interval` is None for one that was chosen, not fitted."""
+class Physical:
+    """A parameter as it means the same for every camera: the setting, its value, 90 % interval and unit."""
 
-    value: Any
+    name: str
+    value: float
     interval: tuple[float, float] | None
     unit: str
 
 
 @dataclass(frozen=True)
+class Parameter:
+    """A fitted parameter with its 90 % interval; `interval` is None for one that was chosen, not fitted.
+
+    In pixels and digital numbers it is that of the captured camera; `physical` holds for others too.
+    """
+
+    value: Any
+    interval: tuple[float, float] | None
+    unit: str
+    physical: Physical | None = None
+
+
+@dataclass(frozen=True)
 class Cause:
-    """An effect that the captures support."""
+    """An effect that the captures support.
+
+    `settings` are those of the captured camera; those of `specimen` among them belong to it alone.
+    """
 
     effect: str
     probability: float
@@ -38,6 +55,7 @@ class Cause:
     confused_with: tuple[str, ...]
     evidence: str
     settings: Mapping[str, Any]
+    specimen: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +120,8 @@ class Diagnosis:
         return closure(self.gap_before, self.gap_after)
 
     @property
-    def patch(self) -> list[dict[str, Any]]:
-        """The causes as effects of a recipe."""
+    def effects(self) -> list[dict[str, Any]]:
+        """The causes as effects of a recipe for the captured camera."""
         return [{"use": f"effect.{cause.effect}", **cause.settings} for cause in self.causes]
 
 
@@ -113,9 +131,8 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
         "probability": _round(cause.probability),
         "parameters": {
             name: {
-                "value": parameter.value,
-                **({"ci": list(parameter.interval)} if parameter.interval else {}),
-                "unit": parameter.unit,
+                **_valued(parameter),
+                **({"physical": _physical(parameter.physical)} if parameter.physical else {}),
             }
             for name, parameter in cause.parameters.items()
         },
@@ -129,6 +146,15 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
         "confused_with": list(cause.confused_with),
         "evidence": cause.evidence,
     }
+
+
+def _valued(parameter: Parameter | Physical) -> dict[str, Any]:
+    interval = {"ci": list(parameter.interval)} if parameter.interval else {}
+    return {"value": parameter.value, **interval, "unit": parameter.unit}
+
+
+def _physical(found: Physical) -> dict[str, Any]:
+    return {"name": found.name, **_valued(found)}
 
 
 def _round(value: float) -> float:

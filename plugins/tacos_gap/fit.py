@@ -116,7 +116,7 @@ def _fitted(
     jacobian: NDArray[np.float64],
     steps: NDArray[np.float64],
 ) -> Fitted:
-    held_out = _held_out(problem, z, jacobian)
+    held_out = _held_out(problem, hypothesis, z, jacobian, steps)
     score = -0.5 * problem.weight * float(np.sum(bent(held_out) ** 2))
     return Fitted(hypothesis, z, jacobian, steps, score, held_out)
 
@@ -185,7 +185,13 @@ def _improved(
     return None
 
 
-def _held_out(problem: Problem, z: NDArray[np.float64], jacobian: NDArray[np.float64]) -> NDArray[np.float64]:
+def _held_out(
+    problem: Problem,
+    hypothesis: Hypothesis,
+    z: NDArray[np.float64],
+    jacobian: NDArray[np.float64],
+    steps: NDArray[np.float64],
+) -> NDArray[np.float64]:
     """Residuals of each fold with the parameters the other fold alone would have chosen, to first order."""
     if not jacobian.shape[1]:
         return z
@@ -196,5 +202,17 @@ def _held_out(problem: Problem, z: NDArray[np.float64], jacobian: NDArray[np.flo
         normal = own.T @ own
         ridge = 1e-6 * max(float(np.trace(normal)) / len(normal), 1e-12)
         move = -np.linalg.solve(normal + (ridge + 1.0) * np.eye(len(normal)), own.T @ straight[~held])
-        predicted[held] = straight[held] + jacobian[held] @ np.clip(move, -2, 2)
+        move = _within_bounds(hypothesis, np.clip(move, -2, 2), steps)
+        predicted[held] = straight[held] + jacobian[held] @ move
     return np.asarray(BEND * np.sinh(predicted / BEND))
+
+
+def _within_bounds(
+    hypothesis: Hypothesis, move: NDArray[np.float64], steps: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """As much of a move as the effects allow: no camera is predicted that none of them could be."""
+    theta = theta_of(hypothesis)
+    for share in (1.0, 0.5, 0.25, 0.125):
+        if all(term.placed() is not None for term in with_theta(hypothesis, theta + share * move * steps)):
+            return share * move
+    return np.zeros_like(move)

@@ -1,33 +1,44 @@
-"""The simulator on plain arrays: expected light, effects at their places, noise, rounding, clipping."""
+"""Captures simulated by the image formation of studies, on arrays, frame by frame.
+
+What stands still is simulated once up to the noise: effects that neither draw anything nor remember a frame
+give each frame of a still the same samples.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import acts_after_noise, formation_order
-from tacos_framework.values.image_geometry import ContextMissing
+from tacos_framework.formation import EffectChain, EpisodeDraws, PlacedEffect, form_files
+from tacos_framework.formation.chain import ActingEffect
+from tacos_framework.plugins.guarded import calling
+from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_gap.captures import Capture
+from tacos_gap.sensing import dark_signal, sensor_at
 
-LIGHT = ("scene", "optics", "exposure")
+Samples = NDArray[np.float32]
+Step = Callable[[Samples, EpisodeDraws, int], Samples]
+"""Samples of one frame, draws, number of the frame -> samples a step further."""
 
 
 def simulate(
-    capture: Capture, effects: Sequence[Any], rng: np.random.Generator, frames: int | None = None
-) -> NDArray[np.float32]:
+    capture: Capture, effects: Sequence[PlacedEffect], draws: EpisodeDraws, frames: int | None = None
+) -> Samples:
     """Frames the simulator would have given instead of the real ones.
 
     Parameters
     ----------
     capture
-        Supplies the expected values, the noise and the levels.
+        Supplies the expected values, the sensor and the levels.
     effects
-        Effect components, in any order; each acts at its own stage.
-    rng
-        Draws the noise. The same generator state gives noise that is comparable between hypotheses.
+        Effects as a recipe places them, in any order. Those that need what is not known of the capture, as
+        motion of a still, are left out.
+    draws
+        Generators by frame: the same draws give noise that is comparable between hypotheses.
     frames
         How many; as many as are real by default.
 
@@ -37,46 +48,153 @@ def simulate(
         (N, H, W, C) float32 values of the file: whole numbers within its levels [DN].
     """
     assert capture.expected_dn is not None
+    expected = capture.expected_dn
+    draws = EpisodeDraws(draws.seed, draws.names)  # nothing is remembered of another simulation
+    sensor = sensor_at(capture)
+    context = replace(capture.context, dn_per_electron=sensor.context.dn_per_electron)
+    chain = _where_known(EffectChain.of(effects, capture.geometry, context))
+    pedestal = np.float32(context.black_level_dn) - dark_signal(sensor, expected.shape[-1])
+
+    def light_of(frame: int) -> Samples:
+        place = frame if len(expected) > 1 else 0
+        return expected[place : place + 1] - np.float32(context.black_level_dn)
+
+    def acting(effect: ActingEffect) -> Step:
+        def step(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
+            known = _of_frame(context, frame)
+            return effect.on(samples, geometry=capture.geometry, context=known, draws=draws, frame=frame)
+
+        return step
+
+    steps: list[Step] = [
+        *map(acting, chain.light),
+        lambda samples, draws, frame: samples + pedestal,
+        *map(acting, chain.pixel),
+    ]
+    shared, done = None, 0
+    if len(expected) == 1 and _is_still(context):
+        shared, done = _shared(light_of(0), steps, draws)
+    after_pixel = replace(chain, light=(), pixel=())
     count = frames or capture.frames
-    context = capture.context
-    noise_rng, effect_rng = rng.spawn(2)
-    ordered = sorted(effects, key=lambda effect: formation_order(type(effect)))
+    files = np.empty((count, *expected.shape[1:]), np.float32)
+    for frame in range(count):
+        signal = light_of(frame) if shared is None else shared
+        for step in steps[done:]:
+            signal = step(signal, draws, frame)
+        files[frame] = form_files(
+            signal,
+            after_pixel,
+            sensor,
+            geometry=capture.geometry,
+            context=_of_frame(context, frame),
+            draws=draws,
+            frame=frame,
+        )[0]
+    return files
 
-    def act(image: NDArray[np.float32], chosen: list[Any]) -> NDArray[np.float32]:
-        for effect in chosen:
-            image = applied(effect, image, capture, effect_rng)
-        return image
 
-    light = capture.expected_dn[:count] - np.float32(context.black_level_dn)
-    light = act(light, [e for e in ordered if e.stage in ("scene", "optics")])
-    exposing = [e for e in ordered if e.stage == "exposure"]
-    if exposing and len(light) == 1:
-        light = np.repeat(light, count, axis=0)
-    light = act(light, exposing)
-    signal = light + np.float32(context.black_level_dn)
-    signal = act(signal, [e for e in ordered if e.stage == "pixel" and not acts_after_noise(type(e))])
-    scale = float(np.prod([getattr(e, "photon_scale", 1.0) for e in ordered]))
-    variance = capture.noise.variance_dn2(signal - np.float32(context.black_level_dn), scale)
-    samples = noise_rng.standard_normal((count, *signal.shape[1:]), dtype=np.float32)
-    samples *= np.sqrt(variance)
-    samples += signal
-    samples = act(
-        samples, [e for e in ordered if e.stage in ("pixel", "readout") and acts_after_noise(type(e))]
+def lit_by(capture: Capture, effects: Sequence[PlacedEffect], light: Samples, draws: EpisodeDraws) -> Samples:
+    """One frame of light with effects on it, (1, H, W, C)."""
+    chain = _where_known(EffectChain.of(effects, capture.geometry, capture.context))
+    for effect in chain.light:
+        known = _of_frame(capture.context, 0)
+        light = effect.on(light, geometry=capture.geometry, context=known, draws=draws, frame=0)
+    return light
+
+
+# what stands still ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Watched(EpisodeDraws):
+    """Draws that know whether anything was drawn or remembered."""
+
+    _given: list[tuple[np.random.Generator, Any]] = field(default_factory=list, repr=False, compare=False)
+
+    def rng(self, frame: int, *what: str) -> np.random.Generator:
+        """See `EpisodeDraws.rng`."""
+        rng = super().rng(frame, *what)
+        self._given.append((rng, _state(rng)))
+        return rng
+
+    @property
+    def used(self) -> bool:
+        """Whether a generator has moved on, or anything is remembered."""
+        return any(self._memories.values()) or any(_state(rng) != before for rng, before in self._given)
+
+
+def _state(rng: np.random.Generator) -> Any:
+    """What changes of a generator when something is drawn or spawned from it."""
+    seeds: Any = rng.bit_generator.seed_seq
+    return rng.bit_generator.state, seeds.n_children_spawned
+
+
+def _shared(light: Samples, steps: Sequence[Step], draws: EpisodeDraws) -> tuple[Samples, int]:
+    """What all frames of a still have in common, and by how many steps."""
+    for done, step in enumerate(steps):
+        watched = _Watched(draws.seed, draws.names)
+        after = step(light, watched, 0)
+        if watched.used:
+            return light, done
+        light = after
+    return light, len(steps)
+
+
+# what is known --------------------------------------------------------------------------------------------
+
+
+class _WhereKnown(ActingEffect):
+    """An effect that is left out where too little is known of the capture."""
+
+    def on(
+        self,
+        samples: NDArray[Any],
+        *,
+        geometry: ImageGeometry,
+        context: ImageContext,
+        draws: EpisodeDraws,
+        frame: int,
+    ) -> NDArray[Any]:
+        """See `ActingEffect.on`."""
+        try:
+            after = super().on(samples, geometry=geometry, context=context, draws=draws, frame=frame)
+        except ContextMissing:
+            return samples
+        if after.shape != samples.shape:
+            with calling(self.use, doing="on_array"):
+                raise ValueError(f"it made {after.shape} of an array of {samples.shape}")
+        return after
+
+
+def _where_known(chain: EffectChain) -> EffectChain:
+    def lenient(acting: Sequence[ActingEffect]) -> tuple[ActingEffect, ...]:
+        return tuple(_WhereKnown(each.use, each.name, each.effect) for each in acting)
+
+    return EffectChain(
+        light=lenient(chain.light),
+        pixel=lenient(chain.pixel),
+        readout=lenient(chain.readout),
+        files=lenient(chain.files),
+        photon_scale=chain.photon_scale,
     )
-    files = _digitise(samples, context.white_level_dn)
-    processing = [e for e in ordered if e.stage in ("isp", "codec")]
-    return _digitise(act(files, processing), context.white_level_dn) if processing else files
 
 
-def applied(
-    effect: Any, image: NDArray[np.float32], capture: Capture, rng: np.random.Generator
-) -> NDArray[np.float32]:
-    """The image with an effect; without it where too little is known of the capture, as motion of a still."""
-    try:
-        return np.asarray(effect.on_array(image, geometry=capture.geometry, context=capture.context, rng=rng))
-    except ContextMissing:
-        return image
+def _is_still(context: ImageContext) -> bool:
+    return not any(_per_frame(context))
 
 
-def _digitise(samples: NDArray[np.float32], white_level_dn: float) -> NDArray[np.float32]:
-    return np.clip(np.rint(samples), 0, white_level_dn).astype(np.float32, copy=False)
+def _per_frame(context: ImageContext) -> tuple[bool, bool]:
+    """Whether depth and motion are given frame by frame."""
+    depth, velocity = context.depth_m, context.velocity_px_s
+    return depth is not None and depth.ndim == 3, isinstance(velocity, np.ndarray) and velocity.ndim == 4
+
+
+def _of_frame(context: ImageContext, frame: int) -> ImageContext:
+    """The context of one frame."""
+    depth_varies, motion_varies = _per_frame(context)
+    known: dict[str, Any] = {}
+    if depth_varies and context.depth_m is not None:
+        known["depth_m"] = context.depth_m[frame]
+    if motion_varies and isinstance(context.velocity_px_s, np.ndarray):
+        known["velocity_px_s"] = context.velocity_px_s[frame]
+    return replace(context, **known) if known else context

@@ -10,10 +10,10 @@ import numpy as np
 
 from tacos_framework.values import ImageGeometry
 from tacos_gap.ambiguity import NextCapture
-from tacos_gap.boards import moves_pixels
+from tacos_gap.boards import source_of
 from tacos_gap.captures import Capture
 from tacos_gap.evidence import ImageEvidence
-from tacos_gap.problem import Hypothesis, bent
+from tacos_gap.problem import Hypothesis, bent, placed
 
 _SIZE = (240, 320)
 _TROUBLE = {
@@ -51,8 +51,9 @@ def best_capture(
     worth: dict[str, float] = {}
     template = next((c for c in captures if c.expected_dn is not None), None)
     for a, b in combinations(hypotheses, 2):
-        effects = [[e for t in h if (e := t.make()) is not None] for h in (a, b)]
-        if any(moves_pixels(effect) for group in effects for effect in group):
+        effects = [placed(hypothesis) for hypothesis in (a, b)]
+        both = [effect for group in effects for effect in group]
+        if any(source_of(effect, captures[0].geometry) is not None for effect in both):
             return NextCapture("board", _WHY["board"])  # the only one whose pose need not be known
         if template is None:
             continue

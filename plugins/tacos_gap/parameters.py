@@ -8,7 +8,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
+
+from tacos_framework.formation import PlacedEffect
+from tacos_framework.plugins.guarded import calling
+from tacos_gap.captures import Capture
 
 
 @dataclass(frozen=True)
@@ -32,13 +35,21 @@ class Term:
     values: Mapping[str, Any]
     free: Mapping[str, float]
 
-    def make(self) -> Any | None:
-        """The component; None where its settings refuse the values, or no camera has them."""
-        try:
-            effect = self.cls(self.cls.Config(**_nested(self.values)))
-        except (ValidationError, ValueError):
-            return None
-        return effect if getattr(effect, "plausible", True) else None
+    @property
+    def use(self) -> str:
+        """The component."""
+        return f"effect.{self.name}"
+
+    def placed(self) -> PlacedEffect | None:
+        """The effect as a recipe places it; None where it refuses the values, or no camera has them."""
+        with calling(self.use, doing="with settings of a diagnosis"):
+            try:
+                config = self.cls.Config(**_nested(self.values))
+                effect = self.cls(config)
+            except ValueError:  # pydantic's ValidationError is one
+                return None
+            plausible = getattr(effect, "plausible", True)
+        return PlacedEffect(self.use, self.use, self.cls, config) if plausible else None
 
     def with_free(self, theta: Sequence[float]) -> Term:
         """With other values of the free parameters."""
@@ -70,45 +81,53 @@ def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
     return plain
 
 
+def terms_for(name: str, cls: type[Any], captures: Sequence[Capture]) -> list[Term]:
+    """Where the search for an effect begins: at what its class guesses from captures, and in general."""
+    suggested: Sequence[Mapping[str, Any]] = ()
+    if callable(guess := getattr(cls, "guesses_from", None)):
+        with calling(f"effect.{name}", doing="guesses_from"):
+            suggested = list(guess(captures))
+    return [*starts_of(name, cls, suggested), *starts_of(name, cls)]
+
+
 def starts_of(
     name: str, cls: type[Any], suggested: Sequence[Mapping[str, Any]] | None = None
 ) -> Iterator[Term]:
     """Where the search for an effect begins.
 
-    Those `suggested`, where given. Else a class may name starts itself, as ``probes``: mappings from
-    parameters to values of a severity that is met in the field, of which the floats are fitted. Without them,
-    each float with a neutral value is moved a little to either side of it.
+    Those `suggested`, where given, else the ``initial_guesses`` of the class. Without them, each float with a
+    neutral value is moved a little to either side of it.
     """
     neutral = {k: v for k, v in cls.neutral.items() if isinstance(v, float)}
-    own = getattr(cls, "probes", None)
+    own = getattr(cls, "initial_guesses", None)
     if own is None:
         own = [{key: value + side * step(cls, key)} for key, value in neutral.items() for side in (1, -1)]
-    probes = [_flattened(probe) for probe in (own if suggested is None else suggested)]
-    scales = _scales([*probes, *map(_flattened, own)], neutral)
-    for values in probes:
+    guesses = [_flattened(guess) for guess in (own if suggested is None else suggested)]
+    scales = _scales([*guesses, *map(_flattened, own)], neutral)
+    for values in guesses:
         free = {
             key: abs(value - neutral.get(key, 0.0)) or scales.get(key, 1.0)
             for key, value in values.items()
             if isinstance(value, float)
         }
         term = Term(name, cls, values, free)
-        if term.make() is not None:
+        if term.placed() is not None:
             yield term
 
 
-def _scales(probes: Sequence[Mapping[str, Any]], neutral: Mapping[str, float]) -> dict[str, float]:
-    """The least distance from neutral at which a probe stands, for those that begin at it: 0 degrees, say."""
+def _scales(guesses: Sequence[Mapping[str, Any]], neutral: Mapping[str, float]) -> dict[str, float]:
+    """The least distance from neutral at which a guess stands, for those that begin at it: 0 degrees, say."""
     scales: dict[str, float] = {}
-    for probe in probes:
-        for key, value in probe.items():
+    for guess in guesses:
+        for key, value in guess.items():
             if isinstance(value, float) and (distance := abs(value - neutral.get(key, 0.0))):
                 scales[key] = min(distance, scales.get(key, distance))
     return scales
 
 
-def _flattened(probe: Mapping[str, Any]) -> dict[str, Any]:
+def _flattened(guess: Mapping[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
-    for key, value in probe.items():
+    for key, value in guess.items():
         if key == "matrix":
             flat |= {f"matrix.{r}.{c}": float(value[r][c]) for r in range(3) for c in range(3) if r != c}
         else:
@@ -124,10 +143,3 @@ def step(cls: type[Any], name: str) -> float:
     if len(bounds) == 2:
         return min(abs(bounds[1] - bounds[0]) / 20, max(abs(neutral), 1.0) / 10)
     return max(abs(neutral), 1.0) / 10
-
-
-def unit_of(cls: type[Any], name: str) -> str:
-    """Unit of a parameter."""
-    field = cls.Config.model_fields.get(name.partition(".")[0])
-    extra = field.json_schema_extra if field is not None else None
-    return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"

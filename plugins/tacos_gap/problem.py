@@ -12,6 +12,7 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.formation import PlacedEffect
 from tacos_gap.evidence import Evidence, Judged, Label
 from tacos_gap.parameters import Term
 
@@ -40,6 +41,11 @@ def _joined(floors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
 def _key(hypothesis: Hypothesis) -> str:
     """What tells hypotheses apart."""
     return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
+
+
+def placed(hypothesis: Hypothesis) -> list[PlacedEffect]:
+    """The effects of a hypothesis as a recipe places them, without those that refuse their values."""
+    return [effect for term in hypothesis if (effect := term.placed()) is not None]
 
 
 @dataclass(frozen=True)
@@ -77,7 +83,7 @@ class Problem:
     def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
         """(K,) residuals in units of the floor; None where an effect refuses its parameters."""
         key = f"{self.draws} {_key(hypothesis)}"
-        effects = [effect for term in hypothesis if (effect := term.make()) is not None]
+        effects = placed(hypothesis)
         if len(effects) < len(hypothesis):
             return None
         with self._lock:
@@ -100,7 +106,7 @@ class Problem:
         return self._judged[key]
 
     def _judge(self, hypothesis: Hypothesis) -> Judged:
-        effects = [effect for term in hypothesis if (effect := term.make()) is not None]
+        effects = placed(hypothesis)
         parts = [evidence.judged(effects) for evidence in self.evidence]
         return Judged(
             np.concatenate([part.z for part in parts]),

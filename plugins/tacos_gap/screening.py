@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.evidence import ImageEvidence
 from tacos_gap.fit import theta_of
-from tacos_gap.parameters import Term
+from tacos_gap.parameters import Term, terms_for
 from tacos_gap.problem import Problem, bent, slope
-from tacos_gap.starts import terms_for
 
 SHARES = (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
 """Multiples of a trial's change that are looked at."""
@@ -53,7 +53,8 @@ class Promise:
 
 def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> Trials:
     """Simulate each effect at each of its starts; `each` is a map that may work in parallel."""
-    terms = [term for name, cls in effects.items() for term in terms_for(name, cls, problem.evidence)]
+    captures = [each.capture for each in problem.evidence if isinstance(each, ImageEvidence)]
+    terms = [term for name, cls in effects.items() for term in terms_for(name, cls, captures)]
     found: dict[str, list[Trial]] = {}
     for term, z in zip(terms, each(lambda term: problem.residual((term,)), terms), strict=True):
         if z is not None and not np.array_equal(z, problem.null):
@@ -110,7 +111,7 @@ def _with_all_free(term: Term, single: Mapping[str, Trial]) -> Term:
     values = {name: _scaled(trial.term, 0.0).values[name] for name, trial in single.items()}
     steps = {name: trial.term.free[name] for name, trial in single.items()}
     wider = replace(term, values={**values, **term.values}, free={**steps, **term.free})
-    return wider if wider.make() is not None else term
+    return wider if wider.placed() is not None else term
 
 
 def _combined(single: Mapping[str, Trial], base: NDArray[np.float64]) -> Promise | None:
@@ -128,7 +129,7 @@ def _combined(single: Mapping[str, Trial], base: NDArray[np.float64]) -> Promise
         values |= {**trial.term.values, key: _scaled(trial.term, float(share)).values[key]}
         free[key] = trial.term.free[key]
     term = replace(trials[0].term, values=values, free=free)
-    if term.make() is None:
+    if term.placed() is None:
         return None
     gain = float(np.sum(bent(base) ** 2)) - float(np.sum(bent(base + directions @ shares) ** 2))
     return Promise(gain, term)
@@ -145,4 +146,4 @@ def _scaled(term: Term, scale: float) -> Term:
         at = 0.0 if key.startswith("matrix.") else neutral.get(key)
         moved.append(value if at is None else at + scale * (value - at))
     changed = term.with_free(moved)
-    return changed if changed.make() is not None else term
+    return changed if changed.placed() is not None else term

@@ -10,7 +10,7 @@ import pytest
 
 from tacos_framework.cli import run_main, tacos_main
 from tacos_framework.plugins import Plugins
-from tacos_gap.procedures.diagnose import candidate_effects
+from tacos_gap.candidates import candidates
 from tests.docs.pages import ROOT, blocks, commands, write_file
 
 PAGE = ROOT / "docs/tutorials/diagnose_a_gap.md"
@@ -40,7 +40,7 @@ def test_the_effects_left_out_are_found_and_go_into_the_next_study(
     smaller = [word for key, value in FEWER.items() for word in ("--set", f"{key}={value}")]
     assert tacos_main([*simulate, *smaller, "--quiet"]) == 0
 
-    without = sorted(set(candidate_effects(Plugins.discover())) - CONSIDERED)
+    without = sorted(set(candidates(Plugins.discover()).effects) - CONSIDERED)
     assert run_main([*diagnose, "--set", f"without={json.dumps(without)}", "--quiet"]) == 0
     found = json.loads(Path("out/diagnosis.json").read_text("utf-8"))
     assert {cause["effect"] for cause in found["causes"]} == {"vignetting", "defocus"}

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures import Capture, Noise
 from tacos_gap.formation import simulate
@@ -48,9 +49,14 @@ def bench() -> list[Capture]:
     ]
 
 
-def taken(captures: Sequence[Capture], effects: Sequence[Any] = (), seed: int = 5) -> list[Capture]:
+def placed(name: str, cls: type[Any], **settings: Any) -> PlacedEffect:
+    """An effect as a recipe would place it."""
+    return PlacedEffect(f"effect.{name}", f"effect.{name}", cls, cls.Config(**settings))
+
+
+def taken(captures: Sequence[Capture], effects: Sequence[PlacedEffect] = (), seed: int = 5) -> list[Capture]:
     """The captures with real frames that hold these effects."""
     return [
-        replace(c, real_dn=simulate(c, effects, np.random.default_rng([seed, i])))
+        replace(c, real_dn=simulate(c, effects, EpisodeDraws(seed, ("taken", i))))
         for i, c in enumerate(captures)
     ]

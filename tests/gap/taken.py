@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures import Board, Capture, Noise
@@ -20,10 +21,11 @@ BLACK_DN = 16.0
 GEOMETRY = ImageGeometry(WIDTH, HEIGHT, 170.0, ((WIDTH - 1) / 2, (HEIGHT - 1) / 2), 12.0)
 
 
-def effect(plugins: Plugins, name: str, **settings: Any) -> Any:
-    """An effect component."""
-    cls = plugins.resolve(f"effect.{name}")
-    return cls(cls.Config(**settings))
+def effect(plugins: Plugins, name: str, **settings: Any) -> PlacedEffect:
+    """An effect as a recipe would place it."""
+    use = f"effect.{name}"
+    cls = plugins.resolve(use)
+    return PlacedEffect(use, use, cls, cls.Config(**settings))
 
 
 def capture(kind: str, level: float | NDArray[Any], *, frames: int = 2, channels: int = 1) -> Capture:
@@ -42,10 +44,10 @@ def capture(kind: str, level: float | NDArray[Any], *, frames: int = 2, channels
     )
 
 
-def taken(captures: Sequence[Capture], effects: Sequence[Any], seed: int = 3) -> list[Capture]:
+def taken(captures: Sequence[Capture], effects: Sequence[PlacedEffect], seed: int = 3) -> list[Capture]:
     """The captures with real frames, from a camera that has these effects."""
     return [
-        replace(each, real_dn=simulate(each, effects, np.random.default_rng([seed, i])))
+        replace(each, real_dn=simulate(each, effects, EpisodeDraws(seed, ("taken", i))))
         for i, each in enumerate(captures)
     ]
 

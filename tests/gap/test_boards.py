@@ -14,7 +14,7 @@ from tacos_framework.values import ImageGeometry
 from tacos_gap.boards import BoardEvidence, find_corners
 from tacos_gap.captures import Board, Capture, CaptureFolder
 from tacos_gap.diagnosis import diagnose
-from tests.gap.small_captures import capture
+from tests.gap.small_captures import capture, placed
 
 SQUARES = Board((9, 6), 25.0)
 WIDTH, HEIGHT = 640, 480
@@ -63,8 +63,8 @@ def test_distortion_is_left_over_and_gone_with_the_right_lens():
     lens = Plugins.discover().resolve("effect.lens-distortion")
     evidence = BoardEvidence(board(), seen((25, 10), 600, k1=-0.3), seed=1)
     assert np.abs(evidence.residual(())).max() > 1.5
-    assert np.abs(evidence.residual([lens(lens.Config(k1=-0.3))])).max() < 0.2
-    assert np.abs(evidence.residual([lens(lens.Config(k1=0.3))])).max() > 3
+    assert np.abs(evidence.residual([placed("lens-distortion", lens, k1=-0.3)])).max() < 0.2
+    assert np.abs(evidence.residual([placed("lens-distortion", lens, k1=0.3)])).max() > 3
 
 
 def drawn(tilt_deg: tuple[float, float], distance_mm: float) -> np.ndarray:

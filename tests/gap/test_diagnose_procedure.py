@@ -14,9 +14,10 @@ from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.cli import run_main
 from tacos_framework.plugins import Plugins
 from tacos_framework.testing import ProcedureConformance
+from tacos_gap.candidates import candidates
 from tacos_gap.captures import Capture
 from tacos_gap.captures.writer import write_captures
-from tacos_gap.procedures.diagnose import Diagnose, candidate_effects
+from tacos_gap.procedures.diagnose import Diagnose
 from tests.gap.taken import board, capture, effect, patchwork, taken
 
 KEYS = {
@@ -44,7 +45,7 @@ def diagnosed(
 ) -> tuple[dict[str, Any], str]:
     """``diagnosis.json`` and the report of a folder with these captures, considering a few effects only."""
     write_captures(folder / "captures", captures)
-    without = sorted(set(candidate_effects(plugins)) - consider)
+    without = sorted(set(candidates(plugins).effects) - consider)
     recipe = ProcedureRecipe(
         "procedure.diagnose",
         {"captures": str(folder / "captures"), "without": without, "workers": 1, **settings},
@@ -90,6 +91,15 @@ def test_task_scores_of_the_patched_simulation_are_nearer_to_the_real_ones(
     )
     data, report = diagnosed(captures, {"defocus", "read-noise"}, plugins, tmp_path)
     assert [cause["effect"] for cause in data["causes"]] == ["defocus"]
+    radius = data["causes"][0]["parameters"]["radius_px"]
+    assert radius["unit"] == "px"
+    assert radius["physical"]["name"] == "radius_um"
+    assert radius["physical"]["value"] == pytest.approx(12 * radius["value"], rel=1e-3), "pixels of 12 um"
+    assert radius["physical"]["ci"] == pytest.approx([12 * end for end in radius["ci"]], rel=0.01)
+    patch = yaml.safe_load((tmp_path / "out" / "patched.yaml").read_text("utf-8"))
+    assert patch == [{"use": "effect.defocus", "radius_um": radius["physical"]["value"]}]
+    assert "radius_um" in report
+    assert "radius_px" in report
     inliers = data["task"]["features.inliers"]
     assert set(inliers) == {"real", "sim_before", "sim_after"}
     assert abs(inliers["sim_after"] - inliers["real"]) < abs(inliers["sim_before"] - inliers["real"])
@@ -173,5 +183,5 @@ class TestDiagnose(ProcedureConformance):
         folder = tmp_path_factory.mktemp("prnu")
         shown = taken([capture("dark", 0.0), capture("flat", 120.0)], [effect(plugins, "prnu", sigma=0.02)])
         write_captures(folder, shown)
-        without = set(candidate_effects(plugins)) - {"prnu", "read-noise", "vignetting"}
+        without = set(candidates(plugins).effects) - {"prnu", "read-noise", "vignetting"}
         self.config = {"captures": str(folder), "without": tuple(sorted(without))}  # type: ignore[misc]

@@ -11,7 +11,7 @@ from tacos_framework.plugins import Plugins
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis
-from tests.gap.small_captures import bench, capture, taken
+from tests.gap.small_captures import bench, capture, placed, taken
 
 FEW = (
     "vignetting",
@@ -37,14 +37,14 @@ def run(captures: list[Any], effects: dict[str, type[Any]]) -> Diagnosis:
 
 
 def make(effects: dict[str, type[Any]], name: str, **settings: float) -> Any:
-    return effects[name](effects[name].Config(**settings))
+    return placed(name, effects[name], **settings)
 
 
 def test_nothing_is_found_where_nothing_is(effects):
     found = run(taken(bench()), effects)
     assert found.verdict == "no_gap"
     assert found.causes == []
-    assert found.patch == []
+    assert found.effects == []
 
 
 @pytest.mark.parametrize(
@@ -67,12 +67,12 @@ def test_a_single_effect_is_named_with_its_parameter(effects, name, settings):
     assert found.causes[0].closure > 0.8
     for parameter, value in settings.items():
         assert found.causes[0].parameters[parameter].value == pytest.approx(value, rel=0.12)
-    assert found.patch[0]["use"] == f"effect.{name}"
+    assert found.effects[0]["use"] == f"effect.{name}"
 
 
 def test_corners_that_are_brighter_than_expected_are_no_vignetting(effects):
     lifting = Plugins.discover().resolve("effect.lens-shading-correction")
-    found = run(taken(bench(), [lifting(lifting.Config(k1=0.5))]), effects)
+    found = run(taken(bench(), [placed("lens-shading-correction", lifting, k1=0.5)]), effects)
     assert "vignetting" not in found.cause_set
     assert found.verdict in ("unknown", "partly_explained")
 

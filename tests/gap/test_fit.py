@@ -64,7 +64,7 @@ class Slope(Curve):
             second: float = setting(0.0, help="Another.")
 
         neutral: ClassVar = {"first": 0.0, "second": 0.0}
-        probes: ClassVar = ({"first": 1.0}, {"second": 1.0})
+        initial_guesses: ClassVar = ({"first": 1.0}, {"second": 1.0})
 
         def __init__(self, config: Config) -> None:
             self.config = config

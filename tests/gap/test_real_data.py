@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from tacos_framework.plugins import Plugins
+from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis
-from tacos_gap.procedures.diagnose import candidate_effects
 from tacos_validation.blind.real_cases import real_cases
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "real"
@@ -21,16 +21,16 @@ pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real captures ar
 @pytest.fixture(scope="module")
 def diagnosed(tmp_path_factory):
     """Diagnoses a case by its name, each once."""
-    effects = candidate_effects(Plugins.discover(), ())
+    effects = candidates(Plugins.discover())
     cases = {case.name: case for case in real_cases(DATA)}
-    found: dict[str, Diagnosis] = {}
+    found: dict[tuple[str, int], Diagnosis] = {}
 
-    def of(name: str) -> Diagnosis:
-        if name not in found:
+    def of(name: str, seed: int = 0) -> Diagnosis:
+        if (name, seed) not in found:
             folder = tmp_path_factory.mktemp("case")
             cases[name].write(folder)
-            found[name] = diagnose(read_captures(folder / "captures"), effects, seed=0)
-        return found[name]
+            found[name, seed] = diagnose(read_captures(folder / "captures"), effects, seed=seed)
+        return found[name, seed]
 
     return of
 
@@ -52,9 +52,10 @@ def test_short_darks_show_no_gap(diagnosed, times):
 
 @pytest.mark.parametrize("times", ["500 and 2000 ms", "2000 and 3916 ms"])
 def test_long_darks_lead_to_dark_current(diagnosed, times):
-    found = diagnosed(f"long darks, {times}")
-    assert [cause.effect for cause in found.causes] == ["dark-current"]
-    assert found.verdict == "explained"
+    found = [diagnosed(f"long darks, {times}", seed) for seed in range(3)]
+    assert {tuple(cause.effect for cause in each.causes) for each in found} == {("dark-current",)}
+    # by luck alone one simulation in seventeen stands out from its own replicates
+    assert [each.verdict for each in found].count("explained") >= 2
 
 
 @pytest.mark.slow

@@ -11,19 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import image_velocity
-from tacos_framework.contracts import formation_order
-from tacos_framework.errors import Fault, UserError
+from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect, PlacedSensor, SensorAt
+from tacos_framework.graph import signature_of
 from tacos_framework.plan.building import build, build_rig, episode_of, part_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Use
-from tacos_framework.simulation import ActingEffects
 from tacos_framework.values import Capture as Rendered
 from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig
 from tacos_gap.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
-from tacos_gap.bench.response import Response, expected_signal, frames_of, measured_response
 from tacos_gap.bench.settings import BenchSettings, Shot
-from tacos_gap.captures import Board, Capture
+from tacos_gap.captures import Board, Capture, Noise
+from tacos_gap.sensing import NODE, response_of
 
 REFERENCE_LUX = 1000.0
 """Light that scenes are rendered under before the lamp is dimmed to the level that is asked for [lux]."""
@@ -78,12 +78,10 @@ class Bench:
         self._camera = build_rig(settings.rig, plugins).cameras[0]
         self._rig = Rig((self._camera,))
         self._renderer = build(settings.renderer, "renderer", plugins)
-        self._sensor = build(settings.sensor, "sensor", plugins)
-        effects = [part_of(use, "effect", plugins) for use in settings.effects]
-        ordered = sorted(effects, key=lambda part: formation_order(part.cls))
-        self._effects = [(part, part.make()) for part in ordered]
+        self._sensor = PlacedSensor(settings.sensor.use, NODE, build(settings.sensor, "sensor", plugins))
+        parts = [part_of(use, "effect", plugins) for use in settings.effects]
+        self._effects = [PlacedEffect(part.use, part.use, part.cls, part.config) for part in parts]
         self._rendered: dict[str, Rendered] = {}
-        self._dark: dict[float, NDArray[np.float64]] = {}
 
     def captures(self) -> Iterator[Capture]:
         """Every capture, one after another."""
@@ -94,19 +92,9 @@ class Bench:
         """What a camera with the effects gives for a shot, beside what is expected."""
         expected = self.expected(shot)
         light = expected.light if shot.kind == "sequence" else repeated(expected.light, shot.frames)
-        names = ("bench", shot.id)
-        exposure = self._exposure(shot)
-        acting = ActingEffects(self._effects, self._rig, exposure, generator(self._seed, *names, "effects"))
-        batch = acting.files(
-            frames_of(
-                self._sensor,
-                acting.light(light),
-                self._rig,
-                exposure,
-                generator(self._seed, *names, "noise"),
-                acting,
-            )
-        )
+        draws = EpisodeDraws(self._seed, ("bench", shot.id))
+        formation = ImageFormation(self._exposure(shot), self._effects)
+        batch = formation.expose(formation.light(light, draws), self._sensor, draws)
         return Capture(
             id=shot.id,
             kind=shot.kind,
@@ -115,7 +103,7 @@ class Bench:
             valid=np.ones(expected.signal_dn.shape[1:3], bool),
             geometry=ImageGeometry.of_camera(self._camera),
             context=self._context(shot, expected),
-            noise=self._response.noise,
+            noise=self._noise,
             group=shot.group,
             level_uncertainty=shot.level_uncertainty,
             board=self._board(shot) if shot.kind == "board" else None,
@@ -125,18 +113,19 @@ class Bench:
 
     def expected(self, shot: Shot) -> Expected:
         """What the simulator without the effects expects."""
-        exposure = self._exposure(shot)
         light = self._light(shot)
-        signal = expected_signal(self._sensor, light, self._rig, exposure)
-        black, white = signal.black_level_dn, signal.white_level_dn
-        above = signal.samples_dn - np.float32(black)
+        sensor = self._sensor_at(self._exposure(shot))
+        black, white = float(sensor.sensor.black_level_dn), float(sensor.sensor.white_level_dn)
+        samples = _known(sensor, light.views[0].luminance_cd_m2)
+        above = samples - np.float32(black)
         factor = 0.0
         if shot.scene is not None:
             brightest = float(np.percentile(above, BRIGHTEST_PERCENT))
             if brightest <= 0:
                 raise UserError(Fault(shot.id, f"{shot.scene.use} is black", "a scene that reflects light"))
             factor = shot.level * (white - black) / brightest
-        samples = above * np.float32(factor) + (black + self._dark_dn(exposure)).astype(np.float32)
+        _, dark_dn = response_of(sensor, above.shape[-1])
+        samples = above * np.float32(factor) + (black + dark_dn).astype(np.float32)
         return Expected(dimmed(light, factor), samples, black, white)
 
     # one shot ---------------------------------------------------------------------------------------------
@@ -144,24 +133,16 @@ class Bench:
     def _exposure(self, shot: Shot) -> Exposure:
         return Exposure(shot.exposure_ms * 1e-3, self.settings.f_number, self.settings.gain_db)
 
+    def _sensor_at(self, exposure: Exposure) -> SensorAt:
+        return SensorAt(self._sensor.use, NODE, self._sensor.at(self._camera.name), self._camera, exposure)
+
     @cached_property
-    def _response(self) -> Response:
+    def _noise(self) -> Noise:
         """Of the sensor at the shortest time: what dark current adds to the noise is least there."""
         shortest = min(self.shots.values(), key=lambda shot: shot.exposure_ms)
-        rng = generator(self._seed, "bench", "response")
-        return measured_response(self._sensor, self._camera, self._exposure(shortest), rng)
-
-    def _dark_dn(self, exposure: Exposure) -> NDArray[np.float64]:
-        """What the sensor gives without light, above the pedestal; there is none if there is none at last."""
-        longest_s = max(shot.exposure_ms for shot in self.shots.values()) * 1e-3
-        for time_s in (longest_s, exposure.time_s):
-            if time_s not in self._dark:
-                rng = generator(self._seed, "bench", "dark signal")
-                at = replace(exposure, time_s=time_s)
-                self._dark[time_s] = measured_response(self._sensor, self._camera, at, rng).dark_dn
-            if not self._dark[time_s].any():
-                break
-        return self._dark[time_s]
+        sensor = self._sensor_at(self._exposure(shortest))
+        channels = _known(sensor, np.zeros((1, 1, 1, 3), np.float32)).shape[-1]
+        return response_of(sensor, channels)[0]
 
     def _light(self, shot: Shot) -> Rendered:
         """The scene under the reference light; rendered anew only where it differs from the last."""
@@ -169,14 +150,14 @@ class Bench:
             size = (1, self._camera.height_px, self._camera.width_px, 3)
             return without_world(self._camera, np.zeros(size, np.float32))
         frames = shot.frames if shot.kind == "sequence" else 1
-        key = f"{shot.scene!r} {frames} {shot.exposure_ms if self._renderer_reads_time else 0}"
+        key = f"{shot.scene!r} {frames} {shot.exposure_ms if 'exposure' in self._renderer_asks_for else 0}"
         if key not in self._rendered:
             self._rendered = {key: self._render(shot, frames)}
         return self._rendered[key]
 
     @property
-    def _renderer_reads_time(self) -> bool:
-        return "time_s" in self._renderer.reads
+    def _renderer_asks_for(self) -> tuple[str, ...]:
+        return tuple(signature_of(type(self._renderer), "renderer").supplied)
 
     def _render(self, shot: Shot, frames: int) -> Rendered:
         assert shot.scene is not None
@@ -191,9 +172,9 @@ class Bench:
             raise UserError(
                 Fault(shot.id, f"{use.use} gives {len(episode)} frames", f"at least {frames}, as asked")
             )
-        rendered: Rendered = self._renderer.capture(
-            episode[:frames], rig=self._rig, exposure=self._exposure(shot)
-        )
+        offered = {"rig": self._rig, "exposure": self._exposure(shot)}
+        wanted = {name: value for name, value in offered.items() if name in self._renderer_asks_for}
+        rendered: Rendered = self._renderer.capture(episode[:frames], **wanted)
         return rendered
 
     def _context(self, shot: Shot, expected: Expected) -> ImageContext:
@@ -235,3 +216,12 @@ class Bench:
     def _scene_config(self, shot: Shot) -> Any:
         assert shot.scene is not None
         return part_of(shot.scene, "scene", self._plugins).config
+
+
+def _known(sensor: SensorAt, light_cd_m2: NDArray[np.float32]) -> NDArray[np.float32]:
+    """What a sensor expects of light; in a sentence where it knows too little of the camera."""
+    try:
+        return sensor.expect(light_cd_m2)
+    except CandidateFailed as failed:
+        remedy = "Give the missing figures as settings of the sensor."
+        raise UserError(Fault("sensor", str(failed), "", remedy)) from failed

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.formation import PlacedSensor
 from tacos_framework.values import ImageContext, ImageGeometry
 
 
@@ -61,6 +62,8 @@ class Capture:
         Where the pixels lie, and what else is known of the capture.
     noise
         The simulator's noise.
+    sensor
+        The sensor component that simulates it; None stands for `noise`.
     exposure_stated
         Whether ``exposure_ms`` was given.
     group, level_uncertainty, expected_frames, board
@@ -89,6 +92,7 @@ class Capture:
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
     row_time_us: float = 0.0
+    sensor: PlacedSensor | None = None
     notes: tuple[str, ...] = ()
 
     @property

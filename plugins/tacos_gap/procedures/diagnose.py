@@ -13,23 +13,25 @@ from typing import Any
 from pydantic import JsonValue
 
 from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError
+from tacos_framework.formation import PlacedSensor
+from tacos_framework.plan.building import build
 from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Use
 from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
-from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import ContextMissing
 from tacos_gap.bench import recipe_renderer
+from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
 from tacos_gap.diagnosis import diagnose
-from tacos_gap.findings import Diagnosis
+from tacos_gap.findings import Diagnosis, Parameter
+from tacos_gap.problem import placed
 from tacos_gap.procedures.decision import Question, decide
 from tacos_gap.procedures.task_scores import task_scores
 from tacos_gap.report.page import Circumstances, page
-
-NOT_CAUSES = ("auto-exposure",)
-"""Effects that are a camera's control loop rather than a flaw of a capture."""
+from tacos_gap.sensing import NODE, with_sensor
+from tacos_gap.transfer import Photographed, patch, patched
 
 
 class Diagnose:
@@ -45,6 +47,11 @@ class Diagnose:
 
         captures: str = setting("captures", help="Folder of captures.", min_length=1, is_path=True)
         without: tuple[str, ...] = setting((), help="Effects that are not to be considered, by name.")
+        sensor: Use | None = setting(
+            None,
+            help="The sensor that simulates the captures, e.g. {use: sensor.affine-noise}; by default the "
+            "noise that captures.yaml states.",
+        )
         workers: int = setting(2, help="Threads.", ge=1)
         study: str = setting(
             "",
@@ -69,35 +76,38 @@ class Diagnose:
     ) -> Mapping[str, Any]:
         """Diagnose, and write what was found."""
         began = time.monotonic()
-        effects = candidate_effects(plugins, self.config.without)
+        considered = candidates(plugins, self.config.without)
         question = self._question(plugins)
+        sensor = self._sensor(plugins)
         progress.phase("Reading captures", None)
         folder = read_captures(self.config.captures, recipe_renderer(plugins))
+        if sensor is not None:
+            folder = replace(folder, captures=with_sensor(folder.captures, sensor))
         progress.step(f"{len(folder.captures)} captures")
         progress.phase("Looking for causes", None)
-        diagnosis = diagnose(folder, effects, seed=seed, workers=self.config.workers, notify=progress.step)
-        causes = [effect for term in diagnosis.attribution.best.hypothesis if (effect := term.make())]
+        diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=progress.step)
+        causes = placed(diagnosis.attribution.best.hypothesis)
         progress.phase("Scoring a task", None)
         scores = task_scores(folder.captures, causes, plugins, seed)
         diagnosis = replace(diagnosis, task=scores)
         progress.step(", ".join(scores) or "no captures it could be scored on")
         data = diagnosis.as_data()
-        patch = patched(diagnosis)
-        _write(out, data, patch)
+        added = patched(diagnosis.causes, Photographed.of(folder.captures))
+        _write(out, data, added)
         decision: dict[str, Any] = {}
         if question is not None and diagnosis.causes:
             try:
-                decision = decide(question, diagnosis.patch, plugins, executor, progress)
+                decision = decide(question, patch(diagnosis.causes), plugins, executor, progress)
             except ContextMissing as missing:
                 why = f"{question.study} cannot be run with the causes: {missing}."
                 diagnosis = replace(diagnosis, limitations=(*diagnosis.limitations, why))
             data = {**diagnosis.as_data(), "decision": decision}
-            _write(out, data, patch)
+            _write(out, data, added)
         progress.phase("Drawing the report", None)
         run = Circumstances(
             seed=seed,
             command=self._command(seed),
-            patch=patch,
+            patch=added,
             seconds=time.monotonic() - began,
             without=self.config.without,
             decision=decision,
@@ -114,6 +124,10 @@ class Diagnose:
         question.plan(plugins)
         return question
 
+    def _sensor(self, plugins: Plugins) -> PlacedSensor | None:
+        use = self.config.sensor
+        return None if use is None else PlacedSensor(use.use, NODE, build(use, "sensor", plugins))
+
     def _command(self, seed: int) -> str:
         """What to type to run it again: every setting that is not its default."""
         default = Diagnose.Config().model_dump(mode="json")
@@ -129,31 +143,11 @@ def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
     (out / "patched.yaml").write_text(patch, "utf-8")
 
 
-def candidate_effects(plugins: Plugins, without: tuple[str, ...] = ()) -> dict[str, type[Any]]:
-    """Every installed effect that can be a cause, by name.
-
-    Raises
-    ------
-    UserError
-        When an effect of `without` is not installed.
-    """
-    names = {
-        r.component.name
-        for r in plugins
-        if r.component.kind == "effect" and not r.component.missing_packages()
-    }
-    if unknown := [name for name in without if name not in names]:
-        raise UserError(
-            Fault("without", f"no effect is called {', '.join(unknown)}", ", ".join(sorted(names)))
-        )
-    chosen = sorted(names - set(without) - set(NOT_CAUSES))
-    return {name: plugins.resolve(f"effect.{name}") for name in chosen}
-
-
-def patched(diagnosis: Diagnosis) -> str:
-    """``patched.yaml``: the causes as effects of a recipe."""
-    head = "# Effects that close the gap; add them to a recipe: tacos-run RECIPE --with patched.yaml\n"
-    return head + to_yaml(diagnosis.patch, flow_style=None)
+def _valued(name: str, parameter: Parameter) -> str:
+    """A parameter with its unit, and in physical units beside where it has them."""
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    found = parameter.physical
+    return f"{name} {parameter.value}{unit}" + (f" ({found.value:g} {found.unit})" if found else "")
 
 
 def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> str:
@@ -166,9 +160,7 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     }
     lines = [said[diagnosis.verdict]]
     for cause in diagnosis.causes:
-        values = ", ".join(
-            f"{name} {p.value}{'' if p.unit == '1' else f' {p.unit}'}" for name, p in cause.parameters.items()
-        )
+        values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
         lines.append(f"  {cause.effect} ({cause.probability:.0%}): {values}")
         lines.append(f"      closes {cause.closure:.0%} of the gap on what it was not fitted to")
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.fitness import mean_scores
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
-from tacos_framework.randomness import generator
-from tacos_framework.values import Camera, Episode, FrameBatch, Object, Trajectory, View, World
 from tacos_framework.values import Capture as Light
+from tacos_framework.values import Episode, FrameBatch, Object, Trajectory, View, World
 from tacos_gap.captures import Capture
 from tacos_gap.formation import simulate
+from tacos_gap.sensing import camera_of
 
 TASK = "orb-features"
 NODE = "features"
@@ -25,7 +25,7 @@ _FULL_8_BIT = 255
 
 
 def task_scores(
-    captures: Sequence[Capture], effects: Sequence[Any], plugins: Plugins, seed: int
+    captures: Sequence[Capture], effects: Sequence[PlacedEffect], plugins: Plugins, seed: int
 ) -> dict[str, dict[str, float]]:
     """Scores of ``task.orb-features`` by name: ``real``, ``sim_before`` and ``sim_after``.
 
@@ -38,10 +38,11 @@ def task_scores(
     task = plugins.resolve(f"task.{TASK}", "task")
     found: dict[str, list[Mapping[str, float]]] = {"real": [], "sim_before": [], "sim_after": []}
     for capture in shown:
+        draws = EpisodeDraws(seed, ("task", capture.id))
         stacks = {
             "real": capture.real_dn,
-            "sim_before": simulate(capture, (), generator(seed, "task", capture.id)),
-            "sim_after": simulate(capture, effects, generator(seed, "task", capture.id)),
+            "sim_before": simulate(capture, (), draws),
+            "sim_after": simulate(capture, effects, draws),
         }
         for name, frames in stacks.items():
             scorer = task(task.Config()).begin(state=None)
@@ -58,18 +59,10 @@ def task_scores(
 def as_batch(capture: Capture, frames_dn: NDArray[np.float32]) -> FrameBatch:
     """Frames of a capture as those of a simulated walk; of the world behind them nothing is known."""
     count, height, width = frames_dn.shape[:3]
-    geometry, context = capture.geometry, capture.context
-    camera = Camera(
-        "camera",
-        width,
-        height,
-        geometry.pixel_um,
-        geometry.focal_length_px * geometry.pixel_um * 1e-3,
-        principal_point_px=geometry.centre_px,
-    )
+    context = capture.context
     still = np.tile(np.eye(4), (count, 1, 1))
     view = View(
-        camera,
+        camera_of(capture),
         still,
         np.broadcast_to(np.float32(0), (count, height, width, 3)),
         np.broadcast_to(np.float32(np.inf), (count, height, width)),

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.formation import PlacedEffect
 from tacos_framework.report.page import Drawing
 from tacos_gap.captures import Capture
 from tacos_gap.findings import Diagnosis
@@ -46,7 +47,7 @@ class Artist:
     captures
         The captures, for histograms.
     effects
-        The causes as components; none where nothing was added.
+        The causes as a recipe places them; none where nothing was added.
     seed
         Seeds simulations.
     before, after
@@ -55,7 +56,7 @@ class Artist:
 
     problem: Problem
     captures: Sequence[Capture]
-    effects: Sequence[Any]
+    effects: Sequence[PlacedEffect]
     seed: int
     before: str = "simulated"
     after: str | None = "with the causes"

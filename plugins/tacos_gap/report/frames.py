@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import srgb_from_linear
-from tacos_framework.randomness import generator
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import Capture
 from tacos_gap.formation import simulate
 from tacos_gap.report.image_map import DIVERGING
@@ -66,11 +66,12 @@ def to_show(
     return chosen[:most]
 
 
-def compare(capture: Capture, effects: Sequence[Any], seed: int) -> Compared:
+def compare(capture: Capture, effects: Sequence[PlacedEffect], seed: int) -> Compared:
     """Simulate a capture without and with the effects, and set its first real frame beside it."""
-    stacks = [capture.real_dn, simulate(capture, (), generator(seed, "report", capture.id))]
+    draws = EpisodeDraws(seed, ("report", capture.id))
+    stacks = [capture.real_dn, simulate(capture, (), draws)]
     if effects:
-        stacks.append(simulate(capture, effects, generator(seed, "report", capture.id)))
+        stacks.append(simulate(capture, effects, draws))
     means = [stack.mean(axis=0) for stack in stacks]
     differences = [np.where(capture.valid[..., None], means[0] - mean, 0.0) for mean in means[1:]]
     smooth = [_smoothed(d.mean(axis=-1)) for d in differences]

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_framework.randomness import generator
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.palette import MUTED, RULE
 from tacos_gap.captures import Capture
@@ -20,14 +19,14 @@ _MOST_CODES = 160
 
 
 def histogram(
-    name: str, capture: Capture, effects: Sequence[Any], seed: int, *, before: str, after: str | None
+    name: str, capture: Capture, effects: Sequence[PlacedEffect], seed: int, *, before: str, after: str | None
 ) -> str:
     """SVG of the shares of codes; of the densest part where there are many."""
     series = [("real", capture.real_dn, REAL)]
-    rng = ("report", capture.id)
-    series.append((before, simulate(capture, (), generator(seed, *rng)), BEFORE))
+    draws = EpisodeDraws(seed, ("report", capture.id))
+    series.append((before, simulate(capture, (), draws), BEFORE))
     if after is not None:
-        series.append((after, simulate(capture, effects, generator(seed, *rng)), AFTER))
+        series.append((after, simulate(capture, effects, draws), AFTER))
     low, high = _window(capture.real_dn[:, capture.valid])
 
     def paint(figure: Figure) -> None:

@@ -23,6 +23,7 @@ from tacos_framework.report.quantities import duration, number
 from tacos_framework.report.story import design_words
 from tacos_gap.captures import Capture, CaptureFolder
 from tacos_gap.findings import Cause, Diagnosis
+from tacos_gap.problem import placed
 from tacos_gap.report import bars, words
 from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
 from tacos_gap.report.frames import Compared, compare, to_show
@@ -67,7 +68,7 @@ class Circumstances:
 def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Page:
     """The whole page."""
     best = diagnosis.attribution.best
-    effects = [effect for term in best.hypothesis if (effect := term.make()) is not None]
+    effects = placed(best.hypothesis)
     numbers = numbers_of(diagnosis.problem, diagnosis.problem.null, best.held_out)
     after = "with the causes" if effects else None
     artist = Artist(diagnosis.problem, folder.captures, effects, run.seed, after=after)
@@ -146,7 +147,7 @@ def _causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
         wide, narrow = _decided(diagnosis, cause, artist)
         if wide is not None:
             yield wide
-        rows = tuple(words.parameter_row(*item) for item in cause.parameters.items())
+        rows = tuple(row for item in cause.parameters.items() for row in words.parameter_rows(*item))
         table = Table(("parameter", "value", "90 % interval", "unit"), rows)
         beside: list[Drawing | Picture | Table] = [narrow] if narrow is not None else []
         if beside or rows:

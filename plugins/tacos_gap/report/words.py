@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tacos_framework.report.quantities import number, unit_sign
-from tacos_gap.findings import Cause, Diagnosis, Parameter
+from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
 from tacos_gap.report.views import view_of
+from tacos_gap.transfer import added
 
 _NAMED = 5
 """Captures named before the rest are counted."""
+
+_ABBREVIATIONS = frozenset({"CFA", "DSNU", "HDR", "ISP", "JPEG", "LED", "MTF", "PRNU", "PSF"})
+"""Words of the field that are written in capitals."""
 
 _UNITS = {"1": "", "DN^2": "DN²", "um": "µm"}
 
 
 def effect_words(name: str) -> str:
     """An effect as it stands in a sentence: ``lens-distortion`` becomes ``lens distortion``."""
-    known = {"prnu": "PRNU", "dsnu": "DSNU", "jpeg": "JPEG"}
-    return known.get(name, name.replace("-", " "))
+    return " ".join(w.upper() if w.upper() in _ABBREVIATIONS else w for w in name.split("-"))
 
 
 def listed(names: Sequence[str]) -> str:
@@ -96,8 +99,15 @@ def lead(diagnosis: Diagnosis, captures: int) -> str:
     )
 
 
-def parameter_row(name: str, parameter: Parameter) -> tuple[str, str, str, str]:
-    """Name, value, 90 % interval and unit of a parameter."""
+def parameter_rows(name: str, parameter: Parameter) -> list[tuple[str, str, str, str]]:
+    """Name, value, 90 % interval and unit of a parameter; below it the same in physical units."""
+    rows = [_row(name, parameter)]
+    if parameter.physical is not None:
+        rows.append(_row(parameter.physical.name, parameter.physical))
+    return rows
+
+
+def _row(name: str, parameter: Parameter | Physical) -> tuple[str, str, str, str]:
     unit = _UNITS.get(parameter.unit, unit_sign(parameter.unit))
     if isinstance(parameter.value, list):
         rows = "; ".join(" ".join(f"{v:.4g}" for v in row) for row in parameter.value)
@@ -149,13 +159,8 @@ def gathered(limitations: Sequence[str]) -> list[str]:
 
 
 def of_this_camera(causes: Sequence[Cause]) -> str:
-    """Which parameters are in pixels or file values of the captured camera; empty where none is."""
-    found = [
-        f"{effect_words(cause.effect)} ({name})"
-        for cause in causes
-        for name, parameter in cause.parameters.items()
-        if parameter.unit.startswith(("px", "DN")) and parameter.interval is not None
-    ]
+    """Which parameters are handed on in pixels or file values of the captured camera; empty where none is."""
+    found = [f"{effect_words(cause.effect)} ({name})" for cause in causes for name in added(cause).bound]
     if not found:
         return ""
     return (

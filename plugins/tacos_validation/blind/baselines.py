@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.randomness import generator
-from tacos_framework.values.image_geometry import ContextMissing
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import Capture
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.findings import Diagnosis
@@ -55,21 +54,18 @@ def by_pixels(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
     best: tuple[float, str] = (plain * (1 - LEAST_GAIN), "")
     for name, cls in effects.items():
         for start in starts_of(name, cls):
-            effect = start.make()
+            effect = start.placed()
             if effect is None:
                 continue
-            try:
-                error = _pixel_error(chosen, (effect,))
-            except ContextMissing:
-                continue
+            error = _pixel_error(chosen, (effect,))
             best = min(best, (error, name))
     return [best[1]] if best[1] else []
 
 
-def _pixel_error(captures: Sequence[Capture], effects: Sequence[Any]) -> float:
+def _pixel_error(captures: Sequence[Capture], effects: Sequence[PlacedEffect]) -> float:
     total = 0.0
     for capture in captures:
-        frames = simulate(capture, effects, generator(0, "pixels", capture.id), frames=1)
+        frames = simulate(capture, effects, EpisodeDraws(0, ("pixels", capture.id)), frames=1)
         total += float(np.mean((capture.real_dn[0] - frames[0]) ** 2))
     return total
 

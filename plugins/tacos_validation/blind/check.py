@@ -15,7 +15,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
-from tacos_gap.procedures.diagnose import candidate_effects
+from tacos_gap.candidates import candidates
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.generators.orders import (
     CAPTURES,
@@ -77,7 +77,7 @@ class GapBlindCheck:
         done = {case.name for case in cases}
         wanted = [order for order in wanted if order.case not in done]
         real = [case for case in self._real(notes) if case.name not in done]
-        worker = Worker(candidate_effects(plugins))
+        worker = Worker(candidates(plugins).effects)
         progress.phase("Diagnosing withheld effects", len(wanted) + len(real))
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(config.makers, mp_context=context) as makers:

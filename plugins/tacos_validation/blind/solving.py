@@ -53,7 +53,7 @@ class Diagnosing:
         simpler = simpler_answers(found, known) if self.baselines else {}
         return {
             **found.as_data(),
-            "patch": found.patch,
+            "patch": found.effects,
             "seconds": round(seconds, 2),
             "captures": len(folder.captures),
             "pixels": int(pixels),

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from tacos_gap.ambiguity import NextCapture
-from tacos_gap.findings import Cause, Diagnosis, Parameter
+from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
 from tacos_gap.locate import Place
 from tacos_gap.report import words
 from tacos_gap.unknown import Unexplained
@@ -119,11 +119,22 @@ def test_limitations_of_many_captures_are_counted() -> None:
 
 def test_parameters_in_pixels_are_said_to_be_of_this_camera() -> None:
     blur = cause("defocus", parameters={"radius_px": Parameter(1.4, (1.3, 1.5), "px")})
+    blur = replace(blur, settings={"radius_px": 1.4})
     assert "defocus (radius_px)" in words.of_this_camera([blur])
-    assert words.of_this_camera([cause("vignetting")]) == ""
+    assert words.of_this_camera([cause("vignetting", settings={"k1": -0.31})]) == ""
+
+
+def test_parameters_in_physical_units_stand_below_those_of_the_camera_and_hold_for_others() -> None:
+    length = Parameter(1.4, (1.3, 1.5), "px", Physical("radius_um", 4.2, (3.9, 4.5), "um"))
+    blur = cause("defocus", parameters={"radius_px": length}, settings={"radius_px": 1.4})
+    assert words.parameter_rows("radius_px", length) == [
+        ("radius_px", "1.4", "1.3 to 1.5", "px"),
+        ("radius_um", "4.2", "3.9 to 4.5", "µm"),
+    ]
+    assert words.of_this_camera([blur]) == ""
 
 
 def test_a_parameter_that_was_not_fitted_has_no_interval() -> None:
-    assert words.parameter_row("rounding", Parameter("floor", None, "1"))[2] == "not fitted"
-    fitted = words.parameter_row("k1", Parameter(-0.31, (-0.33, -0.29), "1"))
+    assert words.parameter_rows("rounding", Parameter("floor", None, "1"))[0][2] == "not fitted"
+    (fitted,) = words.parameter_rows("k1", Parameter(-0.31, (-0.33, -0.29), "1"))
     assert fitted == ("k1", "\u22120.31", "\u22120.33 to \u22120.29", "")

@@ -7,9 +7,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, structured
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
+
+
+def _distances_known(captures: Captures) -> bool:
+    return any(capture.context.depth_m is not None for capture in structured(captures))
+
+
+def _one_distance(captures: Captures) -> bool:
+    """Whether all that is seen is equally far: air then looks like stray light in the lens."""
+    depths = [c.context.depth_m for c in structured(captures) if c.context.depth_m is not None]
+    return not depths or max(np.max(d) for d in depths) < 1.2 * min(np.min(d) for d in depths)
 
 
 class Haze:
@@ -35,6 +46,12 @@ class Haze:
     stage: ClassVar[Stage] = "scene"
     neutral: ClassVar[Mapping[str, Any]] = {"extinction_per_m": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"extinction_per_m": 0.02},)
+    look_alikes: ClassVar[Sequence[LookAlike]] = (
+        LookAlike("veiling-glare", _one_distance, "scene", "air takes more from what is farther away"),
+    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (
+        ShownBy(_distances_known, "kind scene: things at several distances, with their depth"),
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config

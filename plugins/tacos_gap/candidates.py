@@ -1,0 +1,91 @@
+"""The effects a diagnosis considers: all that are installed and can be built."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.plugins import Plugins
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Effects that can be causes.
+
+    Parameters
+    ----------
+    effects
+        Their classes by name, without ``effect.``.
+    distributions
+        Where those come from that a distribution offers.
+    limitations
+        In a sentence each, what is left out and why.
+    """
+
+    effects: Mapping[str, type[Any]]
+    distributions: Mapping[str, str] = field(default_factory=dict)
+    limitations: tuple[str, ...] = ()
+
+    def without(self, name: str, error: BaseException) -> Candidates:
+        """The candidates without one that raised."""
+        return Candidates(
+            {other: cls for other, cls in self.effects.items() if other != name},
+            self.distributions,
+            (*self.limitations, left_out(name, self.distributions.get(name), error)),
+        )
+
+
+def candidates(plugins: Plugins, without: tuple[str, ...] = ()) -> Candidates:
+    """Every installed effect that can be a cause.
+
+    Parameters
+    ----------
+    plugins
+        What is installed. Effects that lack an optional package, or declare that there is nothing to guess,
+        are no candidates; those that cannot be built with their defaults are named in the limitations.
+    without
+        Names of effects that are not to be considered.
+
+    Raises
+    ------
+    UserError
+        When an effect of `without` is not installed.
+    """
+    found = {
+        r.component.name: r.distribution
+        for r in plugins
+        if r.component.kind == "effect" and not r.component.missing_packages()
+    }
+    if unknown := [name for name in without if name not in found]:
+        raise UserError(
+            Fault("without", f"no effect is called {', '.join(unknown)}", ", ".join(sorted(found)))
+        )
+    effects: dict[str, type[Any]] = {}
+    limitations = []
+    for name in sorted(set(found) - set(without)):
+        try:
+            cls = plugins.resolve(f"effect.{name}", "effect")
+            cls(cls.Config())
+        except Exception as error:  # noqa: BLE001 - whatever a stranger's class raises is said
+            limitations.append(left_out(name, found[name], error))
+        else:
+            if _guesses(cls):
+                effects[name] = cls
+    distributions = {name: found[name] or "" for name in effects}
+    return Candidates(effects, {k: v for k, v in distributions.items() if v}, tuple(limitations))
+
+
+def _guesses(cls: type[Any]) -> bool:
+    """Whether a class says where to begin: one that names no guess is no flaw of a capture."""
+    initial = getattr(cls, "initial_guesses", None)
+    return initial is None or len(initial) > 0 or callable(getattr(cls, "guesses_from", None))
+
+
+def left_out(name: str, distribution: str | None, error: BaseException) -> str:
+    """That an effect is not considered, and why."""
+    of = f" of {distribution}" if distribution else ""
+    why = " ".join(str(error).split()) or "it says nothing more"
+    said = why if isinstance(error, UserError) else f"{type(error).__name__}: {why}"
+    return f"effect.{name}{of} is not considered, since it fails. {said}"
