@@ -35,7 +35,7 @@ format: setup ## Put the code into its format
 	$(bin)/ruff format .
 
 docs: setup ## Write the generated pages of docs/reference, and the code that other pages show, anew
-	$(bin)/python -m tacos_framework.reference docs/reference
+	$(bin)/python -m tacos_plugins.authoring.reference docs/reference
 	$(bin)/python scripts/fill_docs.py
 
 slow: setup ## Run the slow tests (minutes each)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from tacos_framework.components import Component
+from tacos_framework.components import Command, Component
 from tacos_framework.environment import Finding
 from tacos_framework.hookspecs import hookimpl
+from tacos_plugins.authoring.commands import commands
 
 RIGS = {
     "monocular": (
@@ -285,6 +286,12 @@ def _components() -> Iterator[Component]:
             yield Component(kind, name, f"tacos_plugins.{kind}s.{target}", summary, tuple(requires))
     for name, (target, summary) in PROCEDURES.items():
         yield Component("procedure", name, f"tacos_plugins.{target}", summary)
+
+
+@hookimpl
+def tacos_commands() -> list[Command]:
+    """``tacos schema``, ``tacos completion``, ``tacos new-plugin``."""
+    return commands()
 
 
 @hookimpl

@@ -8,9 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tacos_framework.cli.completion import SHELLS
 from tacos_framework.cli.exits import DONE, exit_status
-from tacos_framework.components import KINDS
 
 if TYPE_CHECKING:
     from tacos_framework.environment import Finding
@@ -25,22 +23,6 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
     catalog = commands.add_parser("catalog", help="catalogs of parts and cameras")
     catalog.add_argument("name", nargs="?", help="a catalog to show; all of them are listed without")
-    commands.add_parser("schema", help="print the JSON Schema of recipes, for editors")
-    completion = commands.add_parser("completion", help="print a script that completes commands in a shell")
-    completion.add_argument("shell", choices=SHELLS, help="the shell")
-    completion.add_argument("of", nargs="?", choices=("tacos", "tacos-run"), help="one command alone [both]")
-    new_plugin = commands.add_parser("new-plugin", help="write a plugin project that passes its tests")
-    new_plugin.add_argument("name", metavar="NAME", help="name of the project, tacos-SOMETHING by habit")
-    new_plugin.add_argument(
-        "--kind",
-        dest="kinds",
-        nargs="+",
-        choices=KINDS,
-        default=["task"],
-        metavar="KIND",
-        help=f"kinds of component it offers [task]: {', '.join(KINDS)}",
-    )
-    new_plugin.add_argument("--in", dest="folder", type=Path, default=Path(), help="where to put it [here]")
     report = commands.add_parser("report", help="write report.html of a results folder anew")
     report.add_argument("folder", metavar="DIR", type=Path, help="results folder of a run")
     for command in plugins.commands(taken=tuple(commands.choices)):
@@ -62,9 +44,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         "plugins": lambda arguments: _plugins(plugins),
         "doctor": lambda arguments: _doctor(plugins),
         "catalog": _catalog,
-        "schema": _schema,
-        "completion": _completion,
-        "new-plugin": _new_plugin,
         "report": _report,
     }
     commands = {command.name: command.run for command in plugins.commands()} | own
@@ -124,39 +103,6 @@ def _catalog(arguments: argparse.Namespace) -> int:
     from tacos_framework.cli.catalogs import list_catalogs, show_catalog
 
     print(show_catalog(arguments.name) if arguments.name else list_catalogs())
-    return DONE
-
-
-def _schema(arguments: argparse.Namespace) -> int:
-    import json
-
-    from tacos_framework.plugins import Plugins
-    from tacos_framework.reference.recipe_schema import recipe_schema
-
-    plugins = Plugins.discover()
-    described = recipe_schema(plugins)
-    print(json.dumps(described.schema, indent=1, ensure_ascii=False))
-    for failure in plugins.failures:
-        print(f"left out: plugin {failure.plugin}: {failure.reason}", file=sys.stderr)
-    for use, reason in described.undescribed.items():
-        print(f"without its settings: {use}: {reason}", file=sys.stderr)
-    return DONE
-
-
-def _completion(arguments: argparse.Namespace) -> int:
-    from tacos_framework.cli.completion import completion_script
-
-    print(completion_script(arguments.shell, arguments.of))
-    return DONE
-
-
-def _new_plugin(arguments: argparse.Namespace) -> int:
-    from tacos_framework.scaffold import new_plugin
-
-    for path in new_plugin(arguments.name, arguments.kinds, folder=arguments.folder):
-        print(path)
-    project = arguments.folder / arguments.name
-    print(f"\nInstall and test it:\n  pip install --editable '{project}[test]'\n  pytest {project}")
     return DONE
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter
 from scipy.special import j1
 
-from tacos_framework.camera.blur import (
+from tacos_plugins.effects.blur import (
     airy_transfer,
     blur,
     disc_transfer,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
-from tacos_framework.camera.depth_of_field import blur_by_depth, signed_radius
 from tacos_framework.values import ImageGeometry
+from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
+from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
 
 
 def test_at_twice_the_focus_distance_the_circle_is_that_of_the_thin_lens():

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.camera.distortion import BrownConrady, Fisheye
+from tacos_plugins.effects.lens_models import BrownConrady, Fisheye
 
 PINHOLE = np.eye(3)
 STILL = np.zeros(3)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.camera.electrons import (
+from tacos_plugins.sensors.electrons import (
     PHOTONS_PER_LUX_S_UM2,
     count_electrons,
     photon_transfer_variance,

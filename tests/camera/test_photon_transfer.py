@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.camera.photon_transfer import fit_affine, measure_levels
+from tacos_validation.noise.photon_transfer import fit_affine, measure_levels
 
 
 def bars(

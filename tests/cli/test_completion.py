@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tacos_framework.cli.completion import SHELLS, completion_script
+from tacos_plugins.authoring.completion import SHELLS, completion_script
 
 WORDS = [
     (["tacos-run", "headset_q"], "headset_quick"),

@@ -10,7 +10,7 @@ import pytest
 from tacos_framework import values
 from tacos_framework.components import KINDS
 from tacos_framework.recipe import Recipe
-from tacos_framework.reference.pages import pages
+from tacos_plugins.authoring.reference.pages import pages
 from tests.docs.pages import ROOT
 
 REFERENCE = ROOT / "docs" / "reference"

@@ -16,8 +16,8 @@ from tacos_framework.components import Component
 from tacos_framework.hookspecs import hookimpl
 from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.plugins import Plugins
-from tacos_framework.reference.recipe_schema import recipe_schema
 from tacos_framework.settings.yaml_reader import read_yaml
+from tacos_plugins.authoring.reference.recipe_schema import recipe_schema
 from tests.docs.pages import Block, blocks
 
 SHIPPED = sorted(shipped_folder("recipes").glob("*.yaml"))

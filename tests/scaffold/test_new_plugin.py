@@ -10,7 +10,7 @@ import pytest
 
 from tacos_framework.components import KINDS
 from tacos_framework.errors import UserError
-from tacos_framework.scaffold import new_plugin
+from tacos_plugins.authoring.scaffold import new_plugin
 from tests.fresh_environment import FreshEnvironment
 
 RUFF = '[lint]\nselect = ["E", "W", "F", "I", "B", "UP"]\n'

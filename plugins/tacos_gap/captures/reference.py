@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tacos_framework.reference.pages import NOTICE, settings_table
 from tacos_gap.captures.entries import FolderEntry
 from tacos_gap.captures.reader import MAX_FRAMES
+from tacos_plugins.authoring.reference.pages import NOTICE, settings_table
 
 
 def captures_page() -> str:

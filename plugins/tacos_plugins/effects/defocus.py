@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
-from tacos_framework.camera.depth_of_field import blur_by_depth, signed_radius
 from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
+from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
 from tacos_plugins.effects.shown_by import EDGES
 
 

@@ -9,11 +9,11 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
-from tacos_framework.camera.distortion import BrownConrady, Fisheye
 from tacos_framework.camera.motion import Places
 from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.lens_models import BrownConrady, Fisheye
 from tacos_plugins.effects.shown_by import BOARDS
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import luminance
-from tacos_framework.camera.electrons import Spectrum, count_electrons, photons_per_luminance, system_gain
 from tacos_framework.camera.exposure import gain_factor
 from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Exposure, Rig
+from tacos_plugins.sensors.electrons import Spectrum, count_electrons, photons_per_luminance, system_gain
 
 NEEDED: Mapping[str, str] = {
     "quantum_efficiency": "electrons per photon",
@@ -51,7 +51,7 @@ class Emva:
 
     References
     ----------
-    `tacos_framework.camera.electrons`, which states the equations.
+    `tacos_plugins.sensors.electrons`, which states the equations.
 
     Examples
     --------

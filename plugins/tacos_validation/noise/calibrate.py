@@ -13,7 +13,6 @@ from tacos_framework.catalog import Calibration, load_calibration
 from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plan.building import build, build_rig
 from tacos_framework.plugins import Plugins
-from tacos_framework.report.figures.photon_transfer import photon_transfer
 from tacos_framework.report.page import Code, Drawing, Page, Section, Table, Warnings, write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.settings.yaml_writer import to_yaml
@@ -25,6 +24,7 @@ from tacos_validation.noise.bench import (
     capture_of,
     take_frames,
 )
+from tacos_validation.noise.figure import photon_transfer
 from tacos_validation.noise.frame_files import FrameStack, Mosaic, read_stack
 from tacos_validation.noise.measuring import Measured, doubts, measure
 from tacos_validation.noise.pages import frame_picture, shown
@@ -67,7 +67,7 @@ class CalibrateNoise:
 
     References
     ----------
-    `tacos_framework.camera.photon_transfer`.
+    `tacos_validation.noise.photon_transfer`.
     """
 
     class Config(Settings):

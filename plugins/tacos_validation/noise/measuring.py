@@ -7,7 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.camera.photon_transfer import (
+from tacos_framework.errors import Fault, UserError
+from tacos_validation.noise.figure import Cloud
+from tacos_validation.noise.frame_files import FrameStack
+from tacos_validation.noise.photon_transfer import (
     CLIPPED_SHARE,
     FINEST_DN2,
     AffineFit,
@@ -15,9 +18,6 @@ from tacos_framework.camera.photon_transfer import (
     fit_affine,
     measure_levels,
 )
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.report.figures.photon_transfer import Cloud
-from tacos_validation.noise.frame_files import FrameStack
 
 FEW_FRAMES = 5
 MOVING_EXCESS = 1.5

@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.camera.exposure import gain_factor
-from tacos_framework.camera.photon_transfer import ROUNDING_DN2
 from tacos_framework.catalog import load_calibration
 from tacos_framework.errors import UserError
 from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plan.building import build, build_rig
 from tacos_framework.plugins import Plugins
-from tacos_framework.report.figures.photon_transfer import photon_transfer
 from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings, write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
@@ -27,9 +25,11 @@ from tacos_validation.noise.bench import (
     capture_of,
     take_frames,
 )
+from tacos_validation.noise.figure import photon_transfer
 from tacos_validation.noise.frame_files import FrameStack
 from tacos_validation.noise.measuring import Measured, doubts, measure
 from tacos_validation.noise.pages import frame_picture, shown
+from tacos_validation.noise.photon_transfer import ROUNDING_DN2
 
 
 class CheckedCamera(SimulatedCamera):

@@ -83,7 +83,7 @@ def _render(template: str, words: Mapping[str, object]) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("tacos_framework.scaffold"),
+        loader=PackageLoader("tacos_plugins.authoring.scaffold"),
         undefined=StrictUndefined,
         keep_trailing_newline=True,
         trim_blocks=True,

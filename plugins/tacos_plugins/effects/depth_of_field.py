@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.blur import blur, disc_transfer, kernel_of
 from tacos_framework.values import ImageGeometry
+from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 
 LARGEST_RADIUS_PX = 100.0
 """Wider discs are drawn at this radius [px]."""

@@ -7,8 +7,6 @@ from collections.abc import Iterable
 
 from tacos_framework.errors import Fault, UserError
 
-SHELLS = ("bash", "zsh", "fish")
-
 _RECIPES = {"bash": "_tacos_recipe_files", "zsh": "_tacos_recipe_files", "fish": "(__tacos_recipes)"}
 """How each shell is asked for recipes; bash takes what this prints for files, as its name says so."""
 

@@ -1,0 +1,87 @@
+"""``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from tacos_framework.cli.exits import DONE
+from tacos_framework.components import KINDS, Command
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+def commands() -> list[Command]:
+    """The commands; importing this is light."""
+    return [
+        Command("schema", "print the JSON Schema of recipes, for editors", _no_arguments, _schema),
+        Command(
+            "completion",
+            "print a script that completes commands in a shell",
+            _completion_arguments,
+            _completion,
+        ),
+        Command(
+            "new-plugin",
+            "write a plugin project that passes its tests",
+            _new_plugin_arguments,
+            _new_plugin,
+        ),
+    ]
+
+
+def _no_arguments(parser: argparse.ArgumentParser) -> None:
+    """There are none."""
+
+
+def _schema(arguments: argparse.Namespace) -> int:
+    import json
+
+    from tacos_framework.plugins import Plugins
+    from tacos_plugins.authoring.reference.recipe_schema import recipe_schema
+
+    plugins = Plugins.discover()
+    described = recipe_schema(plugins)
+    print(json.dumps(described.schema, indent=1, ensure_ascii=False))
+    for failure in plugins.failures:
+        print(f"left out: plugin {failure.plugin}: {failure.reason}", file=sys.stderr)
+    for use, reason in described.undescribed.items():
+        print(f"without its settings: {use}: {reason}", file=sys.stderr)
+    return DONE
+
+
+def _completion_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("shell", choices=SHELLS, help="the shell")
+    parser.add_argument("of", nargs="?", choices=("tacos", "tacos-run"), help="one command alone [both]")
+
+
+def _completion(arguments: argparse.Namespace) -> int:
+    from tacos_plugins.authoring.completion import completion_script
+
+    print(completion_script(arguments.shell, arguments.of))
+    return DONE
+
+
+def _new_plugin_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", metavar="NAME", help="name of the project, tacos-SOMETHING by habit")
+    parser.add_argument(
+        "--kind",
+        dest="kinds",
+        nargs="+",
+        choices=KINDS,
+        default=["task"],
+        metavar="KIND",
+        help=f"kinds of component it offers [task]: {', '.join(KINDS)}",
+    )
+    parser.add_argument("--in", dest="folder", type=Path, default=Path(), help="where to put it [here]")
+
+
+def _new_plugin(arguments: argparse.Namespace) -> int:
+    from tacos_plugins.authoring.scaffold import new_plugin
+
+    for path in new_plugin(arguments.name, arguments.kinds, folder=arguments.folder):
+        print(path)
+    project = arguments.folder / arguments.name
+    print(f"\nInstall and test it:\n  pip install --editable '{project}[test]'\n  pytest {project}")
+    return DONE
