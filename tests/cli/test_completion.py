@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tacos_plugins.authoring.completion import SHELLS, completion_script
+from tacos_plugins.authoring.commands import SHELLS
+from tacos_plugins.authoring.completion import completion_script
 
 WORDS = [
     (["tacos-run", "headset_q"], "headset_quick"),
