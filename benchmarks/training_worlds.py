@@ -28,7 +28,7 @@ RECIPE, TASK = "headset_joint_quick", "detect"
 CAMERA, PITCH_DEG = "oak_d_pro_wide", -5.0
 TRAINING_FRAMES, TEST_FRAMES = 32, 24
 FEW = 5
-Lesson = Sequence[FrameBatch]
+TrainingSet = Sequence[FrameBatch]
 
 
 class School:
@@ -40,13 +40,13 @@ class School:
         self._train = plan.recipe.nodes[TASK].train
         camera = next(camera for camera in plan.cameras if camera.name == CAMERA)
         chosen = {**camera.fixes, "pitch_deg": PITCH_DEG}
-        self.own = [self._lesson(chosen, ("own", i), TRAINING_FRAMES) for i in range(worlds)]
-        self.others = [self._lesson(c, ("other", i), TRAINING_FRAMES) for i, c in self._cameras(worlds)]
-        self._exams = [self._lesson(chosen, ("exam", i), TEST_FRAMES) for i in range(exams)]
+        self.own = [self._frames(chosen, ("own", i), TRAINING_FRAMES) for i in range(worlds)]
+        self.others = [self._frames(c, ("other", i), TRAINING_FRAMES) for i, c in self._cameras(worlds)]
+        self._exams = [self._frames(chosen, ("exam", i), TEST_FRAMES) for i in range(exams)]
         self.state: State = self._simulation.initial_states()[TASK]
         self._before = self._examined(self.state)
 
-    def _lesson(self, values: Mapping[str, Any], name: tuple[Any, ...], frames: int) -> Lesson:
+    def _frames(self, values: Mapping[str, Any], name: tuple[Any, ...], frames: int) -> TrainingSet:
         spec = EpisodeSpec(self._plan.recipe.seed, name, frames)
         return list(self._simulation.batches(TASK, values, spec))
 
@@ -61,13 +61,13 @@ class School:
                 yield found, values
                 found += 1
 
-    def teach(self, state: State, lessons: Iterable[Lesson], times: int = 1) -> State:
-        """Train on each lesson in turn, as candidates of a study do, `times` over before the next."""
+    def teach(self, state: State, sets: Iterable[TrainingSet], times: int = 1) -> State:
+        """Train on each set in turn, as candidates of a study do, `times` over before the next."""
         budget = Budget(self._train.epochs, self._train.settings)
-        for number, lesson in enumerate(lessons):
+        for number, frames in enumerate(sets):
             for again in range(times):
                 rng = np.random.default_rng((number, again))
-                state = self._task.fit(lesson, state=state, budget=budget, rng=rng)
+                state = self._task.fit(frames, state=state, budget=budget, rng=rng)
         return state
 
     def _examined(self, state: State) -> np.ndarray:
@@ -102,11 +102,11 @@ def main() -> None:
     print(f"{'':<62} {'AP':>6} {'gain':>7}")
     school.report("as shipped", school.state)
     repeated = school.teach(school.state, school.own[:few], worlds // few)
-    school.report(f"{worlds} lessons with this camera, in {few} worlds", repeated)
+    school.report(f"{worlds} trainings with this camera, in {few} worlds", repeated)
     renewed = school.teach(school.state, school.own)
-    school.report(f"{worlds} lessons with this camera, in {worlds} worlds", renewed)
+    school.report(f"{worlds} trainings with this camera, in {worlds} worlds", renewed)
     mixed = school.teach(school.state, school.others)
-    school.report(f"{worlds} lessons with other cameras, in {worlds} worlds", mixed)
+    school.report(f"{worlds} trainings with other cameras, in {worlds} worlds", mixed)
     school.report(f"these, then {best} with this camera", school.teach(mixed, school.own[:best]))
     alone = school.teach(school.state, school.own[:best])
     school.report(f"{best} with this camera alone", alone)

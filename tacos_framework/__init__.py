@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from tacos_framework.contracts import Task as Task
     from tacos_framework.contracts import Trainable as Trainable
     from tacos_framework.contracts import Transform as Transform
-    from tacos_framework.environment import Finding as Finding
+    from tacos_framework.environment import EnvironmentFinding as EnvironmentFinding
     from tacos_framework.errors import CandidateFailed as CandidateFailed
     from tacos_framework.errors import Fault as Fault
     from tacos_framework.errors import UserError as UserError
@@ -56,9 +56,9 @@ if TYPE_CHECKING:
     from tacos_framework.values import ImageGeometry as ImageGeometry
     from tacos_framework.values import Light as Light
     from tacos_framework.values import Material as Material
+    from tacos_framework.values import MeshPart as MeshPart
     from tacos_framework.values import Mover as Mover
     from tacos_framework.values import Object as Object
-    from tacos_framework.values import Part as Part
     from tacos_framework.values import Rig as Rig
     from tacos_framework.values import Trajectory as Trajectory
     from tacos_framework.values import View as View
@@ -90,7 +90,7 @@ _HOMES = {
         "Trainable",
         "Transform",
     ),
-    "environment": ("Finding",),
+    "environment": ("EnvironmentFinding",),
     "errors": ("CandidateFailed", "Fault", "UserError"),
     "hookspecs": ("hookimpl",),
     "plugins": ("Plugins",),
@@ -116,7 +116,7 @@ _HOMES = {
         "Material",
         "Mover",
         "Object",
-        "Part",
+        "MeshPart",
         "Rig",
         "Trajectory",
         "View",

@@ -62,12 +62,12 @@ def _give_back_memory() -> None:
         trim(0)
 
 
-class Recent(Generic[Made]):
+class LRUCache(Generic[Made]):
     """The `size` most recently used things, made when first asked for.
 
     Examples
     --------
-    >>> squares = Recent(size=2)
+    >>> squares = LRUCache(size=2)
     >>> squares.get(3, lambda: 9)
     9
     >>> squares.get(3, lambda: 0)
@@ -76,7 +76,7 @@ class Recent(Generic[Made]):
 
     def __init__(self, size: int):
         if size < 1:
-            raise ValueError(f"a store of the most recent {size} things holds nothing")
+            raise ValueError(f"an LRU cache of size {size} holds nothing")
         self._size = size
         self._held: OrderedDict[Hashable, Made] = OrderedDict()
 

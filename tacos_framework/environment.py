@@ -12,7 +12,7 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Finding:
+class EnvironmentFinding:
     """One thing ``tacos doctor`` reports.
 
     Parameters
@@ -54,7 +54,7 @@ def package_versions() -> dict[str, str]:
     return versions
 
 
-def describe_environment(workers: int, findings: Iterable[Finding]) -> dict[str, Any]:
+def describe_environment(workers: int, findings: Iterable[EnvironmentFinding]) -> dict[str, Any]:
     """What to know to repeat a run: Python, platform, cores, packages, and what plugins found."""
     return {
         "python": platform.python_version(),

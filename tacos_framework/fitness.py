@@ -13,7 +13,7 @@ from tacos_framework.errors import CandidateFailed
 
 
 @dataclass(frozen=True)
-class Term:
+class FitnessTerm:
     """One term of the fitness.
 
     Parameters
@@ -47,12 +47,12 @@ class Fitness:
 
     Examples
     --------
-    >>> fitness = Fitness((Term("features.inliers", 0.0025), Term("obstacle.seen_ratio", 1.0)))
+    >>> fitness = Fitness((FitnessTerm("features.inliers", 0.0025), FitnessTerm("obstacle.seen_ratio", 1.0)))
     >>> fitness.value({"features.inliers": 200.0, "obstacle.seen_ratio": 0.75})
     1.25
     """
 
-    terms_of: tuple[Term, ...]
+    terms_of: tuple[FitnessTerm, ...]
     scenarios: tuple[tuple[str, float], ...] = ()
     over: Literal["mean", "worst"] = "mean"
 

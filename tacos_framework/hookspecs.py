@@ -12,7 +12,7 @@ from typing import Any
 import pluggy
 
 from tacos_framework.components import Command, Component, ReferencePage
-from tacos_framework.environment import Finding
+from tacos_framework.environment import EnvironmentFinding
 
 hookspec = pluggy.HookspecMarker("tacos")
 hookimpl = pluggy.HookimplMarker("tacos")
@@ -24,7 +24,7 @@ def tacos_components() -> Sequence[Component]:  # type: ignore[empty-body]
 
 
 @hookspec
-def tacos_doctor() -> Sequence[Finding]:  # type: ignore[empty-body]
+def tacos_doctor() -> Sequence[EnvironmentFinding]:  # type: ignore[empty-body]
     """Look at what the plugin's components need on this machine; for ``tacos doctor`` and for results."""
 
 
@@ -48,7 +48,7 @@ def tacos_study_started(recipe: Any, out: Any) -> None:
 
 @hookspec
 def tacos_generation_finished(generation: int, evaluated: Sequence[Any], best: Any) -> None:
-    """A generation was told: number from 0, its `Evaluation`s, and the best so far (or None)."""
+    """A generation was evaluated: number from 0, its `Evaluation`s, and the best so far (or None)."""
 
 
 @hookspec

@@ -8,7 +8,7 @@ from itertools import count
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tacos_framework.values import Camera, Episode, Light, Material, Object, Part, Rig, Trajectory, World
+from tacos_framework.values import Camera, Episode, Light, Material, MeshPart, Object, Rig, Trajectory, World
 
 _keys = count()
 
@@ -20,29 +20,31 @@ def matte(reflectance: float = 1.0, **figures: object) -> Material:
 
 def quad(
     centre_m: ArrayLike, half_u_m: ArrayLike, half_v_m: ArrayLike, material: int = 0, object_id: int = 0
-) -> Part:
+) -> MeshPart:
     """A rectangle that faces along u x v."""
     centre, u, v = (np.asarray(each, np.float64) for each in (centre_m, half_u_m, half_v_m))
     corners = np.array([centre - u - v, centre + u - v, centre + u + v, centre - u + v])
     normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
     lu, lv = np.linalg.norm(u), np.linalg.norm(v)
     uv = np.array([[-lu, -lv], [lu, -lv], [lu, lv], [-lu, lv]])
-    return Part(corners, np.tile(normal, (4, 1)), uv, [[0, 1, 2], [0, 2, 3]], material, object_id)
+    return MeshPart(corners, np.tile(normal, (4, 1)), uv, [[0, 1, 2], [0, 2, 3]], material, object_id)
 
 
 def disc(
     centre_m: ArrayLike, u: ArrayLike, v: ArrayLike, radius_m: float, material: int = 0, object_id: int = 0
-) -> Part:
+) -> MeshPart:
     """A disc of 64 triangles spanned by unit vectors, facing along u x v."""
     centre, u, v = (np.asarray(each, np.float64) for each in (centre_m, u, v))
     turn = np.arange(64) / 64 * 2 * np.pi
     rim = centre + radius_m * (np.cos(turn)[:, None] * u + np.sin(turn)[:, None] * v)
     vertices = np.vstack([rim, centre])
     triangles = [[64, i, (i + 1) % 64] for i in range(64)]
-    return Part(vertices, np.tile(np.cross(u, v), (65, 1)), np.zeros((65, 2)), triangles, material, object_id)
+    return MeshPart(
+        vertices, np.tile(np.cross(u, v), (65, 1)), np.zeros((65, 2)), triangles, material, object_id
+    )
 
 
-def box(lower_m: ArrayLike, upper_m: ArrayLike, material: int = 0, object_id: int = 0) -> list[Part]:
+def box(lower_m: ArrayLike, upper_m: ArrayLike, material: int = 0, object_id: int = 0) -> list[MeshPart]:
     """The six sides of a box, facing outwards; a room is a box of negative size, facing inwards."""
     lower, upper = np.asarray(lower_m, np.float64), np.asarray(upper_m, np.float64)
     centre, half = (lower + upper) / 2, (upper - lower) / 2
@@ -58,16 +60,18 @@ def box(lower_m: ArrayLike, upper_m: ArrayLike, material: int = 0, object_id: in
     return sides
 
 
-def room(lower_m: ArrayLike, upper_m: ArrayLike, material: int = 0) -> list[Part]:
+def room(lower_m: ArrayLike, upper_m: ArrayLike, material: int = 0) -> list[MeshPart]:
     """Floor, ceiling and walls of a room, facing inwards."""
     inwards = []
     for side in box(lower_m, upper_m, material):
-        inwards.append(Part(side.vertices_m, -side.normals, side.uv_m, side.triangles[:, ::-1], material, 0))
+        inwards.append(
+            MeshPart(side.vertices_m, -side.normals, side.uv_m, side.triangles[:, ::-1], material, 0)
+        )
     return inwards
 
 
 def world(
-    parts: Sequence[Part],
+    parts: Sequence[MeshPart],
     materials: Sequence[Material] = (),
     lights: Sequence[Light] = (),
     *,

@@ -5,14 +5,14 @@
 ``sensing``        the noise of captures as a sensor, or a sensor component in its place
 ``formation``      captures simulated by the image formation of studies
 ``statistics``     what images are compared by, family by family
-``evidence``       captures turned into numbers, with the floor below which differences mean nothing
+``evidence``       captures turned into numbers, with the noise floor below which differences mean nothing
 ``boards``         the same for chessboards, by their corners
 ``problem``        all evidence together, and how a hypothesis fares on it
 ``locate``         where a gap lies
 ``candidates``     the effects that are considered: all that are installed and can be built
 ``parameters``     effects as hypotheses, and where the search for each begins
 ``fit``            parameters that explain the evidence best
-``screening``      which effects look promising
+``screening``      which effects are worth a fit
 ``attribution``    which effects: forward selection on held-out conditions, with ``pruning`` of parameters
 ``intervals``      how well the captures settle the parameters
 ``unknown``        whether what is left fits no effect

@@ -8,7 +8,7 @@ from typing import Any
 
 from tacos_framework.contracts import LookAlike
 from tacos_framework.plugins.guarded import calling
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class NextCapture:
 
 
 def confused_with(
-    effect: str, effects: Mapping[str, type[Any]], captures: Sequence[Capture]
+    effect: str, effects: Mapping[str, type[Any]], captures: Sequence[RealCapture]
 ) -> dict[str, NextCapture]:
     """Effects these captures cannot tell from `effect`, each with the capture that would.
 

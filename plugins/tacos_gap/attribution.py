@@ -1,6 +1,6 @@
 """Which effects: forward selection with removals, scored on held-out conditions.
 
-Of the effects that were screened only the most promising are fitted, round by round.
+Of the effects that were screened only those of the highest screening scores are fitted, round by round.
 """
 
 from __future__ import annotations
@@ -12,32 +12,32 @@ from typing import Any
 
 import numpy as np
 
-from tacos_gap.evidence import Judged
+from tacos_gap.evidence import ReplicateResiduals
 from tacos_gap.fit import Fitted, finished, fit, rescored
-from tacos_gap.parameters import Term
-from tacos_gap.problem import Hypothesis, Problem, bent
+from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.problem import Hypothesis, Problem, robust
 from tacos_gap.pruning import pruned
-from tacos_gap.screening import Trials, in_units, promise, starts_of_all, try_all
+from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
 from tacos_gap.unknown import block_index, unexplained
 
 LARGEST = 3
 """Most effects in one explanation."""
 
-PRICE = 6.0
-"""What an effect must gain on held-out conditions to be believed in [nat]."""
+COMPLEXITY_PENALTY = 6.0
+"""Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
 
 LEAST_SHARE = 0.003
 """What it must gain over what all have gained so far: no model is exact, and a rest is always there."""
 
 LEAST_CHANGE = 0.25
-"""Mean square by which an effect must change some statistic of a capture; less is nobody's concern."""
+"""Mean square by which an effect must change some statistic of a capture; less is negligible."""
 
 TRIED = 4
 """Effects fitted in each round."""
 
 WIDER = 3.0
-"""Where an explanation spreads so much more than the simulator, as lamps do whose phase nobody knows, it was
-judged in units too narrow and by the luck of one simulation: its fit begins anew."""
+"""Where an explanation spreads so much more than the simulator, as lamps of unknown phase do, it was scored
+in units too narrow and by the luck of one simulation: its fit begins anew."""
 
 MANY = 0.05
 """Share of the numbers that must be so much wider."""
@@ -45,8 +45,8 @@ MANY = 0.05
 AVERAGED = 3
 """Simulations whose mean stands for such an explanation."""
 
-_FORETOLD = 0.25
-"""Share of its price that the trials of an effect must promise for it to be fitted beside others."""
+SCREENING_FRACTION = 0.25
+"""Screening score, over the complexity penalty, above which an effect is fitted beside others."""
 
 Notify = Callable[[str], None]
 
@@ -67,7 +67,7 @@ class Attribution:
     fits
         All sets of effects that were fitted.
     problem
-        The evidence, in units of the floor of the explanation.
+        The evidence, in units of the noise floor of the explanation.
     """
 
     best: Fitted
@@ -77,7 +77,7 @@ class Attribution:
     problem: Problem
 
 
-class Search:
+class ForwardSelection:
     """Looks for the effects behind a gap.
 
     Parameters
@@ -104,7 +104,7 @@ class Search:
         self._workers = workers
         self._effects = effects
         self._fits: dict[tuple[str, ...], Fitted] = {}
-        self._trials: Trials = {}
+        self._directions: ScreeningDirections = {}
 
     def run(self) -> Attribution:
         """Search, and compare what was found with its rivals."""
@@ -115,19 +115,19 @@ class Search:
             self._pool = pool
             best = null
             while True:
-                best, judged = self._in_its_units(best)
+                best, residuals = self._in_its_units(best)
                 enough = len(best.hypothesis) == LARGEST
-                if enough or not unexplained(self.problem, judged).stands_out:
+                if enough or not unexplained(self.problem, residuals).is_significant:
                     break
-                # where nothing stands out, nothing is tried
-                self._trials = self._trials or try_all(self.problem, self._effects, pool.map)
+                # where nothing is significant, nothing is tried
+                self._directions = self._directions or try_all(self.problem, self._effects, pool.map)
                 better = self._extended(best)
                 if better is None:
                     break
-                best = self._thinned(better)
+                best = self._backward_elimination(better)
                 self._notify(" + ".join(best.names))
             for _ in range(LARGEST):
-                best = self._cleaned(best)
+                best = self._pruned(best)
                 slots = {name: self._rivals(best, name) for name in best.names}
                 better = self._better_rival(best, slots)
                 if better is None:
@@ -136,31 +136,31 @@ class Search:
             best = finished(self.problem, best)
             return Attribution(best, self._fits[()], slots, self._fits, self.problem)
 
-    def _in_its_units(self, best: Fitted) -> tuple[Fitted, Judged]:
-        """An explanation in units of its own floor, and how it fares there."""
+    def _in_its_units(self, best: Fitted) -> tuple[Fitted, ReplicateResiduals]:
+        """An explanation in units of its own noise floor, and how it fares there."""
         before = self.problem.scale
-        judged = self.problem.judged(best.hypothesis)
-        best = self._in_units_of(judged, best)
+        residuals = self.problem.replicate_residuals(best.hypothesis)
+        best = self._in_units_of(residuals, best)
         if best.hypothesis and np.mean(self.problem.scale > WIDER * before) > MANY:
             best = self._begun_anew(best)
-            judged = self.problem.judged(best.hypothesis)
-            best = self._in_units_of(judged, best)
-        return best, judged
+            residuals = self.problem.replicate_residuals(best.hypothesis)
+            best = self._in_units_of(residuals, best)
+        return best, residuals
 
-    def _in_units_of(self, judged: Judged, best: Fitted) -> Fitted:
-        """Take the floor of the explanation so far for the unit; what was simulated is only rescaled."""
+    def _in_units_of(self, residuals: ReplicateResiduals, best: Fitted) -> Fitted:
+        """Take the noise floor of the explanation so far as the unit; simulations are only rescaled."""
         before = self.problem.scale
-        self.problem = self.problem.reweighted(np.maximum(judged.scale, 1.0))
+        self.problem = self.problem.reweighted(np.maximum(residuals.scale, 1.0))
         self._fits = {k: rescored(self.problem, fitted, before) for k, fitted in self._fits.items()}
-        self._trials = in_units(self._trials, before / self.problem.scale)
+        self._directions = in_units(self._directions, before / self.problem.scale)
         return self._fits[tuple(sorted(best.names))]
 
     def _begun_anew(self, best: Fitted) -> Fitted:
-        """The explanation with its last effect fitted again, in the units of now, from each of its trials."""
+        """The explanation with its last effect fitted again, in the units of now, from each initial guess."""
         self.problem = self.problem.averaging(AVERAGED)
         *rest, last = best.hypothesis
-        starts = [last, *starts_of_all(self._trials[last.name])]
-        fits = self._pool.map(lambda start: fit(self.problem, (*rest, start)), starts)
+        initial_guesses = [last, *all_initial_guesses(self._directions[last.name])]
+        fits = self._pool.map(lambda guess: fit(self.problem, (*rest, guess)), initial_guesses)
         return self._kept(max((f for f in fits if f is not None), key=lambda fitted: fitted.score))
 
     def _kept(self, fitted: Fitted) -> Fitted:
@@ -171,49 +171,53 @@ class Search:
     # rounds -----------------------------------------------------------------------------------------------
 
     def _extended(self, base: Fitted) -> Fitted | None:
-        """The best explanation with one more effect; None when none is worth its price."""
-        least = _FORETOLD * self._price(base)
+        """The best explanation with one more effect; None when none is worth its complexity penalty."""
+        least = SCREENING_FRACTION * self._complexity_penalty(base)
         tried = self._fitted(
-            [(*base.hypothesis, start) for start in self._promising(base, TRIED, least=least)]
+            [(*base.hypothesis, guess) for guess in self._screened(base, TRIED, least=least)]
         )
         tried = [fitted for fitted in tried if self._shows(base, fitted)]
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
-        return best if best.score > base.score + self._price(best) else None
+        return best if best.score > base.score + self._complexity_penalty(best) else None
 
     def _shows(self, base: Fitted, fitted: Fitted) -> bool:
-        """Whether what a fit changes is more than nobody's concern in any statistic of any capture.
+        """Whether what a fit changes exceeds the equivalence margin in any statistic of any capture.
 
         Thousands of pixels find a little of everything in every camera.
         """
         blocks = block_index(self.problem)
-        change = np.bincount(blocks, (bent(fitted.z) - bent(base.z)) ** 2) / np.bincount(blocks)
+        change = np.bincount(blocks, (robust(fitted.z) - robust(base.z)) ** 2) / np.bincount(blocks)
         return bool(change.max() >= LEAST_CHANGE)
 
-    def _price(self, fitted: Fitted) -> float:
+    def _complexity_penalty(self, fitted: Fitted) -> float:
         """What one more effect must gain [nat]."""
-        return max(PRICE, LEAST_SHARE * (fitted.score - self._fits[()].score))
+        return max(COMPLEXITY_PENALTY, LEAST_SHARE * (fitted.score - self._fits[()].score))
 
-    def _promising(
+    def _screened(
         self, base: Fitted, count: int, without: Sequence[str] = (), least: float = 0.0
-    ) -> list[Term]:
-        """Starts of the effects that promise most on top of `base`, and more than `least` [nat]."""
-        free = [name for name in self._trials if name not in base.names and name not in without]
-        promises = sorted((promise(self._trials[name], base.z) for name in free), key=lambda p: -p.gain)
+    ) -> list[HypothesisTerm]:
+        """Initial guesses of the effects with the highest screening scores on `base`, above `least` [nat]."""
+        free = [name for name in self._directions if name not in base.names and name not in without]
+        scores = sorted(
+            (screening_score(self._directions[name], base.z) for name in free), key=lambda p: -p.gain
+        )
         worth = 0.5 * self.problem.weight
-        return [each.start for each in promises[:count] if worth * each.gain > least]
+        return [each.initial_guess for each in scores[:count] if worth * each.gain > least]
 
-    def _cleaned(self, fitted: Fitted) -> Fitted:
-        """A fit led to its end, without parameters and effects that it does not need there."""
+    def _pruned(self, fitted: Fitted) -> Fitted:
+        """A converged fit, without parameters and effects that it does not need there."""
         ended = self._kept(finished(self.problem, fitted))
-        return self._thinned(self._kept(pruned(self.problem, ended, least=self._price(ended) / 3)))
+        return self._backward_elimination(
+            self._kept(pruned(self.problem, ended, least=self._complexity_penalty(ended) / 3))
+        )
 
-    def _thinned(self, fitted: Fitted) -> Fitted:
-        """Without effects that another made superfluous."""
+    def _backward_elimination(self, fitted: Fitted) -> Fitted:
+        """Backward elimination: without effects that another made superfluous."""
         for name in fitted.names:
             fewer = self._fitted([tuple(t for t in fitted.hypothesis if t.name != name)])
-            if fewer and fewer[0].score > fitted.score - self._price(fitted):
+            if fewer and fewer[0].score > fitted.score - self._complexity_penalty(fitted):
                 fitted = fewer[0]
         return fitted
 
@@ -221,9 +225,9 @@ class Search:
         """Scores with other effects in the place of `name`."""
         rest = tuple(term for term in fitted.hypothesis if term.name != name)
         (without,) = self._fitted([rest])
-        starts = self._promising(without, TRIED, without=[name])
-        scores = {name: fitted.score, "": without.score + PRICE}
-        for rival in self._fitted([(*rest, start) for start in starts]):
+        initial_guesses = self._screened(without, TRIED, without=[name])
+        scores = {name: fitted.score, "": without.score + COMPLEXITY_PENALTY}
+        for rival in self._fitted([(*rest, guess) for guess in initial_guesses]):
             scores[rival.names[-1]] = rival.score
         return scores
 

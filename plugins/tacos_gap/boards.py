@@ -17,17 +17,17 @@ from tacos_framework.formation import PlacedEffect, in_image_units
 from tacos_framework.plugins.guarded import calling
 from tacos_framework.randomness import generator
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
-from tacos_gap.captures import Capture
-from tacos_gap.evidence import REPLICATES, Judged, Label
+from tacos_gap.captures import RealCapture
+from tacos_gap.evidence import N_NULL_REPLICATES, Label, ReplicateResiduals
 
 CORNER_PX = 0.12
 """Standard deviation of a detected corner [px]."""
 
-AMPLITUDE_PX = 0.16
-"""Displacements this small are nobody's concern: boards are not flat to less, nor squares square [px]."""
+MARGIN_PX = 0.16
+"""Equivalence margin: boards are not flat to less, nor squares square [px]."""
 
 
-def find_corners(capture: Capture) -> NDArray[np.float64] | None:
+def find_corners(capture: RealCapture) -> NDArray[np.float64] | None:
     """(K, 2) corners of the board in the mean of the frames, in its order; None if not all are seen."""
     assert capture.board is not None
     image = capture.real_dn.mean(axis=0).mean(axis=-1)
@@ -60,11 +60,15 @@ class BoardEvidence:
     corners_px
         (K, 2) what `find_corners` saw in it.
     seed
-        Seeds the floor.
+        Seeds the noise floor.
     """
 
     def __init__(
-        self, capture: Capture, corners_px: NDArray[np.float64], seed: int, replicates: int = REPLICATES
+        self,
+        capture: RealCapture,
+        corners_px: NDArray[np.float64],
+        seed: int,
+        replicates: int = N_NULL_REPLICATES,
     ):
         assert capture.board is not None
         self.capture = capture
@@ -80,7 +84,7 @@ class BoardEvidence:
                 [0, 0, 1],
             ]
         )
-        self._sigma_px = np.hypot(CORNER_PX, AMPLITUDE_PX)
+        self._sigma_px = np.hypot(CORNER_PX, MARGIN_PX)
         radius = np.hypot(*(corners_px - geometry.centre_px).T) / geometry.half_diagonal_px
         self.labels = [
             Label(
@@ -93,7 +97,7 @@ class BoardEvidence:
             for axis in "xy"
             for r in radius
         ]
-        self.floor = self._make_floor(seed, replicates)
+        self.null_replicates = self._make_null_replicates(seed, replicates)
 
     def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """See `tacos_gap.evidence.Evidence`; only effects that move pixels bear on it."""
@@ -116,10 +120,10 @@ class BoardEvidence:
         seen = np.linalg.solve(np.stack([across, down], axis=-1), misfit[..., None])[..., 0]
         return np.asarray(seen.T.ravel())
 
-    def judged(self, effects: Sequence[PlacedEffect]) -> Judged:
+    def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
         """See `tacos_gap.evidence.Evidence`: corners are found as well, whatever the lens."""
         z = self.residual(effects)
-        return Judged(z, self.floor, np.ones_like(z))
+        return ReplicateResiduals(z, self.null_replicates, np.ones_like(z))
 
     def _misfit(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         solved, rotation, shift = cv2.solvePnP(
@@ -130,7 +134,7 @@ class BoardEvidence:
         seen = cv2.projectPoints(self._points_mm, rotation, shift, self._camera, None)[0].reshape(-1, 2)
         return np.asarray((places - seen).T.ravel() / self._sigma_px)
 
-    def _make_floor(self, seed: int, replicates: int) -> NDArray[np.float64]:
+    def _make_null_replicates(self, seed: int, replicates: int) -> NDArray[np.float64]:
         """A perfect view with the noise of detection, its pose refitted."""
         rng = generator(seed, "board", self.capture.id)
         _, rotation, shift = cv2.solvePnP(self._points_mm, self.corners_px, self._camera, None)

@@ -11,13 +11,13 @@ from tacos_framework.randomness import generator
 from tacos_framework.settings import unit_of
 from tacos_gap.ambiguity import NextCapture, confused_with
 from tacos_gap.attribution import Attribution
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.closure import bootstrap_interval, closure, shapley
 from tacos_gap.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
-from tacos_gap.parameters import Term
-from tacos_gap.problem import Problem, bent
+from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.problem import Problem, robust
 from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained, block_index
 
@@ -31,7 +31,7 @@ def causes_of(
     problem: Problem,
     attribution: Attribution,
     left: Unexplained,
-    captures: Sequence[Capture],
+    captures: Sequence[RealCapture],
     effects: Mapping[str, type[Any]],
     seed: int,
 ) -> list[Cause]:
@@ -61,9 +61,9 @@ def causes_of(
     values = _subset_closures(problem, best, before)
     shares = shapley(best.names, lambda names: values[names])
     interval = bootstrap_interval(
-        bent(problem.null) ** 2,
-        bent(best.held_out) ** 2,
-        problem.floor_size,
+        robust(problem.null) ** 2,
+        robust(best.held_out) ** 2,
+        problem.noise_floor_rms,
         groups,
         generator(seed, "closure"),
     )
@@ -118,7 +118,7 @@ def _subset_closures(problem: Problem, best: Fitted, before: float) -> dict[tupl
     return values
 
 
-def _parameters(term: Term, half_width: Any, camera: Photographed) -> dict[str, Parameter]:
+def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> dict[str, Parameter]:
     found: dict[str, Parameter] = {}
     settings = term.settings
     reach = dict(zip(term.free, half_width, strict=True))
@@ -137,7 +137,7 @@ def _parameters(term: Term, half_width: Any, camera: Photographed) -> dict[str, 
     }
 
 
-def _settings(term: Term) -> dict[str, Any]:
+def _settings(term: HypothesisTerm) -> dict[str, Any]:
     """Settings for a recipe, in plain numbers."""
     plain: dict[str, Any] = {}
     for name, value in term.settings.items():
@@ -149,7 +149,7 @@ def _settings(term: Term) -> dict[str, Any]:
 
 
 def _evidence(
-    problem: Problem, best: Fitted, term: Term, rest: tuple[str, ...], attribution: Attribution
+    problem: Problem, best: Fitted, term: HypothesisTerm, rest: tuple[str, ...], attribution: Attribution
 ) -> str:
     """The statistic that the effect explains most of, in a sentence."""
     without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
@@ -163,7 +163,7 @@ def _evidence(
     size: dict[str, tuple[float, float, int]] = {}
     for label, a, b in zip(problem.labels, without, best.z, strict=True):
         gain[label.statistic] = gain.get(label.statistic, 0.0) + float(
-            bent(np.array(a)) ** 2 - bent(np.array(b)) ** 2
+            robust(np.array(a)) ** 2 - robust(np.array(b)) ** 2
         )
         x, y, n = size.get(label.statistic, (0.0, 0.0, 0))
         size[label.statistic] = (x + float(a) ** 2, y + float(b) ** 2, n + 1)
@@ -172,7 +172,8 @@ def _evidence(
     name = top.replace("_", " ").capitalize()
     without_it, with_it = np.sqrt(x / n), np.sqrt(y / n)
     return (
-        f"{name} differs by {without_it:.1f} times the floor without it and by {with_it:.1f} with it{lead}."
+        f"{name} differs by {without_it:.1f} times the noise floor without it "
+        f"and by {with_it:.1f} with it{lead}."
     )
 
 
@@ -190,7 +191,7 @@ def slot_probabilities(scores: Mapping[str, float]) -> dict[str, float]:
 def cause_set_of(
     causes: Sequence[Cause],
     attribution: Attribution,
-    captures: Sequence[Capture],
+    captures: Sequence[RealCapture],
     effects: Mapping[str, type[Any]],
 ) -> tuple[tuple[str, ...], NextCapture | None]:
     """The smallest set that holds the truth with `CONFIDENCE`, and a capture that would make it smaller."""

@@ -1,4 +1,4 @@
-"""How far the gap shrinks: each effect alone, all together, each one's share, and a placebo."""
+"""How far the gap shrinks: each effect alone, all together, each one's share, and a negative control."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 
 def closure(before: float, after: float, floor: float = 1.0) -> float:
-    """Share of the gap above the floor that is gone: ``(before - after) / (before - floor)``.
+    """Share of the gap above the noise floor that is gone: ``(before - after) / (before - floor)``.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def bootstrap_interval(
     before, after
         (K,) squared residuals.
     floor
-        Root mean square of the floor.
+        Root mean square of the noise floor.
     groups
         (K,) the group each number belongs to.
     """

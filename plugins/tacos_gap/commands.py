@@ -12,7 +12,7 @@ from tacos_framework.errors import UserError
 
 if TYPE_CHECKING:
     from tacos_gap.candidates import Candidates
-    from tacos_gap.captures import Capture, CaptureFolder
+    from tacos_gap.captures import CaptureFolder, RealCapture
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -116,7 +116,7 @@ def _gathered(limitations: Iterable[str]) -> Iterator[str]:
         yield f"{', '.join(names)}: {text}"
 
 
-def _row(capture: Capture) -> tuple[str, ...]:
+def _row(capture: RealCapture) -> tuple[str, ...]:
     expected = "-" if capture.expected_dn is None else f"{capture.expected_dn.mean():.1f}"
     return (
         capture.id,

@@ -11,10 +11,10 @@ import numpy as np
 
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
-from tacos_gap.attribution import Attribution, Search
+from tacos_gap.attribution import Attribution, ForwardSelection
 from tacos_gap.boards import BoardEvidence, find_corners
 from tacos_gap.candidates import Candidates
-from tacos_gap.captures import Capture, CaptureFolder
+from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
 from tacos_gap.closure import closure
@@ -23,8 +23,8 @@ from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.fit import Fitted
 from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
-from tacos_gap.parameters import Term
-from tacos_gap.problem import Problem, bent
+from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.problem import Problem, robust
 from tacos_gap.transfer import of_one_specimen
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
@@ -84,7 +84,7 @@ def diagnose(
 
 def _explained(
     problem: Problem,
-    captures: Sequence[Capture],
+    captures: Sequence[RealCapture],
     effects: Mapping[str, type[Any]],
     seed: int,
     workers: int,
@@ -92,9 +92,9 @@ def _explained(
 ) -> Diagnosis:
     """What some effects explain of the evidence."""
     tell("trying effects")
-    attribution = Search(problem, effects, workers, tell).run()
+    attribution = ForwardSelection(problem, effects, workers, tell).run()
     best, problem = attribution.best, attribution.problem
-    left = unexplained(problem, problem.judged(best.hypothesis))
+    left = unexplained(problem, problem.replicate_residuals(best.hypothesis))
     tell("how far the gap shrinks")
     causes = causes_of(problem, attribution, left, captures, effects, seed)
     if left.probability >= 0.5:  # a little of everything fits what nothing explains
@@ -114,7 +114,7 @@ def _explained(
         unknown=left,
         next_capture=wanted,
         below_floor=_below_floor(attribution, causes),
-        placebo=_placebo(problem, attribution),
+        negative_control=_negative_control(problem, attribution),
         limitations=tuple(of_one_specimen(cause) for cause in causes if cause.specimen),
         problem=problem,
         attribution=attribution,
@@ -129,7 +129,7 @@ def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evi
     return evidence, [text for text in found if isinstance(text, str) and text]
 
 
-def _evidence_of(capture: Capture, seed: int) -> Evidence | str:
+def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
     """The evidence of a capture, or in a sentence why there is none; empty where that was said on reading."""
     if capture.kind == "board":
         corners = find_corners(capture)
@@ -151,7 +151,7 @@ def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexpla
     return "partly_explained" if closure(before, after) >= 0.5 else "unknown"
 
 
-def _rival_hypotheses(attribution: Attribution, cause_set: Sequence[str]) -> list[tuple[Term, ...]]:
+def _rival_hypotheses(attribution: Attribution, cause_set: Sequence[str]) -> list[tuple[HypothesisTerm, ...]]:
     """The best explanation, and those with another member of the set in it."""
     best = attribution.best.hypothesis
     rivals = [best]
@@ -174,7 +174,7 @@ def _below_floor(attribution: Attribution, causes: Sequence[Cause]) -> tuple[str
     return tuple(dict.fromkeys(small))
 
 
-def _placebo(problem: Problem, attribution: Attribution) -> tuple[str, float] | None:
+def _negative_control(problem: Problem, attribution: Attribution) -> tuple[str, float] | None:
     """The closure of a wrong effect as flexible as the best cause: what flexibility alone would buy."""
     if not attribution.best.hypothesis:
         return None
@@ -196,9 +196,9 @@ def _gap_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, flo
         return 0.0, 0.0
     rng = generator(seed, "gap interval")
     count = int(groups.max()) + 1
-    sums = np.bincount(groups, bent(best.held_out) ** 2, count)
+    sums = np.bincount(groups, robust(best.held_out) ** 2, count)
     sizes = np.bincount(groups, minlength=count)
     drawn = rng.integers(count, size=(200, count))
-    gaps = np.sqrt(sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1)) / problem.floor_size
+    gaps = np.sqrt(sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1)) / problem.noise_floor_rms
     low, high = np.percentile(gaps, (5, 95))
     return float(low), float(high)

@@ -1,7 +1,7 @@
 """Captures turned into standardised differences between the real camera and a simulation of it.
 
-The floor is the simulator's own: the same captures simulated many times over with other noise. What differs
-by less than that, or by less than the amplitude a statistic names as nobody's concern, is no gap.
+The noise floor is the simulator's own: the same captures simulated many times over with other noise. What
+differs by less than that, or by less than the equivalence margin of its statistic, is no gap.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from tacos_framework.contracts import LIGHT_STAGES
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.randomness import generator
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.formation import lit_by, simulate
-from tacos_gap.statistics import Block, Sample, measure
+from tacos_gap.statistics import Sample, StatisticBlock, measure
 
-REPLICATES = 16
-"""Simulations of each capture that the floor is made of."""
+N_NULL_REPLICATES = 16
+"""Null replicates: simulations of each capture that its noise floor is made of."""
 
-JUDGES = 16
-"""Simulations that the floor of a hypothesis is made of."""
+N_REPLICATES = 16
+"""Simulated replicates that the noise floor of a hypothesis is made of."""
 
 SPREAD_OF_ONE = 1.5
 """Variance of real less simulated over that of real alone: the simulated mean is not known exactly."""
@@ -42,21 +42,21 @@ class Label:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
-    """Residuals against the floor of a hypothesis rather than that of the simulator as it is.
+class ReplicateResiduals:
+    """Residuals against simulated replicates of a hypothesis, in units of its own noise floor.
 
     Parameters
     ----------
     z
-        (K,) residuals [floor].
-    floor
-        (B, K) the hypothesis against itself [floor].
+        (K,) residuals [noise floor].
+    replicates
+        (B, K) the hypothesis against itself [noise floor].
     scale
-        (K,) this floor over the simulator's own, at least 1.
+        (K,) this noise floor over the simulator's own, at least 1.
     """
 
     z: NDArray[np.float64]
-    floor: NDArray[np.float64]
+    replicates: NDArray[np.float64]
     scale: NDArray[np.float64]
 
 
@@ -69,16 +69,16 @@ class Evidence(Protocol):
         ...
 
     @property
-    def floor(self) -> NDArray[np.float64]:
+    def null_replicates(self) -> NDArray[np.float64]:
         """(B, K) the numbers when the simulator stands against itself."""
         ...
 
     def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
-        """(K,) real less the mean of so many simulations with these effects, in units of the floor."""
+        """(K,) real less the mean of so many simulations with these effects, in units of the noise floor."""
         ...
 
-    def judged(self, effects: Sequence[PlacedEffect]) -> Judged:
-        """Residuals and floor when these effects are part of the simulator."""
+    def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
+        """Residuals and replicates when these effects are part of the simulator."""
         ...
 
 
@@ -92,10 +92,10 @@ class ImageEvidence:
     seed
         Seeds the noise of the simulations.
     replicates
-        Simulations the floor is made of.
+        Simulations the noise floor is made of.
     """
 
-    def __init__(self, capture: Capture, seed: int, replicates: int = REPLICATES):
+    def __init__(self, capture: RealCapture, seed: int, replicates: int = N_NULL_REPLICATES):
         assert capture.expected_dn is not None
         self.capture = capture
         self._seed = seed
@@ -110,10 +110,12 @@ class ImageEvidence:
         self._draws = draws
         self.mean = draws.mean(axis=0)
         self._blocks = blocks
-        self._amplitude = np.concatenate([np.broadcast_to(b.amplitude, b.values.shape) for b in blocks])
+        self._margin = np.concatenate([np.broadcast_to(b.margin, b.values.shape) for b in blocks])
         self.sigma = self._sigma(draws)
         self._level = self._level_direction()
-        self.floor = np.stack([self._without_level((draw - self.mean) / self.sigma) for draw in draws])
+        self.null_replicates = np.stack(
+            [self._without_level((draw - self.mean) / self.sigma) for draw in draws]
+        )
 
     def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """See `Evidence`. Hypotheses share their noise, so that they differ by their effects alone."""
@@ -123,14 +125,14 @@ class ImageEvidence:
             expected = self.mean + np.mean(changes, axis=0)
         return self._without_level((self.real - expected) / self.sigma)
 
-    def judged(self, effects: Sequence[PlacedEffect]) -> Judged:
+    def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
         """See `Evidence`: where an effect takes detail away, noise is larger in proportion."""
         if not effects or self._untouched(effects):
-            return Judged(self.residual(effects), self.floor, np.ones_like(self.sigma))
-        draws = np.stack([self._simulated(effects, draw) for draw in range(JUDGES)])
+            return ReplicateResiduals(self.residual(effects), self.null_replicates, np.ones_like(self.sigma))
+        draws = np.stack([self._simulated(effects, draw) for draw in range(N_REPLICATES)])
         sigma = np.maximum(self._sigma(draws), self.sigma)
         mean = draws.mean(axis=0)
-        return Judged(
+        return ReplicateResiduals(
             self._without_level((self.real - mean) / sigma),
             np.stack([self._without_level((draw - mean) / sigma) for draw in draws]),
             sigma / self.sigma,
@@ -138,7 +140,7 @@ class ImageEvidence:
 
     def _sigma(self, draws: NDArray[np.float64]) -> NDArray[np.float64]:
         spread = _steadied(draws.std(axis=0, ddof=1), self._blocks)
-        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._amplitude**2))
+        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._margin**2))
 
     def simulated(self, effects: Sequence[PlacedEffect]) -> NDArray[np.float64]:
         """(K,) the statistics a simulation with these effects gives, with the noise of the first draw."""
@@ -199,11 +201,11 @@ class ImageEvidence:
         return z - self._level * along * (1 - 1 / np.sqrt(1 + size))
 
 
-def _values(blocks: Sequence[Block]) -> NDArray[np.float64]:
+def _values(blocks: Sequence[StatisticBlock]) -> NDArray[np.float64]:
     return np.concatenate([block.values for block in blocks]) if blocks else np.zeros(0)
 
 
-def _steadied(spread: NDArray[np.float64], blocks: Sequence[Block]) -> NDArray[np.float64]:
+def _steadied(spread: NDArray[np.float64], blocks: Sequence[StatisticBlock]) -> NDArray[np.float64]:
     """Standard deviations from few draws, none far below the middle one of its block."""
     steady = []
     start = 0

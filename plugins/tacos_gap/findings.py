@@ -75,7 +75,7 @@ class Diagnosis:
     unknown: Unexplained
     next_capture: NextCapture | None
     below_floor: tuple[str, ...]
-    placebo: tuple[str, float] | None
+    negative_control: tuple[str, float] | None
     limitations: tuple[str, ...]
     problem: Problem
     attribution: Attribution
@@ -109,7 +109,8 @@ class Diagnosis:
             "next_capture": self.next_capture
             and {"kind": self.next_capture.kind, "why": self.next_capture.why},
             "below_floor": list(self.below_floor),
-            "placebo": self.placebo and {"effect": self.placebo[0], "closure": _round(self.placebo[1])},
+            "negative_control": self.negative_control
+            and {"effect": self.negative_control[0], "closure": _round(self.negative_control[1])},
             "task": {name: dict(values) for name, values in self.task.items()},
             "limitations": list(self.limitations),
         }

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.parameters import Term
-from tacos_gap.problem import BEND, Hypothesis, Problem, bent, slope
+from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.problem import ROBUST_SCALE, Hypothesis, Problem, robust, robust_derivative
 
 ITERATIONS = 5
 STEP = 0.25
@@ -31,15 +31,15 @@ class Fitted:
     hypothesis
         The effects, with the best parameters.
     z
-        (K,) residuals left [floor].
+        (K,) residuals left [noise floor].
     jacobian
-        (K, P) change of the bent residuals per step of each free parameter.
+        (K, P) change of the robust residuals per step of each free parameter.
     steps
         (P,) those steps, in the parameters' units.
     score
         Log score on held-out conditions [nat]; higher is better.
     held_out
-        (K,) residuals where each half is predicted with parameters fitted on the other [floor].
+        (K,) residuals where each half is predicted with parameters fitted on the other [noise floor].
     """
 
     hypothesis: Hypothesis
@@ -77,7 +77,7 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
         gain = 1 - _cost(better_z) / max(_cost(z), 1e-9)
         step = (theta_of(better) - theta_of(hypothesis)) / steps
         if (length := float(np.linalg.norm(step))) >= STEP:  # what a shorter one shows is rounding of codes
-            missed = bent(better_z) - bent(z) - jacobian @ step
+            missed = robust(better_z) - robust(z) - jacobian @ step
             jacobian = jacobian + np.outer(missed, step) / length**2
         hypothesis, z = better, better_z
         if gain < CONVERGED:
@@ -105,7 +105,7 @@ def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> F
     """A fit in the units of a reweighted problem, to first order; `before` is the scale it was made with."""
     factor = before / problem.scale
     z = fitted.z * factor
-    jacobian = fitted.jacobian * (factor * slope(z) / slope(fitted.z))[:, None]
+    jacobian = fitted.jacobian * (factor * robust_derivative(z) / robust_derivative(fitted.z))[:, None]
     return _fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps)
 
 
@@ -117,12 +117,12 @@ def _fitted(
     steps: NDArray[np.float64],
 ) -> Fitted:
     held_out = _held_out(problem, hypothesis, z, jacobian, steps)
-    score = -0.5 * problem.weight * float(np.sum(bent(held_out) ** 2))
+    score = -0.5 * problem.weight * float(np.sum(robust(held_out) ** 2))
     return Fitted(hypothesis, z, jacobian, steps, score, held_out)
 
 
 def _cost(z: NDArray[np.float64]) -> float:
-    return float(np.sum(bent(z) ** 2))
+    return float(np.sum(robust(z) ** 2))
 
 
 def theta_of(hypothesis: Hypothesis) -> NDArray[np.float64]:
@@ -132,7 +132,7 @@ def theta_of(hypothesis: Hypothesis) -> NDArray[np.float64]:
 
 def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis:
     """The hypothesis with other values of its free parameters."""
-    changed: list[Term] = []
+    changed: list[HypothesisTerm] = []
     start = 0
     for term in hypothesis:
         stop = start + len(term.free)
@@ -144,7 +144,7 @@ def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis
 def jacobian_of(
     problem: Problem, hypothesis: Hypothesis, z: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(K, P) change of the bent residuals per step of each free parameter, and (P,) those steps."""
+    """(K, P) change of the robust residuals per step of each free parameter, and (P,) those steps."""
     theta = theta_of(hypothesis)
     steps = np.array([step for term in hypothesis for step in term.free.values()])
     columns = []
@@ -154,7 +154,7 @@ def jacobian_of(
             nearby[k] += side * STEP * step
             changed = problem.residual(with_theta(hypothesis, nearby))
             if changed is not None:
-                columns.append((bent(changed) - bent(z)) / (side * STEP))
+                columns.append((robust(changed) - robust(z)) / (side * STEP))
                 break
         else:
             columns.append(np.zeros_like(z))
@@ -172,7 +172,7 @@ def _improved(
     """A better point, trying ever shorter steps; None when there is none."""
     theta = theta_of(hypothesis)
     normal = jacobian.T @ jacobian
-    gradient = jacobian.T @ bent(z)
+    gradient = jacobian.T @ robust(z)
     for _ in range(4):
         scaled = normal + damping * (np.diag(np.diag(normal)) + 1e-9 * np.eye(len(normal)))
         move = -np.linalg.lstsq(scaled, gradient, rcond=None)[0]
@@ -195,7 +195,7 @@ def _held_out(
     """Residuals of each fold with the parameters the other fold alone would have chosen, to first order."""
     if not jacobian.shape[1]:
         return z
-    straight = bent(z)
+    straight = robust(z)
     predicted = straight.copy()
     for held in (problem.fold, ~problem.fold):
         own = jacobian[~held]
@@ -204,7 +204,7 @@ def _held_out(
         move = -np.linalg.solve(normal + (ridge + 1.0) * np.eye(len(normal)), own.T @ straight[~held])
         move = _within_bounds(hypothesis, np.clip(move, -2, 2), steps)
         predicted[held] = straight[held] + jacobian[held] @ move
-    return np.asarray(BEND * np.sinh(predicted / BEND))
+    return np.asarray(ROBUST_SCALE * np.sinh(predicted / ROBUST_SCALE))
 
 
 def _within_bounds(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tacos_framework.formation import EffectChain, EpisodeDraws, PlacedEffect, form_files
 from tacos_framework.formation.chain import ActingEffect
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.sensing import dark_signal, sensor_at
 
 Samples = NDArray[np.float32]
@@ -25,7 +25,7 @@ Step = Callable[[Samples, EpisodeDraws, int], Samples]
 
 
 def simulate(
-    capture: Capture, effects: Sequence[PlacedEffect], draws: EpisodeDraws, frames: int | None = None
+    capture: RealCapture, effects: Sequence[PlacedEffect], draws: EpisodeDraws, frames: int | None = None
 ) -> Samples:
     """Frames the simulator would have given instead of the real ones.
 
@@ -92,7 +92,9 @@ def simulate(
     return files
 
 
-def lit_by(capture: Capture, effects: Sequence[PlacedEffect], light: Samples, draws: EpisodeDraws) -> Samples:
+def lit_by(
+    capture: RealCapture, effects: Sequence[PlacedEffect], light: Samples, draws: EpisodeDraws
+) -> Samples:
     """One frame of light with effects on it, (1, H, W, C)."""
     chain = _where_known(EffectChain.of(effects, capture.geometry, capture.context))
     for effect in chain.light:

@@ -14,8 +14,8 @@ from scipy.special import stdtrit
 
 from tacos_gap.evidence import SPREAD_OF_ONE
 from tacos_gap.fit import Fitted, jacobian_of
-from tacos_gap.parameters import Term, starts_of
-from tacos_gap.problem import Hypothesis, Problem, bent, slope
+from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
+from tacos_gap.problem import Hypothesis, Problem, robust, robust_derivative
 
 
 def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> NDArray[np.float64]:
@@ -51,8 +51,8 @@ def noise_variance(
     problem: Problem, fitted: Fitted, jacobian: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], int]:
     """(P,) variance of the estimates over replicates of the hypothesis, and how many there are [step^2]."""
-    judged = problem.judged(fitted.hypothesis)
-    floor = judged.floor * (judged.scale / problem.scale) * slope(fitted.z)
+    residuals = problem.replicate_residuals(fitted.hypothesis)
+    floor = residuals.replicates * (residuals.scale / problem.scale) * robust_derivative(fitted.z)
     moves = floor @ _estimator(jacobian).T
     return SPREAD_OF_ONE * (moves**2).sum(axis=0) / (len(floor) - 1), len(floor)
 
@@ -71,7 +71,7 @@ def jackknife_variance(
     for slot in slots:
         kept = np.ones(len(z), bool)
         kept[slot.start : slot.stop] = False
-        moves.append(-_estimator(jacobian[kept]) @ bent(z[kept]))
+        moves.append(-_estimator(jacobian[kept]) @ robust(z[kept]))
     spread = np.array(moves) - np.mean(moves, axis=0)
     return np.asarray((len(slots) - 1) / len(slots) * (spread**2).sum(axis=0))
 
@@ -83,9 +83,11 @@ def _estimator(jacobian: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.linalg.solve(normal + ridge * np.eye(len(normal)), jacobian.T))
 
 
-def _all_free(term: Term) -> Term:
+def _all_free(term: HypothesisTerm) -> HypothesisTerm:
     """The term with those parameters free again that its search began with."""
-    begun = {name: step for start in starts_of(term.name, term.cls) for name, step in start.free.items()}
+    begun = {
+        name: step for start in initial_guesses_of(term.name, term.cls) for name, step in start.free.items()
+    }
     freed = {name: step for name, step in begun.items() if name in term.values and name not in term.free}
     return replace(term, free={**term.free, **freed})
 

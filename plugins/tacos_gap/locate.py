@@ -1,4 +1,4 @@
-"""Where the gap lies: statistics that stand out, at a controlled rate of false discoveries."""
+"""Where the gap lies: statistics that are significant, at a controlled rate of false discoveries."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from tacos_gap.problem import Problem, bent
+from tacos_gap.problem import Problem, robust
 from tacos_gap.unknown import block_index, block_names
 
 FALSE_DISCOVERIES = 0.05
@@ -24,7 +24,7 @@ class Place:
     stage, statistic
         What it is.
     z
-        Largest difference, signed [floor].
+        Largest difference, signed [noise floor].
     share
         Its share in the squared gap.
     at
@@ -42,18 +42,18 @@ class Place:
 
 
 def locate(problem: Problem, z: NDArray[np.float64]) -> list[Place]:
-    """Statistics that differ by more than the floor, largest share first.
+    """Statistics that differ by more than the noise floor, largest share first.
 
     Blocks (a statistic of a capture) are tested against a scaled chi-squared that matches the mean and
-    variance of the floor's replicates, and chosen by Benjamini and Hochberg 1995 (J. R. Statist. Soc. B
+    variance of the null replicates, and chosen by Benjamini and Hochberg 1995 (J. R. Statist. Soc. B
     57(1)).
     """
     if not len(z):
         return []
     blocks, names = block_index(problem), block_names(problem)
-    own = np.bincount(blocks, bent(z) ** 2, len(names))
+    own = np.bincount(blocks, robust(z) ** 2, len(names))
     sizes = np.bincount(blocks, minlength=len(names))
-    floor = np.stack([np.bincount(blocks, bent(f) ** 2, len(names)) for f in problem.floor])
+    floor = np.stack([np.bincount(blocks, robust(f) ** 2, len(names)) for f in problem.null_replicates])
     scale = np.maximum(floor.var(axis=0), 1e-6) / (2 * np.maximum(floor.mean(axis=0), 1e-6))
     freedom = np.maximum(floor.mean(axis=0) / scale, 0.5)
     allowed = 0.5 * sizes  # models are never exact

@@ -11,9 +11,9 @@ import numpy as np
 from tacos_framework.values import ImageGeometry
 from tacos_gap.ambiguity import NextCapture
 from tacos_gap.boards import source_of
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence
-from tacos_gap.problem import Hypothesis, bent, placed
+from tacos_gap.problem import Hypothesis, placed, robust
 
 _SIZE = (240, 320)
 _TROUBLE = {
@@ -38,7 +38,7 @@ _WHY = {
 
 
 def best_capture(
-    captures: Sequence[Capture], hypotheses: Sequence[Hypothesis], seed: int
+    captures: Sequence[RealCapture], hypotheses: Sequence[Hypothesis], seed: int
 ) -> NextCapture | None:
     """The kind with the largest expected difference between hypotheses for its trouble.
 
@@ -61,14 +61,14 @@ def best_capture(
             evidence = ImageEvidence(bench, seed, replicates=4)
             one, two = (evidence.simulated(group) for group in effects)
             spread = evidence.sigma
-            worth[bench.kind] = worth.get(bench.kind, 0.0) + float(np.sum(bent((one - two) / spread) ** 2))
+            worth[bench.kind] = worth.get(bench.kind, 0.0) + float(np.sum(robust((one - two) / spread) ** 2))
     if not worth:
         return NextCapture(missing[0], _WHY[missing[0]]) if missing else None
     kind = max(worth, key=lambda k: worth[k] / _TROUBLE[k])
     return NextCapture(kind, _WHY[kind])
 
 
-def _benches(template: Capture) -> Iterator[Capture]:
+def _benches(template: RealCapture) -> Iterator[RealCapture]:
     """Small captures of each kind, as the camera of `template` would be expected to see them."""
     height, width = _SIZE
     assert template.expected_dn is not None

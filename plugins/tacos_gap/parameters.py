@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
 from tacos_framework.plugins.guarded import calling
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 
 
 @dataclass(frozen=True)
-class Term:
+class HypothesisTerm:
     """One effect of a hypothesis.
 
     Parameters
@@ -51,7 +51,7 @@ class Term:
             plausible = getattr(effect, "plausible", True)
         return PlacedEffect(self.use, self.use, self.cls, config) if plausible else None
 
-    def with_free(self, theta: Sequence[float]) -> Term:
+    def with_free(self, theta: Sequence[float]) -> HypothesisTerm:
         """With other values of the free parameters."""
         changed = {name: float(value) for name, value in zip(self.free, theta, strict=True)}
         return replace(self, values={**self.values, **changed})
@@ -81,19 +81,19 @@ def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
     return plain
 
 
-def terms_for(name: str, cls: type[Any], captures: Sequence[Capture]) -> list[Term]:
+def initial_guesses_for(name: str, cls: type[Any], captures: Sequence[RealCapture]) -> list[HypothesisTerm]:
     """Where the search for an effect begins: at what its class guesses from captures, and in general."""
     suggested: Sequence[Mapping[str, Any]] = ()
     if callable(guess := getattr(cls, "guesses_from", None)):
         with calling(f"effect.{name}", doing="guesses_from"):
             suggested = list(guess(captures))
-    return [*starts_of(name, cls, suggested), *starts_of(name, cls)]
+    return [*initial_guesses_of(name, cls, suggested), *initial_guesses_of(name, cls)]
 
 
-def starts_of(
+def initial_guesses_of(
     name: str, cls: type[Any], suggested: Sequence[Mapping[str, Any]] | None = None
-) -> Iterator[Term]:
-    """Where the search for an effect begins.
+) -> Iterator[HypothesisTerm]:
+    """Initial guesses for the fit of an effect.
 
     Those `suggested`, where given, else the ``initial_guesses`` of the class. Without them, each float with a
     neutral value is moved a little to either side of it.
@@ -110,7 +110,7 @@ def starts_of(
             for key, value in values.items()
             if isinstance(value, float)
         }
-        term = Term(name, cls, values, free)
+        term = HypothesisTerm(name, cls, values, free)
         if term.placed() is not None:
             yield term
 

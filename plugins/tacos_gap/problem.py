@@ -13,29 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
-from tacos_gap.evidence import Evidence, Judged, Label
-from tacos_gap.parameters import Term
+from tacos_gap.evidence import Evidence, Label, ReplicateResiduals
+from tacos_gap.parameters import HypothesisTerm
 
-BEND = 10.0
-"""Beyond so many units of the floor residuals count less and less: asinh in place of the straight line."""
+ROBUST_SCALE = 10.0
+"""Residual from which on the robust one grows by the logarithm [noise floor]."""
 
-Hypothesis = tuple[Term, ...]
-
-
-def bent(z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Residuals that a few wild ones cannot rule; nearly the same below `BEND`."""
-    return np.asarray(BEND * np.arcsinh(z / BEND))
+Hypothesis = tuple[HypothesisTerm, ...]
 
 
-def slope(z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How much bent residuals move per unit of these: the derivative of `bent`."""
-    return np.asarray(1 / np.sqrt(1 + (z / BEND) ** 2))
+def robust(z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Robust residuals, arsinh-like, which outliers cannot rule; nearly the same below `ROBUST_SCALE`."""
+    return np.asarray(ROBUST_SCALE * np.arcsinh(z / ROBUST_SCALE))
 
 
-def _joined(floors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Floors of captures side by side, as many replicates as the least has."""
-    count = min((len(floor) for floor in floors), default=0)
-    return np.concatenate([floor[:count] for floor in floors], axis=1) if floors else np.zeros((2, 0))
+def robust_derivative(z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How much robust residuals move per unit of residual: the derivative of `robust`."""
+    return np.asarray(1 / np.sqrt(1 + (z / ROBUST_SCALE) ** 2))
+
+
+def _side_by_side(replicates: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Replicates of captures side by side, as many replicates as the least has."""
+    count = min((len(each) for each in replicates), default=0)
+    return np.concatenate([each[:count] for each in replicates], axis=1) if replicates else np.zeros((2, 0))
 
 
 def _key(hypothesis: Hypothesis) -> str:
@@ -72,16 +72,16 @@ class Problem:
         self.slots = [Slot(int(a), int(b)) for a, b in pairwise(ends)]
         self.labels: list[Label] = [label for e in self.evidence for label in e.labels]
         self.null = np.concatenate([e.residual(()) for e in self.evidence]) if self.evidence else np.zeros(0)
-        self.floor = _joined([e.floor for e in self.evidence])
+        self.null_replicates = _side_by_side([e.null_replicates for e in self.evidence])
         self.scale = np.ones(len(self.labels))
         self.draws = 1
         self.evaluations = 0
         self._kept: dict[str, NDArray[np.float64]] = {}
-        self._judged: dict[str, Judged] = {}
+        self._replicate_residuals: dict[str, ReplicateResiduals] = {}
         self._lock = Lock()
 
     def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
-        """(K,) residuals in units of the floor; None where an effect refuses its parameters."""
+        """(K,) residuals in units of the noise floor; None where an effect refuses its parameters."""
         key = f"{self.draws} {_key(hypothesis)}"
         effects = placed(hypothesis)
         if len(effects) < len(hypothesis):
@@ -98,30 +98,30 @@ class Problem:
             self._kept[key] = z
         return z / self.scale
 
-    def judged(self, hypothesis: Hypothesis) -> Judged:
-        """Residuals and floor when the hypothesis is part of the simulator; see `Evidence.judged`."""
+    def replicate_residuals(self, hypothesis: Hypothesis) -> ReplicateResiduals:
+        """Residuals and replicates when the hypothesis is simulated; see `Evidence.replicate_residuals`."""
         key = _key(hypothesis)
-        if key not in self._judged:
-            self._judged[key] = self._judge(hypothesis)
-        return self._judged[key]
+        if key not in self._replicate_residuals:
+            self._replicate_residuals[key] = self._simulate_replicates(hypothesis)
+        return self._replicate_residuals[key]
 
-    def _judge(self, hypothesis: Hypothesis) -> Judged:
+    def _simulate_replicates(self, hypothesis: Hypothesis) -> ReplicateResiduals:
         effects = placed(hypothesis)
-        parts = [evidence.judged(effects) for evidence in self.evidence]
-        return Judged(
+        parts = [evidence.replicate_residuals(effects) for evidence in self.evidence]
+        return ReplicateResiduals(
             np.concatenate([part.z for part in parts]),
-            _joined([part.floor for part in parts]),
+            _side_by_side([part.replicates for part in parts]),
             np.concatenate([part.scale for part in parts]),
         )
 
     def reweighted(self, scale: NDArray[np.float64]) -> Problem:
-        """The same evidence in units of a larger floor; what was simulated is kept."""
+        """The same evidence in units of a larger noise floor; what was simulated is kept."""
         other = copy(self)
-        for name in ("weight", "floor_size", "floor_gaps"):
+        for name in ("weight", "noise_floor_rms", "null_gaps"):
             other.__dict__.pop(name, None)
         other.scale = scale
         other.null = self.null * self.scale / scale
-        other.floor = self.floor * self.scale / scale
+        other.null_replicates = self.null_replicates * self.scale / scale
         return other
 
     def averaging(self, draws: int) -> Problem:
@@ -135,30 +135,30 @@ class Problem:
     @cached_property
     def weight(self) -> float:
         """How many independent numbers one of these is worth, as they vary together (Satterthwaite)."""
-        squares = (bent(self.floor) ** 2).sum(axis=1)
+        squares = (robust(self.null_replicates) ** 2).sum(axis=1)
         spread = float(squares.var(ddof=1))
         return float(np.clip(2 * squares.mean() / max(spread, 1e-9), 0.02, 1.0))
 
     @cached_property
-    def floor_size(self) -> float:
-        """Root mean square of the floor's own residuals."""
-        return float(np.sqrt(np.mean(bent(self.floor) ** 2)))
+    def noise_floor_rms(self) -> float:
+        """Root mean square of the noise floor's own residuals."""
+        return float(np.sqrt(np.mean(robust(self.null_replicates) ** 2)))
 
     def gap(self, z: NDArray[np.float64], part: NDArray[np.bool_] | None = None) -> float:
-        """Root mean square residual, in units of that of the floor [floor]."""
+        """Root mean square residual, in units of that of the noise floor [noise floor]."""
         chosen = z if part is None else z[part]
-        return float(np.sqrt(np.mean(bent(chosen) ** 2)) / self.floor_size) if chosen.size else 0.0
+        return float(np.sqrt(np.mean(robust(chosen) ** 2)) / self.noise_floor_rms) if chosen.size else 0.0
 
     @cached_property
-    def floor_gaps(self) -> NDArray[np.float64]:
-        """(B,) gaps of the simulator against itself [floor]."""
-        return np.array([self.gap(z) for z in self.floor])
+    def null_gaps(self) -> NDArray[np.float64]:
+        """(B,) gaps of the simulator against itself [noise floor]."""
+        return np.array([self.gap(z) for z in self.null_replicates])
 
     @cached_property
     def fold(self) -> NDArray[np.bool_]:
         """(K,) which of two folds each number is in.
 
-        Captures of a kind alternate, so that what is fitted on some levels, views or scenes is judged on
+        Captures of a kind alternate, so that what is fitted on some levels, views or scenes is scored on
         others; a kind with a single capture is split by place, level and frequency.
         """
         fold = np.zeros(len(self.labels), bool)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tacos_gap.fit import Fitted, fit
-from tacos_gap.problem import Hypothesis, Problem, bent
+from tacos_gap.problem import Hypothesis, Problem, robust
 
 REFITTED = 2
 """How many candidates for going are tried, the least missed first."""
@@ -27,7 +27,7 @@ def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
     """The hypothesis with one parameter at neutral for good, the least missed first (to first order)."""
     found: list[tuple[float, Hypothesis]] = []
     column = 0
-    straight = bent(fitted.z)
+    straight = robust(fitted.z)
     for position, term in enumerate(fitted.hypothesis):
         for name in term.free:
             k, column = column, column + 1

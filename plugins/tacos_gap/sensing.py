@@ -14,7 +14,7 @@ from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.formation import PlacedSensor, SensorAt
 from tacos_framework.plugins.guarded import calling
 from tacos_framework.values import Camera, Exposure, Rig
-from tacos_gap.captures import Capture, Noise
+from tacos_gap.captures import Noise, RealCapture
 
 Samples = NDArray[np.float32]
 
@@ -81,7 +81,7 @@ class CapturedNoise:
         return float(self.noise.photon_dn[len(self.noise.photon_dn) // 2]) or None
 
 
-def sensor_at(capture: Capture) -> SensorAt:
+def sensor_at(capture: RealCapture) -> SensorAt:
     """The sensor that simulates a capture, at its camera and exposure."""
     context = capture.context
     if capture.sensor is None:
@@ -91,7 +91,7 @@ def sensor_at(capture: Capture) -> SensorAt:
     return SensorAt(placed.use, placed.name, placed.sensor, camera_of(capture), exposure_of(capture))
 
 
-def camera_of(capture: Capture) -> Camera:
+def camera_of(capture: RealCapture) -> Camera:
     """The camera of a capture, as large as its files."""
     geometry = capture.geometry
     pitch_um = geometry.pixel_um / geometry.binning
@@ -106,7 +106,7 @@ def camera_of(capture: Capture) -> Camera:
     )
 
 
-def exposure_of(capture: Capture) -> Exposure:
+def exposure_of(capture: RealCapture) -> Exposure:
     """How long a capture was exposed, with which gain; nothing of it depends on an unknown f-number."""
     context = capture.context
     known = {} if context.f_number is None else {"f_number": context.f_number}
@@ -141,7 +141,7 @@ def dark_signal(sensor: SensorAt, channels: int) -> NDArray[np.float32]:
     return np.asarray((np.broadcast_to(mean, black.shape) - black)[0, 0, 0], np.float32)
 
 
-def with_sensor(captures: Sequence[Capture], placed: PlacedSensor) -> tuple[Capture, ...]:
+def with_sensor(captures: Sequence[RealCapture], placed: PlacedSensor) -> tuple[RealCapture, ...]:
     """Captures that a sensor component simulates, in place of the noise of ``captures.yaml``.
 
     Raises
@@ -160,7 +160,7 @@ def with_sensor(captures: Sequence[Capture], placed: PlacedSensor) -> tuple[Capt
     return tuple(simulated)
 
 
-def _misfits(sensor: SensorAt, capture: Capture, channels: int) -> list[Fault]:
+def _misfits(sensor: SensorAt, capture: RealCapture, channels: int) -> list[Fault]:
     """How a sensor does not fit a capture."""
     component: Any = sensor.sensor
     if callable(lacks := getattr(component, "lacks", None)) and (reason := lacks(Rig((sensor.camera,)))):

@@ -12,7 +12,7 @@ from tacos_framework.formation import physical_settings_of
 from tacos_framework.settings import Settings, unit_of
 from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.findings import Cause, Parameter, Physical, as_fine_as, short
 from tacos_gap.sensing import sensor_at
 
@@ -33,7 +33,7 @@ class Photographed:
     context: ImageContext
 
     @classmethod
-    def of(cls, captures: Sequence[Capture]) -> Photographed:
+    def of(cls, captures: Sequence[RealCapture]) -> Photographed:
         """By the captures at the gain most were taken at, one that shows edges where there is one.
 
         Where noise was estimated, each capture has a conversion gain of its own: the middle one counts.

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.evidence import Judged
-from tacos_gap.problem import Problem, bent
+from tacos_gap.evidence import ReplicateResiduals
+from tacos_gap.problem import Problem, robust
 
 TOLERATED = 0.05
 CERTAIN = 0.15
 """Shares of the gap left: up to the first nothing is unknown, from the second on something certainly is."""
 
 SIGNIFICANT = 0.06
-"""p-value below which something is left: no replicate of a hypothesis, of sixteen, stands out as much."""
+"""p-value below which something is left: no replicate of a hypothesis, of sixteen, is as extreme."""
 
 SLACK = 1.25
-"""What a right model of a real camera may leave, over the floor: its formulas are never the camera's own."""
+"""What a right model of a real camera may leave: its formulas are not the camera's own [noise floor]."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +30,11 @@ class Unexplained:
     probability
         Of an effect outside the catalogue.
     p_value
-        Conformal: the share of the simulator's own replicates that stand out as much.
+        Conformal: the share of the simulator's own replicates as extreme.
     gap
-        What is left [floor].
+        What is left [noise floor].
     share
-        What is left above the floor, over what there was.
+        What is left above the noise floor, over what there was.
     where
         Statistic that holds most of it; None where nothing is left.
     """
@@ -46,26 +46,26 @@ class Unexplained:
     where: str | None
 
     @property
-    def stands_out(self) -> bool:
+    def is_significant(self) -> bool:
         """Whether anything is left to explain."""
         return self.p_value < SIGNIFICANT
 
 
-def unexplained(problem: Problem, judged: Judged) -> Unexplained:
-    """Test residuals against the floor of the hypothesis they are left by.
+def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
+    """Test residuals against the noise floor of the hypothesis they are left by.
 
     The statistic is the largest over blocks (a capture and a statistic) of their mean squared residual, each
     over its largest among the replicates' quantiles, so that an effect that shows in one place only is seen.
     """
-    z = judged.z
+    z = residuals.z
     # what there was, too, in units of the hypothesis: a noisier one must not seem to explain by that alone
-    null = problem.null * problem.scale / judged.scale
-    size = _rms(judged.floor)
+    null = problem.null * problem.scale / residuals.scale
+    size = _rms(residuals.replicates)
     gap, before = _rms(z) / size, _rms(null) / size
     blocks = block_index(problem)
     sizes = np.bincount(blocks)
-    own = np.bincount(blocks, bent(z) ** 2) / sizes
-    floor = np.stack([np.bincount(blocks, bent(f) ** 2) / sizes for f in judged.floor])
+    own = np.bincount(blocks, robust(z) ** 2) / sizes
+    floor = np.stack([np.bincount(blocks, robust(f) ** 2) / sizes for f in residuals.replicates])
     typical = floor.mean(axis=0) + 2 * floor.std(axis=0) + 0.5
     largest = float((own / typical).max()) if len(own) else 0.0
     replicates = (floor / typical).max(axis=1)
@@ -79,7 +79,7 @@ def unexplained(problem: Problem, judged: Judged) -> Unexplained:
 
 
 def _rms(z: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(bent(z) ** 2)))
+    return float(np.sqrt(np.mean(robust(z) ** 2)))
 
 
 def block_names(problem: Problem) -> list[tuple[str, str]]:

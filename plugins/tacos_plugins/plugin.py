@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from tacos_framework.components import Command, Component
-from tacos_framework.environment import Finding
+from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.hookspecs import hookimpl
 from tacos_plugins.authoring.commands import commands
 
@@ -295,13 +295,13 @@ def tacos_commands() -> list[Command]:
 
 
 @hookimpl
-def tacos_doctor() -> list[Finding]:
+def tacos_doctor() -> list[EnvironmentFinding]:
     """What renders here: a GPU, the CPU, or nothing."""
     from tacos_framework.errors import UserError
     from tacos_plugins.renderers.moderngl.context import describe_gl
 
     try:
-        return [Finding("OpenGL", str(describe_gl()))]
+        return [EnvironmentFinding("OpenGL", str(describe_gl()))]
     except UserError as error:
         (fault,) = error.faults
-        return [Finding("OpenGL", fault.what, ok=False, remedy=fault.remedy)]
+        return [EnvironmentFinding("OpenGL", fault.what, ok=False, remedy=fault.remedy)]

@@ -12,7 +12,7 @@ from tacos_framework.settings import Settings, check, setting
 from tacos_framework.settings.yaml_reader import Document, read_yaml
 
 
-class CameraEntry(Settings):
+class CatalogCamera(Settings):
     """A camera in a file."""
 
     title: str = setting(help="Its name for people.", min_length=1)
@@ -25,7 +25,7 @@ class CameraEntry(Settings):
     notes: tuple[str, ...] = setting((), help="What a reader of a comparison should know.")
 
 
-class OffTheShelf(CameraEntry):
+class OffTheShelf(CatalogCamera):
     """A camera that can be bought.
 
     It fixes some variables of a rig; the others (the mounting pitch) are left to whoever builds with it, and
@@ -37,7 +37,7 @@ class OffTheShelf(CameraEntry):
 
 class _Head(Settings):
     title: str = setting("", help="One line for people.")
-    cameras: dict[str, CameraEntry] = setting(help="The cameras.", min_length=1)
+    cameras: dict[str, CatalogCamera] = setting(help="The cameras.", min_length=1)
 
 
 def load_cameras(

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tacos_framework.catalog.parts import Column, Part, Value
+from tacos_framework.catalog.parts import CatalogColumn, CatalogPart, Value
 from tacos_framework.errors import Fault, did_you_mean
 
 UNITS = {
@@ -38,7 +38,7 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
 @dataclass(frozen=True)
-class Cell:
+class CatalogCell:
     """A value as the file gives it, where it stands, and who says so where the file says.
 
     ``refused`` cells are at fault already, and no more is said about them.
@@ -56,7 +56,7 @@ class RawPart:
 
     name: str
     where: str
-    cells: Mapping[str, Cell]
+    cells: Mapping[str, CatalogCell]
     source: str
     doubts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
@@ -72,19 +72,19 @@ class PartChecker:
         The columns of the catalog.
     """
 
-    columns: Sequence[Column]
+    columns: Sequence[CatalogColumn]
     faults: list[Fault] = field(default_factory=list)
 
-    def parts(self, raws: Sequence[RawPart]) -> tuple[Part, ...]:
+    def parts(self, raws: Sequence[RawPart]) -> tuple[CatalogPart, ...]:
         """The parts in their order; what is wrong with them is in `faults`."""
         self._refuse_duplicates(raws)
-        parts: list[Part] = []
+        parts: list[CatalogPart] = []
         for raw in raws:
             part = self._part(raw)
             twin = next((p for p in parts if p.values == part.values), None)
             if twin is not None:
                 doubt = f"All values are those of {twin.name}."
-                part = Part(part.name, part.values, part.provenance, (*part.doubts, doubt), part.notes)
+                part = CatalogPart(part.name, part.values, part.provenance, (*part.doubts, doubt), part.notes)
             parts.append(part)
         return tuple(parts)
 
@@ -96,7 +96,7 @@ class PartChecker:
                 what = f"part {raw.name!r} stands here again, first at {first.where}"
                 self.faults.append(Fault(raw.where, what, remedy="Remove one, or name them apart."))
 
-    def _part(self, raw: RawPart) -> Part:
+    def _part(self, raw: RawPart) -> CatalogPart:
         names = [column.name for column in self.columns]
         for name, cell in raw.cells.items():
             if name not in names:
@@ -110,9 +110,9 @@ class PartChecker:
             if given is not None and values[column.name] is not None:
                 provenance[column.name] = given.source or raw.source
         doubts = (*raw.doubts, *_settle_sizes(values, provenance))
-        return Part(raw.name, values, provenance, doubts, raw.notes)
+        return CatalogPart(raw.name, values, provenance, doubts, raw.notes)
 
-    def _value(self, raw: RawPart, column: Column, cell: Cell | None) -> Value:
+    def _value(self, raw: RawPart, column: CatalogColumn, cell: CatalogCell | None) -> Value:
         if cell is not None and cell.refused:
             return None
         if cell is None or cell.value is None or cell.value in ("", "unknown"):
@@ -138,7 +138,7 @@ class PartChecker:
 _ARTICLES = {"number": "a number", "integer": "a whole number", "text": "text"}
 
 
-def checked_value(column: Column, given: Any) -> tuple[Value, str, str]:
+def checked_value(column: CatalogColumn, given: Any) -> tuple[Value, str, str]:
     """A value fit for the column, or None with what is wrong and what to do.
 
     Text that is a number counts as one, as files of comma-separated values have nothing but text.
@@ -152,9 +152,9 @@ def checked_value(column: Column, given: Any) -> tuple[Value, str, str]:
     if isinstance(given, str) and _NUMBER.match(given.strip()):
         return None, repr(given), f"Write the number alone; the column is in {column.unit}."
     if isinstance(given, bool) or not isinstance(given, int | float):
-        return None, repr(given), "Leave it out, or write unknown, where nobody has said."
+        return None, repr(given), "Leave it out, or write unknown, where no source states it."
     if not math.isfinite(given):
-        return None, str(given), "Leave it out, or write unknown, where nobody has said."
+        return None, str(given), "Leave it out, or write unknown, where no source states it."
     if column.positive and given <= 0:
         return None, f"{given:g}, which is not above 0", ""
     if column.type == "integer":

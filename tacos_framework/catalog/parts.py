@@ -9,11 +9,11 @@ from typing import Literal
 from tacos_framework.errors import did_you_mean
 
 Value = float | int | str | None
-"""A value of a part; None where nobody has said."""
+"""A value of a part; None where no source states it."""
 
 
 @dataclass(frozen=True)
-class Column:
+class CatalogColumn:
     """What the values of one column mean.
 
     Parameters
@@ -41,7 +41,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Part:
+class CatalogPart:
     """A part that can be bought: one row of a catalog.
 
     Parameters
@@ -111,8 +111,8 @@ class Catalog:
 
     name: str
     title: str
-    columns: tuple[Column, ...]
-    rows: tuple[Part, ...]
+    columns: tuple[CatalogColumn, ...]
+    rows: tuple[CatalogPart, ...]
     source: str
     design_columns: tuple[str, ...]
 
@@ -123,7 +123,7 @@ class Catalog:
         if repeated := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"catalog {self.name} has more than one part called {', '.join(repeated)}")
 
-    def part(self, name: str) -> Part:
+    def part(self, name: str) -> CatalogPart:
         """The part of that name.
 
         Raises
@@ -137,6 +137,6 @@ class Catalog:
         remedy = did_you_mean(name, (row.name for row in self.rows))
         raise ValueError(f"catalog {self.name} has no part {name!r}. {remedy}")
 
-    def rows_knowing(self, columns: Sequence[str]) -> tuple[Part, ...]:
+    def rows_knowing(self, columns: Sequence[str]) -> tuple[CatalogPart, ...]:
         """The rows whose value is known in all of these columns: those that can be designed with."""
         return tuple(row for row in self.rows if all(row.values.get(name) is not None for name in columns))

@@ -8,8 +8,8 @@ from io import StringIO
 from pathlib import Path
 from typing import Any, Literal
 
-from tacos_framework.catalog.checks import Cell, PartChecker, RawPart, checked_value, unit_of
-from tacos_framework.catalog.parts import Catalog, Column
+from tacos_framework.catalog.checks import CatalogCell, PartChecker, RawPart, checked_value, unit_of
+from tacos_framework.catalog.parts import Catalog, CatalogColumn
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
@@ -123,7 +123,7 @@ def _from_yaml(name: str, document: Document) -> Catalog:
     )
 
 
-def _column(document: Document, name: str, entry: ColumnEntry, faults: list[Fault]) -> Column:
+def _column(document: Document, name: str, entry: ColumnEntry, faults: list[Fault]) -> CatalogColumn:
     implied = unit_of(name)
     unit = entry.unit or implied or "1"
     if implied and unit != implied:
@@ -131,7 +131,7 @@ def _column(document: Document, name: str, entry: ColumnEntry, faults: list[Faul
         faults.append(
             Fault(where, f"the unit of {name} is {unit}", implied, "Let the name end in the unit it has.")
         )
-    return Column(name, unit, entry.help, entry.type, entry.required, entry.positive)
+    return CatalogColumn(name, unit, entry.help, entry.type, entry.required, entry.positive)
 
 
 def _raw_part(
@@ -149,14 +149,14 @@ def _raw_part(
     return RawPart(name, where, cells, about.source or head.source, about.doubts, about.notes)
 
 
-def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fault]) -> Cell:
+def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fault]) -> CatalogCell:
     """A value alone, or ``{value: ..., source: ...}``."""
     where = document.where(path)
     if not isinstance(given, dict):
-        return Cell(given, where)
+        return CatalogCell(given, where)
     entry, found, _ = check(ValueEntry, given, lambda tail: document.where((*path, *tail)))
     faults += found
-    return Cell(entry.value, where, entry.source) if entry else Cell(None, where, refused=True)
+    return CatalogCell(entry.value, where, entry.source) if entry else CatalogCell(None, where, refused=True)
 
 
 def _from_csv(path: Path) -> Catalog:
@@ -197,30 +197,30 @@ def _raw_line(where: str, cells: Mapping[str, str], source: str) -> RawPart:
     return RawPart(
         cells["name"],
         where,
-        {name: Cell(value, where) for name, value in cells.items() if name not in own},
+        {name: CatalogCell(value, where) for name, value in cells.items() if name not in own},
         cells.get("source") or source,
         tuple(filter(None, [cells.get("doubts")])),
         tuple(filter(None, [cells.get("notes")])),
     )
 
 
-def _csv_column(name: str, raws: Sequence[RawPart]) -> Column:
+def _csv_column(name: str, raws: Sequence[RawPart]) -> CatalogColumn:
     """A column as its name says: pixels are whole; no unit and any word makes it text."""
     unit = unit_of(name)
     if unit is not None:
-        return Column(name, unit, f"{name} of the table.", "integer" if unit == "px" else "number")
-    plain = Column(name, "1", f"{name} of the table.", positive=False)
+        return CatalogColumn(name, unit, f"{name} of the table.", "integer" if unit == "px" else "number")
+    plain = CatalogColumn(name, "1", f"{name} of the table.", positive=False)
     values = [raw.cells[name].value for raw in raws if raw.cells[name].value not in ("", "unknown")]
     if values and not any(checked_value(plain, value)[1] for value in values):
         return plain
-    return Column(name, "1", f"{name} of the table.", "text")
+    return CatalogColumn(name, "1", f"{name} of the table.", "text")
 
 
 def _catalog(
     name: str,
     title: str,
     source: str,
-    columns: Sequence[Column],
+    columns: Sequence[CatalogColumn],
     raws: Sequence[RawPart],
     design_columns: tuple[str, ...] | None,
     faults: Sequence[Fault],
@@ -240,8 +240,8 @@ def _catalog(
     return Catalog(name, title, columns, parts, source, design_columns)
 
 
-def _implied_sizes(columns: Sequence[Column]) -> list[Column]:
+def _implied_sizes(columns: Sequence[CatalogColumn]) -> list[CatalogColumn]:
     """Columns of sizes in mm, where the file has pixels and their pitch but not these."""
     have = {column.name for column in columns}
     sizes = (name for name in SIZES if name not in have and name.replace("_mm", "_px") in have)
-    return [Column(name, "mm", "Pixels times their pitch.") for name in sizes if "pixel_um" in have]
+    return [CatalogColumn(name, "mm", "Pixels times their pitch.") for name in sizes if "pixel_um" in have]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tacos_framework.catalog import (
     Catalog,
+    CatalogPart,
     OffTheShelf,
-    Part,
     camera_names,
     catalog_names,
     find_catalog,
@@ -26,7 +26,7 @@ def list_catalogs() -> str:
 
 
 def show_catalog(name: str) -> str:
-    """A catalog as a table with units; ``?`` stands for what nobody states, ``*`` for a doubtful row."""
+    """A catalog as a table with units; ``?`` stands for what no source states, ``*`` for a doubtful row."""
     if name == CAMERAS:
         return "\n\n".join(_camera(camera) for camera in load_cameras(camera_names()))
     catalog = find_catalog(name)
@@ -53,11 +53,11 @@ def _heading(catalog: Catalog, name: str) -> str:
     return name if unit in ("1", "") or name.endswith(f"_{unit}") else f"{name} [{unit}]"
 
 
-def _name(part: Part) -> str:
+def _name(part: CatalogPart) -> str:
     return f"{part.name}*" if part.doubts else part.name
 
 
-def _cell(part: Part, column: str) -> str:
+def _cell(part: CatalogPart, column: str) -> str:
     value = part[column]
     if value is None:
         return "?"

@@ -13,7 +13,7 @@ from tacos_framework.recipe import NamedScenario
 
 def explain(plan: Plan) -> str:
     """The resolved graph, effective settings, where effects act, what each design variable reaches."""
-    sections = (_graph, _effects, _scenarios, _variables, _judged)
+    sections = (_graph, _effects, _scenarios, _variables, _scored_by)
     return "\n\n".join("\n".join(section(plan)) for section in sections)
 
 
@@ -141,8 +141,8 @@ def _described(variable: Mapping[str, Any]) -> str:
     return f"{name}: {variable['kind']}, {variable['lower']:g} to {variable['upper']:g}{unit}"
 
 
-def _judged(plan: Plan) -> Iterator[str]:
-    yield "Judged by"
+def _scored_by(plan: Plan) -> Iterator[str]:
+    yield "Scored by"
     for term in plan.recipe.fitness:
         yield f"  {term.weight:g} x {term.score}"
     for name, bounds in plan.recipe.constraints.items():

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from tacos_framework.cli.exits import DONE, exit_status
 
 if TYPE_CHECKING:
-    from tacos_framework.environment import Finding
+    from tacos_framework.environment import EnvironmentFinding
     from tacos_framework.plugins import Plugins
 
 
@@ -67,16 +67,16 @@ def _doctor(plugins: Plugins) -> int:
     import platform
 
     from tacos_framework import __version__
-    from tacos_framework.environment import Finding, usable_cores
+    from tacos_framework.environment import EnvironmentFinding, usable_cores
 
     findings = [
-        Finding("tacos-framework", __version__),
-        Finding("Python", platform.python_version()),
-        Finding("cores", str(usable_cores())),
+        EnvironmentFinding("tacos-framework", __version__),
+        EnvironmentFinding("Python", platform.python_version()),
+        EnvironmentFinding("cores", str(usable_cores())),
         _torch(),
         *plugins.findings(),
         *(
-            Finding(f"plugin {f.plugin}", f.reason, ok=False, remedy=f.remedy)
+            EnvironmentFinding(f"plugin {f.plugin}", f.reason, ok=False, remedy=f.remedy)
             for f in [*plugins.failures, *plugins.unusable()]
         ),
     ]
@@ -87,16 +87,18 @@ def _doctor(plugins: Plugins) -> int:
     return DONE if all(finding.ok for finding in findings) else 1
 
 
-def _torch() -> Finding:
+def _torch() -> EnvironmentFinding:
     from importlib.util import find_spec
 
-    from tacos_framework.environment import Finding
+    from tacos_framework.environment import EnvironmentFinding
 
     if find_spec("torch") is None:
-        return Finding("torch", "not installed; only tasks that learn need it")
+        return EnvironmentFinding("torch", "not installed; only tasks that learn need it")
     import torch
 
-    return Finding("torch", f"{torch.__version__}, {'cuda' if torch.cuda.is_available() else 'cpu'}")
+    return EnvironmentFinding(
+        "torch", f"{torch.__version__}, {'cuda' if torch.cuda.is_available() else 'cpu'}"
+    )
 
 
 def _catalog(arguments: argparse.Namespace) -> int:

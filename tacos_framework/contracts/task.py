@@ -23,12 +23,12 @@ State = Mapping[str, NDArray[Any]]
 class Budget:
     """How much to train: passes over the batches, and settings of the recipe's ``train:``.
 
-    Where ``told`` is given, a task may tell it the losses of each step, by name.
+    Where ``on_step`` is given, a task calls it with the losses of each step, by name.
     """
 
     epochs: int = 1
     settings: Mapping[str, Any] | None = None
-    told: Callable[[Mapping[str, float]], None] | None = None
+    on_step: Callable[[Mapping[str, float]], None] | None = None
 
 
 class Scorer(Protocol):

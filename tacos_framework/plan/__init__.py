@@ -2,7 +2,7 @@
 
 ==============  ========================================================================================
 ``plan``        what a plan is
-``parts``       a component class with its checked settings
+``component``   a component class with its checked settings
 ``planner``     the whole recipe, section by section
 ``findings``    what all sections share: components found by name, and every fault with its place
 ``nodes``       the graph
@@ -22,9 +22,9 @@
 
 from __future__ import annotations
 
-from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.plan import Plan
 from tacos_framework.plan.planner import make_plan
 from tacos_framework.plan.targets import Target, target_of
 
-__all__ = ["EffectPart", "Part", "Plan", "Target", "make_plan", "target_of"]
+__all__ = ["ConfiguredComponent", "EffectPart", "Plan", "Target", "make_plan", "target_of"]

@@ -6,18 +6,18 @@ from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.graph import signature_of
-from tacos_framework.plan import Part
+from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Path, Settings, check
 from tacos_framework.values import Episode, Rig
 
 
-def part_of(use: Use, kind: str, plugins: Plugins) -> Part:
+def part_of(use: Use, kind: str, plugins: Plugins) -> ConfiguredComponent:
     """A component class with its settings; raises a `UserError` with all that is wrong with them."""
     cls = plugins.resolve(use.use, kind, where=use.use)
     config = _checked(cls.Config, use.settings, use.use)
-    return Part(use.use, cls, config, plugins.distribution_of(use.use))
+    return ConfiguredComponent(use.use, cls, config, plugins.distribution_of(use.use))
 
 
 def build(use: Use, kind: str, plugins: Plugins) -> Any:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import Part
+from tacos_framework.plan.component import ConfiguredComponent
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.recipe import Recipe
 from tacos_framework.settings import check
 from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
@@ -22,7 +22,11 @@ _FITTING_CAMERA = {
 
 
 def check_cameras_fit(
-    findings: Findings, rig: Part, fixed: Mapping[str, Any], space: DesignSpace, nodes: Mapping[str, Part]
+    findings: RecipeFindings,
+    rig: ConfiguredComponent,
+    fixed: Mapping[str, Any],
+    space: DesignSpace,
+    nodes: Mapping[str, ConfiguredComponent],
 ) -> None:
     """Ask sensors and tasks that do not take every camera whether they take any that can be chosen."""
     asking = {
@@ -46,7 +50,9 @@ def check_cameras_fit(
             )
 
 
-def _choosable_rigs(recipe: Recipe, rig: Part, fixed: Mapping[str, Any], space: DesignSpace) -> list[Any]:
+def _choosable_rigs(
+    recipe: Recipe, rig: ConfiguredComponent, fixed: Mapping[str, Any], space: DesignSpace
+) -> list[Any]:
     """The rig for every row of each catalog the recipe chooses from; all else at its lower bound."""
     corner = space.decode([gene.lower for gene in space.genes]).as_dict()
     own = {name: value for name, value in corner.items() if "." not in name}

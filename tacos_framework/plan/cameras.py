@@ -6,19 +6,19 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tacos_framework.errors import did_you_mean
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.component import ConfiguredComponent, EffectPart
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.targets import target_of
 from tacos_framework.settings import Path, check
 from tacos_framework.variables.design_space import DesignSpace
 
 
 def check_camera_names(
-    findings: Findings,
-    rig: Part,
+    findings: RecipeFindings,
+    rig: ConfiguredComponent,
     fixed: Mapping[str, Any],
     space: DesignSpace,
-    nodes: Mapping[str, Part],
+    nodes: Mapping[str, ConfiguredComponent],
     effects: Mapping[str, EffectPart],
 ) -> None:
     """Names of cameras in ``cameras:`` of effects, and in design variables, are those of the rig."""
@@ -40,7 +40,7 @@ Named = tuple[Path, str, tuple[str, ...] | None]
 
 
 def _named_by_effects(
-    findings: Findings, nodes: Mapping[str, Part], effects: Mapping[str, EffectPart]
+    findings: RecipeFindings, nodes: Mapping[str, ConfiguredComponent], effects: Mapping[str, EffectPart]
 ) -> Iterator[Named]:
     for i, name in enumerate(findings.recipe.effect_names):
         for j, camera in enumerate(effects[name].cameras or ()):
@@ -51,7 +51,7 @@ def _named_by_effects(
 
 
 def _named_by_design(
-    findings: Findings, nodes: Mapping[str, Part], effects: Mapping[str, EffectPart]
+    findings: RecipeFindings, nodes: Mapping[str, ConfiguredComponent], effects: Mapping[str, EffectPart]
 ) -> Iterator[Named]:
     for variable in findings.recipe.design:
         target = target_of(variable, findings.recipe.effect_names)
@@ -60,7 +60,9 @@ def _named_by_design(
             yield ("design", variable), target.camera, getattr(part, "cameras", None)
 
 
-def _cameras_of(findings: Findings, rig: Part, fixed: Mapping[str, Any], space: DesignSpace) -> list[str]:
+def _cameras_of(
+    findings: RecipeFindings, rig: ConfiguredComponent, fixed: Mapping[str, Any], space: DesignSpace
+) -> list[str]:
     """Names of the cameras that the rig has at either end of the design space."""
     names: dict[str, None] = {}
     for end in ("lower", "upper"):

@@ -1,4 +1,4 @@
-"""What designs are judged by: constraints, fitness, and the cameras off the shelf beside them."""
+"""What designs are scored by: constraints, fitness, and the cameras off the shelf beside them."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 from tacos_framework.catalog import OffTheShelf, load_cameras
 from tacos_framework.errors import UserError, did_you_mean
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import Part
+from tacos_framework.plan.component import ConfiguredComponent
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.recipe import NamedScenario, Recipe, Weighted
 
 
-def check_constraints(findings: Findings, rig: Part | None) -> None:
+def check_constraints(findings: RecipeFindings, rig: ConfiguredComponent | None) -> None:
     """Constraints bound what the rig derives, and can be met."""
     for name, bounds in findings.recipe.constraints.items():
         path = ("constraints", name)
@@ -23,7 +23,7 @@ def check_constraints(findings: Findings, rig: Part | None) -> None:
             findings.add(path, f"min {bounds.min:g} is above max {bounds.max:g}")
 
 
-def check_scenarios(findings: Findings) -> None:
+def check_scenarios(findings: RecipeFindings) -> None:
     """Several scenarios are told apart by name."""
     recipe = findings.recipe
     if not recipe.scenarios:
@@ -34,7 +34,7 @@ def check_scenarios(findings: Findings) -> None:
             findings.add(("scenario", i), f"two scenarios are called {name!r}", "a name for each")
 
 
-def check_scores(findings: Findings, nodes: Mapping[str, Part]) -> None:
+def check_scores(findings: RecipeFindings, nodes: Mapping[str, ConfiguredComponent]) -> None:
     """The fitness takes scores that tasks report, each once."""
     recipe = findings.recipe
     scores = {f"{name}.{score}" for name, part in nodes.items() for score in getattr(part.cls, "scores", ())}
@@ -49,13 +49,13 @@ def check_scores(findings: Findings, nodes: Mapping[str, Part]) -> None:
             findings.add(path, f"no task reports {term.score!r}", "node.score", remedy)
 
 
-def _could_exist(term: Weighted, recipe: Recipe, nodes: Mapping[str, Part]) -> bool:
+def _could_exist(term: Weighted, recipe: Recipe, nodes: Mapping[str, ConfiguredComponent]) -> bool:
     """False where the score's node is at fault already."""
     node = term.score.partition(".")[0]
     return node in nodes or node not in recipe.nodes
 
 
-def find_cameras(findings: Findings, rig: Part | None) -> tuple[OffTheShelf, ...]:
+def find_cameras(findings: RecipeFindings, rig: ConfiguredComponent | None) -> tuple[OffTheShelf, ...]:
     """The cameras off the shelf that the design is compared with."""
     compare = findings.recipe.compare
     if compare is None or rig is None:

@@ -10,8 +10,8 @@ from tacos_framework.catalog import find_catalog
 from tacos_framework.errors import UserError
 from tacos_framework.plan.camera_fit import check_cameras_fit
 from tacos_framework.plan.cameras import check_camera_names
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.component import ConfiguredComponent, EffectPart
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.settable import Settable
 from tacos_framework.recipe import Between, Choose, FromCatalog, Recipe
 from tacos_framework.settings import Path, check
@@ -26,10 +26,10 @@ from tacos_framework.variables.design_space import (
 
 
 def find_space(
-    findings: Findings,
-    rig: Part | None,
+    findings: RecipeFindings,
+    rig: ConfiguredComponent | None,
     fixed: Mapping[str, Any],
-    nodes: Mapping[str, Part],
+    nodes: Mapping[str, ConfiguredComponent],
     effects: Mapping[str, EffectPart],
 ) -> DesignSpace | None:
     """The design variables; None where there is no rig, or a variable is at fault."""
@@ -63,7 +63,7 @@ def find_space(
     return space
 
 
-def _variable(findings: Findings, name: str, entry: Any, unit: str) -> Variable | None:
+def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Variable | None:
     path = ("design", name)
     try:
         if isinstance(entry, Between):
@@ -84,7 +84,11 @@ def _variable(findings: Findings, name: str, entry: Any, unit: str) -> Variable 
 
 
 def _check_corners(
-    findings: Findings, rig: Part, fixed: Mapping[str, Any], space: DesignSpace, given: set[str]
+    findings: RecipeFindings,
+    rig: ConfiguredComponent,
+    fixed: Mapping[str, Any],
+    space: DesignSpace,
+    given: set[str],
 ) -> None:
     """Try the ends of the space on the rig, so that bad bounds and fixed values show now."""
     variables = rig.cls.Variables

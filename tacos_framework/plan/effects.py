@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from tacos_framework.contracts import formation_order
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import EffectPart
+from tacos_framework.plan.component import EffectPart
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.starting import with_starting_values
 
 
-def find_effects(findings: Findings) -> dict[str, EffectPart]:
+def find_effects(findings: RecipeFindings) -> dict[str, EffectPart]:
     """The sound effects by name, in the order of image formation."""
     recipe = findings.recipe
     names = recipe.effect_names

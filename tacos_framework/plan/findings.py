@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.plan.parts import Part
+from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, Use
 from tacos_framework.settings import Path, Settings, check, with_paths_from
@@ -19,7 +19,7 @@ _CAMERAS = Annotated[tuple[str, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True)
-class Findings:
+class RecipeFindings:
     """A recipe under examination. Nothing raises: every fault is kept, and the examination goes on.
 
     Parameters
@@ -74,12 +74,14 @@ class Findings:
             self.faults.extend(error.faults)
             return None
 
-    def part(self, use: Use, kind: str, path: Path) -> Part | None:
+    def part(self, use: Use, kind: str, path: Path) -> ConfiguredComponent | None:
         """A component with its settings; None where either is at fault."""
         cls = self.component(use.use, kind, path)
         return None if cls is None else self.configured(cls, use.use, use.settings, path)
 
-    def configured(self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path) -> Part | None:
+    def configured(
+        self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path
+    ) -> ConfiguredComponent | None:
         """A component class with its settings; None where they, or what they lead to, are at fault."""
         if self.recipe.folder is not None:
             settings = with_paths_from(self.recipe.folder, cls.Config, settings)
@@ -88,13 +90,13 @@ class Findings:
             return None
         distribution = self.plugins.distribution_of(use)
         if use.partition(".")[0] in ("optimizer", "executor"):  # these are built by the study, for good
-            return Part(use, cls, config, distribution)
+            return ConfiguredComponent(use, cls, config, distribution)
         try:
             built = cls(config)  # what a component refuses, such as a file that is not there, shows now
         except UserError as error:
             self.adopt(path, error)
             return None
-        return Part(use, cls, config, distribution, built)
+        return ConfiguredComponent(use, cls, config, distribution, built)
 
 
 def _place(fault: Fault) -> tuple[str, int, int]:

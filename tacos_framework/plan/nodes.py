@@ -7,8 +7,8 @@ from typing import Any
 from tacos_framework.components import KINDS
 from tacos_framework.contracts import learns
 from tacos_framework.graph import NODE_KINDS, Graph, Node, Signature, signature_of, wiring_faults
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.component import ConfiguredComponent, EffectPart
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.starting import with_starting_values
 from tacos_framework.recipe import NodeUse
 
@@ -24,10 +24,10 @@ _RESERVED = {"effects": "the effects of the recipe", "scenario": "the scenario"}
 """Names under which design variables mean something else."""
 
 
-def find_nodes(findings: Findings) -> tuple[dict[str, Part], Graph | None]:
+def find_nodes(findings: RecipeFindings) -> tuple[dict[str, ConfiguredComponent], Graph | None]:
     """The component of each node that has a sound one, and the graph where all nodes fit together."""
     recipe = findings.recipe
-    parts: dict[str, Part] = {}
+    parts: dict[str, ConfiguredComponent] = {}
     nodes: dict[str, Node] = {}
     for name, use in recipe.nodes.items():
         if name in _RESERVED:
@@ -47,18 +47,18 @@ def find_nodes(findings: Findings) -> tuple[dict[str, Part], Graph | None]:
             parts[name] = part
     if len(nodes) < len(recipe.nodes) or _some_left_out(findings):
         return parts, None
-    _check_lessons(findings)
+    _check_study_training(findings)
     wiring = wiring_faults(nodes, lambda path: recipe.where(("nodes", *path)))
     findings.faults.extend(wiring)
     return parts, None if wiring or not nodes else Graph(nodes)
 
 
-def _some_left_out(findings: Findings) -> bool:
+def _some_left_out(findings: RecipeFindings) -> bool:
     """Whether the recipe's text has nodes whose form is at fault, so that wires to them are not."""
     return len(findings.recipe.keys_of("nodes")) > len(findings.recipe.nodes)
 
 
-def _signature(findings: Findings, name: str, cls: type[Any], kind: str) -> Signature | None:
+def _signature(findings: RecipeFindings, name: str, cls: type[Any], kind: str) -> Signature | None:
     try:
         return signature_of(cls, kind)
     except (TypeError, NameError) as error:
@@ -66,7 +66,7 @@ def _signature(findings: Findings, name: str, cls: type[Any], kind: str) -> Sign
         return None
 
 
-def _part(findings: Findings, name: str, use: NodeUse, cls: type[Any]) -> Part | None:
+def _part(findings: RecipeFindings, name: str, use: NodeUse, cls: type[Any]) -> ConfiguredComponent | None:
     """The component of a node; an effect may act on some cameras only."""
     path = ("nodes", name)
     settings = with_starting_values(findings.recipe, "node", name, cls, use.settings)
@@ -80,7 +80,7 @@ def _part(findings: Findings, name: str, use: NodeUse, cls: type[Any]) -> Part |
 
 
 def _check_training(
-    findings: Findings, name: str, use: NodeUse, cls: type[Any], signature: Signature
+    findings: RecipeFindings, name: str, use: NodeUse, cls: type[Any], signature: Signature
 ) -> None:
     if use.train is None:
         return
@@ -94,8 +94,8 @@ def _check_training(
         findings.checked(kind, use.train.settings, path)
 
 
-def _check_lessons(findings: Findings) -> None:
-    """Whether there is anybody to teach where the study says how."""
+def _check_study_training(findings: RecipeFindings) -> None:
+    """Whether a task is trainable where the study says how to train."""
     recipe = findings.recipe
     if any(use.train is not None for use in recipe.nodes.values()):
         return
@@ -103,7 +103,7 @@ def _check_lessons(findings: Findings) -> None:
         if getattr(recipe.study, key):
             findings.add(
                 ("study", key),
-                "nothing learns in this study",
+                "no task is trained in this study",
                 "a task with train:",
                 "Give one, or remove it.",
             )

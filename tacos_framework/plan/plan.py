@@ -11,7 +11,7 @@ from tacos_framework.catalog import OffTheShelf
 from tacos_framework.contracts import learns
 from tacos_framework.fitness import Constraint, Fitness
 from tacos_framework.graph import Graph
-from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.targets import Target, target_of
 from tacos_framework.recipe import Recipe
 from tacos_framework.settings import Settings
@@ -42,15 +42,15 @@ class Plan:
 
     recipe: Recipe
     graph: Graph
-    nodes: Mapping[str, Part]
-    rig: Part
+    nodes: Mapping[str, ConfiguredComponent]
+    rig: ConfiguredComponent
     fixed: Mapping[str, Any]
     space: DesignSpace
     fitness: Fitness
     constraints: tuple[Constraint, ...]
     effects: tuple[EffectPart, ...]
-    optimizer: Part
-    executor: Part
+    optimizer: ConfiguredComponent
+    executor: ConfiguredComponent
     cameras: tuple[OffTheShelf, ...] = ()
 
     def target(self, variable: str) -> Target:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.fitness import Constraint, Fitness, Term
+from tacos_framework.fitness import Constraint, Fitness, FitnessTerm
 from tacos_framework.plan.checks import check_constraints, check_scenarios, check_scores, find_cameras
 from tacos_framework.plan.design import find_space
 from tacos_framework.plan.effects import find_effects
-from tacos_framework.plan.findings import Findings
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.nodes import find_nodes
 from tacos_framework.plan.plan import Plan
 from tacos_framework.plan.rig import find_rig
@@ -34,14 +34,14 @@ def make_plan(recipe: Recipe, plugins: Plugins, faults: Sequence[Fault] = ()) ->
     UserError
         With those faults and all that are found here.
     """
-    findings = Findings(recipe, plugins, list(faults))
+    findings = RecipeFindings(recipe, plugins, list(faults))
     plan = _plan(findings)
     if findings.faults or plan is None:
         raise UserError(findings.in_order())
     return plan
 
 
-def _plan(findings: Findings) -> Plan | None:
+def _plan(findings: RecipeFindings) -> Plan | None:
     recipe = findings.recipe
     nodes, graph = find_nodes(findings)
     rig, fixed = find_rig(findings)
@@ -72,6 +72,6 @@ def _plan(findings: Findings) -> Plan | None:
 
 
 def _fitness(recipe: Recipe) -> Fitness:
-    terms = tuple(Term(term.score, term.weight) for term in recipe.fitness)
+    terms = tuple(FitnessTerm(term.score, term.weight) for term in recipe.fitness)
     weights = tuple((s.name, s.weight) for s in recipe.scenarios if isinstance(s, NamedScenario))
     return Fitness(terms, weights, recipe.study.scenarios)

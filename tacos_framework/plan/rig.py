@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from tacos_framework.errors import did_you_mean
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import Part
+from tacos_framework.plan.component import ConfiguredComponent
+from tacos_framework.plan.findings import RecipeFindings
 
 
-def find_rig(findings: Findings) -> tuple[Part | None, dict[str, Any]]:
+def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict[str, Any]]:
     """The component that builds the rig, and the values of the variables that are fixed."""
     use = findings.recipe.rig
     cls = findings.component(use.use, "rig", ("rig",)) if use else None

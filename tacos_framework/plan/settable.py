@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from tacos_framework.errors import did_you_mean
-from tacos_framework.plan.findings import Findings
-from tacos_framework.plan.parts import EffectPart, Part
+from tacos_framework.plan.component import ConfiguredComponent, EffectPart
+from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.targets import Target, target_of
 from tacos_framework.recipe import NamedScenario, Scenario
 from tacos_framework.settings import check
@@ -23,9 +23,9 @@ _OF_ONE_CAMERA = ("effect", "sensor")
 class Settable:
     """Everything that design variables can set; faults go to `findings`."""
 
-    findings: Findings
-    rig: Part | None
-    nodes: Mapping[str, Part]
+    findings: RecipeFindings
+    rig: ConfiguredComponent | None
+    nodes: Mapping[str, ConfiguredComponent]
     effects: Mapping[str, EffectPart]
 
     def target(self, variable: str) -> Target:
@@ -100,9 +100,9 @@ class Settable:
         part = self._part(target)
         return [] if part is None else [(part.cls.Config, part.config.model_dump(mode="json", by_alias=True))]
 
-    def _part(self, target: Target) -> Part | None:
+    def _part(self, target: Target) -> ConfiguredComponent | None:
         """The component a target belongs to; None where it is at fault, or none."""
-        parts: Mapping[str, Mapping[str, Part]] = {"node": self.nodes, "effect": self.effects}
+        parts: Mapping[str, Mapping[str, ConfiguredComponent]] = {"node": self.nodes, "effect": self.effects}
         return parts.get(target.kind, {}).get(target.owner)
 
     def _is_scenario(self, variable: str, target: Target) -> bool:

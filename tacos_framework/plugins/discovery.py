@@ -12,7 +12,7 @@ import pluggy
 
 from tacos_framework import hookspecs
 from tacos_framework.components import CONTRACT_VERSION, Command, Component, ReferencePage
-from tacos_framework.environment import Finding
+from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.failures import PluginFailure, in_words, tried
 from tacos_framework.plugins.observers import Observer, Observers
@@ -129,20 +129,22 @@ class Plugins:
                 )
         return [offer for offer in offered or () if isinstance(offer, kind)]
 
-    def findings(self) -> list[Finding]:
+    def findings(self) -> list[EnvironmentFinding]:
         """What plugins found out about this machine; a look that fails is a finding too."""
         found = []
         for plugin in self._plugins:
             call = self._hook_of(plugin, "tacos_doctor")
             findings, error = tried(partial(_all, call))
             for finding in findings or ():
-                if isinstance(finding, Finding):
+                if isinstance(finding, EnvironmentFinding):
                     found.append(finding)
                 else:
                     error = TypeError(f"it gives a {type(finding).__name__} where a Finding is expected")
             if error is not None:
                 said = f"its tacos_doctor failed: {in_words(error)}"
-                found.append(Finding(f"plugin {plugin.source}", said, ok=False, remedy="Update it."))
+                found.append(
+                    EnvironmentFinding(f"plugin {plugin.source}", said, ok=False, remedy="Update it.")
+                )
         return found
 
     def commands(self, taken: tuple[str, ...] = ()) -> list[Command]:

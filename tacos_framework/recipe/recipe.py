@@ -230,15 +230,15 @@ class Compare(Settings):
     evaluations: int = setting(
         30,
         help=(
-            "Evaluations spent on what each product leaves free; where tasks learn, a product that leaves "
-            "nothing free gets as many to train them."
+            "Evaluations spent on what each product leaves free; where tasks are trained, as many train them "
+            "on a product that leaves nothing free."
         ),
         ge=1,
     )
 
 
 class Test(Settings):
-    """The scenes the design is judged on: other scenes than it was designed on."""
+    """The scenes the design is tested on: other scenes than it was designed on."""
 
     __test__ = False  # not a pytest class
 
@@ -248,7 +248,7 @@ class Test(Settings):
 
 
 class Recipe(Settings):
-    """What to design, how to simulate it, and what to judge it by.
+    """What to design, how to simulate it, and what to score it by.
 
     Built from YAML by `read_recipe` or in Python with keyword arguments; both are equal in power.
     """
@@ -271,7 +271,7 @@ class Recipe(Settings):
     executor: Use = setting(Use(use="executor.local"), help="Where candidates are evaluated.")
     study: StudySettings = setting(StudySettings(), help="How candidates are compared.")
     compare: Compare | None = setting(None, help="Off-the-shelf cameras to set beside the design.")
-    test: Test | None = setting(None, help="Scenes the design is judged on.")
+    test: Test | None = setting(None, help="Scenes the design is tested on.")
     notes: tuple[str, ...] = setting((), help="What a reader of the results should know.")
 
     _document: Document | None = PrivateAttr(None)

@@ -17,7 +17,7 @@ CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
-class Difference:
+class CameraDifference:
     """Designed camera minus another, on the same test scenes.
 
     ``error`` is half the width of the interval of `CONFIDENCE` around the difference, None where it cannot
@@ -50,14 +50,14 @@ class Difference:
 
 def difference(
     designed: CameraResult, other: CameraResult, score: str, *, higher_is_better: bool = True
-) -> Difference | None:
+) -> CameraDifference | None:
     """The difference in one score, or in ``fitness``; None where one of the cameras has no such number."""
     ours, theirs = _value(designed, score), _value(other, score)
     if ours is None or theirs is None:
         return None
     pairs = zip(designed.episodes, other.episodes, strict=False)
     differences = [a[score] - b[score] for a, b in pairs if score in a and score in b]
-    return Difference(ours, theirs, half_width(differences), higher_is_better)
+    return CameraDifference(ours, theirs, half_width(differences), higher_is_better)
 
 
 def half_width(values: Sequence[float]) -> float | None:

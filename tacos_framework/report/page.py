@@ -39,7 +39,7 @@ class Drawing:
 
 
 @dataclass(frozen=True)
-class Picture:
+class PagePicture:
     """An image as a data URI, as `image_uri` gives it; `enlarged` fills the width with pixels left sharp."""
 
     uri: str
@@ -83,14 +83,14 @@ class Heading:
 
 
 @dataclass(frozen=True)
-class Row:
+class SideBySide:
     """Blocks side by side, all equally wide."""
 
-    blocks: tuple[Drawing | Picture | Table, ...]
+    blocks: tuple[Drawing | PagePicture | Table, ...]
     kind: Literal["row"] = "row"
 
 
-Block = Paragraph | Warnings | Drawing | Picture | Table | Code | Heading | Row
+Block = Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ _JPEG_QUALITY = 88
 
 
 @dataclass(frozen=True)
-class Picture:
+class EmbeddedImage:
     """An embedded image; width and height are those of the file, before any reduction [px]."""
 
     uri: str
@@ -23,14 +23,14 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Placed:
+class FramePlacement:
     """Where a frame goes in a row of frames, in percent of the row's width."""
 
     width: float
     top: float
 
 
-def picture(path: Path, widest_px: int, *, lossless: bool = False) -> Picture | None:
+def picture(path: Path, widest_px: int, *, lossless: bool = False) -> EmbeddedImage | None:
     """The image embedded as JPEG (or PNG), reduced to at most `widest_px`; None where it cannot be read."""
     import cv2
     import numpy as np
@@ -45,10 +45,12 @@ def picture(path: Path, widest_px: int, *, lossless: bool = False) -> Picture | 
     kind, options = (".png", []) if lossless else (".jpg", [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
     _, data = cv2.imencode(kind, image, options)
     mime = "image/png" if lossless else "image/jpeg"
-    return Picture(f"data:{mime};base64,{base64.b64encode(data.tobytes()).decode()}", width_px, height_px)
+    return EmbeddedImage(
+        f"data:{mime};base64,{base64.b64encode(data.tobytes()).decode()}", width_px, height_px
+    )
 
 
-def side_by_side(cameras: Sequence[CameraResult], gap: float = 1.6) -> list[Placed]:
+def side_by_side(cameras: Sequence[CameraResult], gap: float = 1.6) -> list[FramePlacement]:
     """Sizes at which equal angles about the axis look equal, with all horizons at one height.
 
     Where a field of view is not known, all frames get the same width and start at the top.
@@ -60,7 +62,7 @@ def side_by_side(cameras: Sequence[CameraResult], gap: float = 1.6) -> list[Plac
     """
     room = 100.0 - gap * (len(cameras) - 1)
     if not all({"hfov_deg", "vfov_deg"} <= camera.derived.keys() for camera in cameras):
-        return [Placed(room / len(cameras), 0.0) for _ in cameras]
+        return [FramePlacement(room / len(cameras), 0.0) for _ in cameras]
     extents = [half_extents(camera.derived["hfov_deg"], camera.derived["vfov_deg"]) for camera in cameras]
     scale = room / sum(2 * half_width for half_width, _ in extents)  # percent per focal length
     horizons = [
@@ -68,6 +70,6 @@ def side_by_side(cameras: Sequence[CameraResult], gap: float = 1.6) -> list[Plac
         for camera, (_, half_height) in zip(cameras, extents, strict=True)
     ]
     return [
-        Placed(2 * half_width * scale, (max(horizons) - horizon) * scale)
+        FramePlacement(2 * half_width * scale, (max(horizons) - horizon) * scale)
         for (half_width, _), horizon in zip(extents, horizons, strict=True)
     ]

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.report.comparison import Difference, best_of, difference, score_names
+from tacos_framework.report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_framework.report.quantities import (
     duration,
     measured,
@@ -129,7 +129,7 @@ def per_score(study: StudyData) -> str:
     return f"Against the {other.title}, score by score: {'; '.join(parts)}." if parts else ""
 
 
-def score_changes(study: StudyData, other: CameraResult) -> dict[str, Difference]:
+def score_changes(study: StudyData, other: CameraResult) -> dict[str, CameraDifference]:
     """The designed camera's differences from another in every score both have."""
     if study.designed is None:
         return {}

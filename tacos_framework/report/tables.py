@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from tacos_framework.report.comparison import Difference, best_of, difference, score_names
+from tacos_framework.report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_framework.report.quantities import (
     joined,
     measured,
@@ -21,7 +21,7 @@ from tacos_framework.report.study_data import CameraResult, StudyData
 
 
 @dataclass(frozen=True)
-class Cell:
+class CameraCell:
     """Text, what is printed small below it, and whether it is the best of its row."""
 
     text: str
@@ -30,41 +30,41 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Row:
+class CameraRow:
     """A label, its detail, and one cell per camera; ``change`` compares with the best other camera."""
 
     label: str
-    cells: tuple[Cell, ...]
+    cells: tuple[CameraCell, ...]
     detail: str = ""
     change: str = ""
     outcome: str = ""
 
 
-def camera_table(study: StudyData) -> list[Row]:
+def camera_table(study: StudyData) -> list[CameraRow]:
     """What each camera is: variables, derived quantities, the floor it sees, what was optimised for it."""
     rows = []
     variables = _in_order(camera.camera for camera in study.cameras)
     for name in variables:
         cells = tuple(_variable_cell(camera, name, study) for camera in study.cameras)
-        rows.append(Row(words(name), cells))
+        rows.append(CameraRow(words(name), cells))
     for name in _in_order(camera.derived for camera in study.cameras):
         if name in variables:
             continue
         unit = study.units.get(name) or unit_of(name)
         cells = tuple(
-            Cell(shown(name, camera.derived[name], unit) if name in camera.derived else "not known")
+            CameraCell(shown(name, camera.derived[name], unit) if name in camera.derived else "not known")
             for camera in study.cameras
         )
-        rows.append(Row(words(name), cells))
+        rows.append(CameraRow(words(name), cells))
     if any("vfov_deg" in camera.derived for camera in study.cameras):
-        floors = tuple(Cell(floor_words(camera, study.eye_height_m)) for camera in study.cameras)
-        rows.append(Row("Floor seen ahead", floors))
+        floors = tuple(CameraCell(floor_words(camera, study.eye_height_m)) for camera in study.cameras)
+        rows.append(CameraRow("Floor seen ahead", floors))
     if any(camera.free for camera in study.others):
-        rows.append(Row("Optimised", tuple(_free_cell(camera) for camera in study.cameras)))
+        rows.append(CameraRow("Optimised", tuple(_free_cell(camera) for camera in study.cameras)))
     return rows
 
 
-def score_table(study: StudyData) -> list[Row]:
+def score_table(study: StudyData) -> list[CameraRow]:
     """Scores and fitness on unseen scenes, with the change against the best other camera."""
     if not study.tested:
         return []
@@ -73,14 +73,14 @@ def score_table(study: StudyData) -> list[Row]:
     return [_score_row(study, name, weights) for name in names]
 
 
-def _score_row(study: StudyData, name: str, weights: dict[str, float]) -> Row:
+def _score_row(study: StudyData, name: str, weights: dict[str, float]) -> CameraRow:
     weight = weights.get(name)
     higher_first = higher_is_better(study, name)
     values = [camera.fitness if name == "fitness" else camera.scores.get(name) for camera in study.cameras]
     known = [value for value in values if value is not None]
     top = (max(known) if higher_first else min(known)) if len(known) > 1 and len(set(known)) > 1 else None
     cells = tuple(
-        Cell(
+        CameraCell(
             "none" if value is None else measured(value, camera.spread.get(name)),
             best=top is not None and value == top,
         )
@@ -91,10 +91,10 @@ def _score_row(study: StudyData, name: str, weights: dict[str, float]) -> Row:
     if study.designed is not None and other is not None:
         change = difference(study.designed, other, name, higher_is_better=higher_first)
     detail = f"weight {weight:g}" if weight is not None else "" if name == "fitness" else "not in the fitness"
-    return Row(words(name), cells, detail, _change_text(change), change.outcome if change else "")
+    return CameraRow(words(name), cells, detail, _change_text(change), change.outcome if change else "")
 
 
-def _change_text(change: Difference | None) -> str:
+def _change_text(change: CameraDifference | None) -> str:
     if change is None:
         return ""
     if change.value == 0:
@@ -103,19 +103,19 @@ def _change_text(change: Difference | None) -> str:
     return f"{percent(change.share)} ({absolute})" if change.share is not None else absolute
 
 
-def _variable_cell(camera: CameraResult, name: str, study: StudyData) -> Cell:
+def _variable_cell(camera: CameraResult, name: str, study: StudyData) -> CameraCell:
     if name not in camera.camera:
-        return Cell("none")
+        return CameraCell("none")
     value = camera.camera[name]
     detail = row_detail(value) if isinstance(value, dict) else ""
-    return Cell(shown(name, value, study.units.get(name) or unit_of(name)), detail)
+    return CameraCell(shown(name, value, study.units.get(name) or unit_of(name)), detail)
 
 
-def _free_cell(camera: CameraResult) -> Cell:
+def _free_cell(camera: CameraResult) -> CameraCell:
     if not camera.free:
-        return Cell("nothing")
+        return CameraCell("nothing")
     tries = joined(str(camera.evaluations), "evaluations") if camera.evaluations else ""
-    return Cell(", ".join(words(name).lower() for name in camera.free), tries)
+    return CameraCell(", ".join(words(name).lower() for name in camera.free), tries)
 
 
 def _in_order(mappings: Iterable[Mapping[str, object]]) -> list[str]:

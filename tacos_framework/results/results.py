@@ -23,7 +23,7 @@ from tacos_framework.settings.yaml_writer import to_yaml
 
 log = logging.getLogger(__name__)
 
-FORMAT = 1
+FORMAT = 2
 """Format of ``checkpoint.json``; another one cannot be resumed."""
 
 PARTIAL = ".partial"
@@ -141,7 +141,7 @@ class Results:
             raise UserError(
                 Fault(
                     str(checkpoint),
-                    f"format {state.get('format')}",
+                    f"it is of another version of tacos-framework: format {state.get('format')}",
                     f"format {FORMAT}",
                     "Resume with the version of tacos-framework it was written by.",
                 )
@@ -168,7 +168,7 @@ class Results:
                 Fault(
                     str(self.folder),
                     "another run is writing into this folder",
-                    "a folder of its own for every run",
+                    "a separate folder for each run",
                     "Wait for it or end it, or name another folder with --out.",
                 )
             ) from None

@@ -2,7 +2,7 @@
 
 ==================  ========================================================================================
 ``simulation``      a plan brought to life, candidate by candidate
-``trial``           one candidate on its way through the graph: episodes, frames, the time they take
+``context``         one candidate on its way through the graph: episodes, frames, the time they take
 ``scores``          what the tasks report of an episode
 ``training``        frames for tasks that learn, and their states
 ``episodes``        which episode is meant, and its parts
@@ -17,7 +17,13 @@
 from __future__ import annotations
 
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.evaluation import Evaluation, Raised, failed_by, joined, judged
+from tacos_framework.simulation.evaluation import (
+    Evaluation,
+    Raised,
+    failed_by,
+    merged_evaluation,
+    with_fitness,
+)
 from tacos_framework.simulation.evaluator import Evaluator
 from tacos_framework.simulation.jobs import SampleJob, ScoreJob
 from tacos_framework.simulation.simulation import Simulation
@@ -32,7 +38,7 @@ __all__ = [
     "ScoreJob",
     "Simulation",
     "failed_by",
-    "joined",
-    "judged",
+    "merged_evaluation",
     "state_key",
+    "with_fitness",
 ]

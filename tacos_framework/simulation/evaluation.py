@@ -113,7 +113,7 @@ def failed_by(evaluation: Evaluation, error: BaseException) -> Evaluation:
     return replace(evaluation, failed=reason, raised=raised)
 
 
-def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     """An evaluation with scores, fitness and terms from the scores of its episodes.
 
     Raises
@@ -129,14 +129,14 @@ def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
         scores=scores,
         fitness=fitness.value(scores),
         terms=fitness.terms(scores),
-        episodes=tuple(_with_fitness(episode, fitness) for episode in evaluation.episodes),
+        episodes=tuple(_episode_with_fitness(episode, fitness) for episode in evaluation.episodes),
     )
 
 
 def _judged_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     """Scores are weighted means over the scenarios; fitness and terms too, or they are those of the worst."""
     columns = {
-        name: tuple(_with_fitness(episode, fitness) for episode in episodes)
+        name: tuple(_episode_with_fitness(episode, fitness) for episode in episodes)
         for name, episodes in evaluation.scenario_episodes.items()
     }
     means = {name: mean_scores(episodes) for name, episodes in evaluation.scenario_episodes.items()}
@@ -162,39 +162,39 @@ def _judged_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Evaluation
     )
 
 
-def _with_fitness(scores: Scores, fitness: Fitness) -> dict[str, float]:
+def _episode_with_fitness(scores: Scores, fitness: Fitness) -> dict[str, float]:
     """An episode's scores, and its fitness where it has every score that takes."""
     if any(term.score not in scores for term in fitness.terms_of):
         return dict(scores)
     return {**scores, "fitness": fitness.value(scores)}
 
 
-def joined(parts: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
-    """One evaluation of what was done for a candidate in parts, in their order.
+def merged_evaluation(partials: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
+    """One evaluation of what separate jobs did for a candidate, in their order.
 
     Parameters
     ----------
-    parts
-        Training, or scores of some episodes, with the fitness left open. A part that failed fails the whole,
+    partials
+        Training, or scores of some episodes, with the fitness left open. One that failed fails the whole,
         as do episodes that together do not give every score the fitness takes.
     fitness
         The weighted sum of scores.
     """
     seconds: dict[str, float] = {}
-    for part in parts:
-        for node, spent in part.seconds.items():
+    for partial in partials:
+        for node, spent in partial.seconds.items():
             seconds[node] = seconds.get(node, 0.0) + spent
-    images = sum(part.images for part in parts)
-    failed = next((part for part in parts if part.failed), None)
+    images = sum(partial.images for partial in partials)
+    failed = next((partial for partial in partials if partial.failed), None)
     if failed is not None:
         return replace(failed, images=images, seconds=seconds)
-    episodes = tuple(episode for part in parts for episode in part.episodes)
+    episodes = tuple(episode for partial in partials for episode in partial.episodes)
     columns = {
-        name: tuple(episode for part in parts for episode in part.scenario_episodes.get(name, ()))
-        for name in dict.fromkeys(name for part in parts for name in part.scenario_episodes)
+        name: tuple(episode for partial in partials for episode in partial.scenario_episodes.get(name, ()))
+        for name in dict.fromkeys(name for partial in partials for name in partial.scenario_episodes)
     }
-    whole = replace(parts[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds)
+    whole = replace(partials[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds)
     try:
-        return judged(whole, fitness)
+        return with_fitness(whole, fitness)
     except CandidateFailed as error:
         return replace(whole, failed=str(error), episodes=(), scenario_episodes={})

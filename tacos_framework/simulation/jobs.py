@@ -34,7 +34,7 @@ class Job(Protocol[Result]):
 class ScoreJob:
     """Train the trainable tasks on a candidate's frames, then score it on other frames.
 
-    Where the episodes are but a part of those it is to be judged by (``partial``), the fitness is left open.
+    Where the episodes are but a part of those it is to be scored by (``partial``), the fitness is left open.
     """
 
     values: Mapping[str, Any]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tacos_framework.plan import Part, target_of
+from tacos_framework.plan import ConfiguredComponent, target_of
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,9 @@ class SettingOverrides:
     settings: dict[str, dict[str, Any]] = field(default_factory=dict)
     by_camera: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
 
-    def parts(self, name: str, part: Part) -> tuple[Part, dict[str, Part]]:
+    def parts(
+        self, name: str, part: ConfiguredComponent
+    ) -> tuple[ConfiguredComponent, dict[str, ConfiguredComponent]]:
         """A component with the candidate's settings, and that of each camera that has settings of its own."""
         settings = self.settings.get(name, {})
         own = self.by_camera.get(name, {})

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 
 from tacos_framework.contracts import Scorer, Scores, State
 from tacos_framework.simulation.checked_outputs import checked_scores
+from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.trial import Trial
 
 
-def score(trial: Trial, spec: EpisodeSpec, states: Mapping[str, State]) -> tuple[Scores, int]:
+def score(context: EvaluationContext, spec: EpisodeSpec, states: Mapping[str, State]) -> tuple[Scores, int]:
     """Show an episode to all tasks.
 
     Parameters
     ----------
-    trial
+    context
         The candidate.
     spec
         The episode, of every scene of the graph.
@@ -26,23 +26,23 @@ def score(trial: Trial, spec: EpisodeSpec, states: Mapping[str, State]) -> tuple
     -------
     ``{"node.score": value}``, and how many images were rendered.
     """
-    graph = trial.plan.graph
+    graph = context.plan.graph
     scores: dict[str, float] = {}
     images = 0
     for scene in graph.of_kind("scene"):
         tasks = [task for task in graph.of_kind("task") if graph.scene_of(task) == scene]
         scorers: dict[str, Scorer] = {
-            task: trial.components[task].begin(state=states.get(task)) for task in tasks
+            task: context.components[task].begin(state=states.get(task)) for task in tasks
         }
-        with trial.clock.of(scene):
-            episode = trial.episode(scene, spec)
-        images += len(episode) * len(trial.rig.cameras)
-        for inputs in trial.stream(scene, episode, spec, tasks):
+        with context.clock.of(scene):
+            episode = context.episode(scene, spec)
+        images += len(episode) * len(context.rig.cameras)
+        for inputs in context.stream(scene, episode, spec, tasks):
             for task in tasks:
-                with trial.at_work(task):
+                with context.at_work(task):
                     scorers[task].update(**inputs[task])
         for task in tasks:
-            with trial.at_work(task):
-                reported = checked_scores(trial.plan.nodes[task].origin, scorers[task].scores())
+            with context.at_work(task):
+                reported = checked_scores(context.plan.nodes[task].origin, scorers[task].scores())
             scores.update({f"{task}.{name}": value for name, value in reported.items()})
     return scores, images

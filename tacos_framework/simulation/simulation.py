@@ -8,22 +8,22 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tacos_framework.cache import Recent, content_key
+from tacos_framework.cache import LRUCache, content_key
 from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
-from tacos_framework.plan import EffectPart, Part, Plan
+from tacos_framework.plan import ConfiguredComponent, EffectPart, Plan
 from tacos_framework.plugins import culprit_of
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import NamedScenario
 from tacos_framework.settings import Settings
 from tacos_framework.simulation.clock import Clock
+from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.evaluation import Evaluation, failed_by, judged
+from tacos_framework.simulation.evaluation import Evaluation, failed_by, with_fitness
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import train
-from tacos_framework.simulation.trial import Trial
 from tacos_framework.values import Episode, Exposure, FrameBatch
 
 
@@ -43,7 +43,7 @@ class Simulation:
         kept = max(recipe.study.episodes, recipe.test.episodes if recipe.test else 1)
         lights = len({scenario.illumination_lux for scenario in recipe.scenarios})
         size = max(min(kept, 4), lights) + lights * bool(plan.trainable)
-        self._episodes: Recent[Episode] = Recent(size)
+        self._episodes: LRUCache[Episode] = LRUCache(size)
 
     def initial_states(self) -> dict[str, State]:
         """The states of the trainable tasks before the study."""
@@ -81,7 +81,7 @@ class Simulation:
         training
             What they train on first; None leaves them as they are.
         partial
-            The episodes are but a part of those it is to be judged by: its fitness is left open.
+            The episodes are but a part of those it is to be scored by: its fitness is left open.
         """
         clock = Clock()
         evaluation = Evaluation(values=values)
@@ -99,7 +99,7 @@ class Simulation:
                     return replace(evaluation, failed="; ".join(broken))
                 trials = self._trials(values, variables, clock)
                 scored = self._scored(evaluation, trials, episodes, states, training)
-                return scored if partial else judged(scored, self.plan.fitness)
+                return scored if partial else with_fitness(scored, self.plan.fitness)
             except CandidateFailed as error:
                 return replace(evaluation, failed=str(error), seconds=clock.seconds)
             except (Exception, SystemExit) as error:
@@ -112,21 +112,21 @@ class Simulation:
     def _scored(
         self,
         evaluation: Evaluation,
-        trials: Mapping[str, Trial],
+        trials: Mapping[str, EvaluationContext],
         episodes: Sequence[EpisodeSpec],
         states: Mapping[str, State],
         training: EpisodeSpec | None,
     ) -> Evaluation:
         """The evaluation with the scores of each episode, and what they cost."""
-        trial = next(iter(trials.values()))
-        for component in trial.components.values():  # before anything is rendered in vain
+        context = next(iter(trials.values()))
+        for component in context.components.values():  # before anything is rendered in vain
             sensors = (
                 [component.sensor, *component.by_camera.values()]
                 if isinstance(component, PlacedSensor)
                 else [component]
             )
             for each in sensors:
-                if callable(lacks := getattr(each, "lacks", None)) and (reason := lacks(trial.rig)):
+                if callable(lacks := getattr(each, "lacks", None)) and (reason := lacks(context.rig)):
                     raise CandidateFailed(reason)
         images = 0
         states = dict(states)
@@ -147,16 +147,16 @@ class Simulation:
             episodes=() if several else tuple(columns[""]),
             scenario_episodes={name: tuple(column) for name, column in columns.items()} if several else {},
             images=images,
-            seconds=trial.clock.seconds,
+            seconds=context.clock.seconds,
             states=states if training is not None else {},
         )
 
     def batches(self, task: str, values: Mapping[str, Any], spec: EpisodeSpec) -> Iterator[FrameBatch]:
         """What a task of one port is given of an episode that a candidate sees, without scoring it."""
-        trial = self._trial(values, spec)
+        context = self._evaluation_context(values, spec)
         scene = self.plan.graph.scene_of(task)
-        episode = trial.episode(scene, spec)
-        for inputs in trial.stream(scene, episode, spec, [task]):
+        episode = context.episode(scene, spec)
+        for inputs in context.stream(scene, episode, spec, [task]):
             (batch,) = inputs[task].values()
             yield batch
 
@@ -164,24 +164,26 @@ class Simulation:
         """One frame as tasks see it, at a position in 0..1 along the episode."""
         graph = self.plan.graph
         shown = graph.shown
-        trial = self._trial(values, spec)
-        episode = trial.episode(graph.scene_of(shown), spec)
+        context = self._evaluation_context(values, spec)
+        episode = context.episode(graph.scene_of(shown), spec)
         frame = round(position * (len(episode) - 1))
         batch = episode[frame : frame + 1]
         outputs: dict[str, Any] = {graph.scene_of(shown): batch}
-        draws = trial.draws(spec)
+        draws = context.draws(spec)
         for name in graph.leading_to(shown):
             node = graph.nodes[name]
             inputs = {port: outputs[source] for port, source in node.sources.items()}
-            outputs[name] = trial.output(node, inputs, draws, batch.first_frame)
+            outputs[name] = context.output(node, inputs, draws, batch.first_frame)
         return outputs[shown]
 
-    def _trial(self, values: Mapping[str, Any], spec: EpisodeSpec) -> Trial:
+    def _evaluation_context(self, values: Mapping[str, Any], spec: EpisodeSpec) -> EvaluationContext:
         """A candidate in the scenario of an episode; in the first, where it is of all."""
         trials = self._trials(values, self.plan.rig_variables(values), Clock())
         return trials[_scenarios(trials, spec)[0]]
 
-    def _trials(self, values: Mapping[str, Any], variables: Settings, clock: Clock) -> dict[str, Trial]:
+    def _trials(
+        self, values: Mapping[str, Any], variables: Settings, clock: Clock
+    ) -> dict[str, EvaluationContext]:
         """A candidate in each scenario, by name; the only one, where it has none, is called ``""``."""
         plan = self.plan
         overrides = overrides_of(values, plan.recipe.effect_names)
@@ -195,7 +197,7 @@ class Simulation:
             name = given.name if isinstance(given, NamedScenario) else ""
             scenario = given.model_copy(update=overrides.of_scenario(name))
             exposure = Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
-            trials[name] = Trial(
+            trials[name] = EvaluationContext(
                 plan=plan,
                 rig=rig,
                 exposure=exposure,
@@ -210,12 +212,12 @@ class Simulation:
         return trials
 
 
-def _scenarios(trials: Mapping[str, Trial], spec: EpisodeSpec) -> list[str]:
+def _scenarios(trials: Mapping[str, EvaluationContext], spec: EpisodeSpec) -> list[str]:
     """The scenarios an episode is seen in."""
     return list(trials) if spec.scenario is None else [spec.scenario]
 
 
-def placed(name: str, part: Part, overrides: SettingOverrides) -> Any:
+def placed(name: str, part: ConfiguredComponent, overrides: SettingOverrides) -> Any:
     """The component of a node or effect with a candidate's settings, or what places it in image formation."""
     whole, own = overrides.parts(name, part)
     if part.use.partition(".")[0] == "sensor":

@@ -12,15 +12,17 @@ import numpy as np
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Budget, State
 from tacos_framework.randomness import generator
+from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.trial import Trial
 from tacos_framework.values import Episode, FrameBatch
 
 KEPT_BYTES = 512 * 2**20
 """Memory that frames may take between the passes of training over them [bytes]."""
 
 
-def train(trials: Sequence[Trial], task: str, state: State, spec: EpisodeSpec) -> tuple[State, int]:
+def train(
+    trials: Sequence[EvaluationContext], task: str, state: State, spec: EpisodeSpec
+) -> tuple[State, int]:
     """Train a task on frames of a candidate.
 
     Parameters
@@ -38,20 +40,20 @@ def train(trials: Sequence[Trial], task: str, state: State, spec: EpisodeSpec) -
     -------
     The new state, and how many images were rendered.
     """
-    trial = trials[0]
-    settings = trial.plan.recipe.nodes[task].train
+    context = trials[0]
+    settings = context.plan.recipe.nodes[task].train
     if settings is None or settings.weights == "frozen":
         return state, 0
-    scene = trial.plan.graph.scene_of(task)
+    scene = context.plan.graph.scene_of(task)
     spec = replace(spec, frames=settings.frames)
-    with trial.clock.of(scene):
+    with context.clock.of(scene):
         episodes = [each.episode(scene, spec) for each in trials]
     room = KEPT_BYTES if settings.epochs > 1 else 0  # nothing is kept for a pass that never comes
     frames = TrainingFrames(trials, scene, episodes, spec, task, room)
     rng = generator(spec.seed, *spec.name, task, "fit")
-    with trial.at_work(task, "training"):
+    with context.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
-        learnt = trial.components[task].fit(frames, state=state, budget=budget, rng=rng)
+        learnt = context.components[task].fit(frames, state=state, budget=budget, rng=rng)
     return learnt, frames.images
 
 
@@ -63,7 +65,7 @@ class TrainingFrames:
     anew, so that memory stays flat however long the episode is.
     """
 
-    trials: Sequence[Trial]
+    trials: Sequence[EvaluationContext]
     scene: str
     episodes: Sequence[Episode]
     spec: EpisodeSpec

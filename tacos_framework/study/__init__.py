@@ -4,10 +4,10 @@
 ``study``    one run of a recipe: searches, test, checkpoint, result
 ``search``   one run of an optimizer over a design space
 ``scoring``  candidates of a generation in a race, with ``racing``, its statistics
-``relay``    weights that candidates share: the next one trains while the last is scored
+``pipelined``    weights that candidates share: the next one trains while the last is scored
 ``asking``   the optimizer, guarded: what it asks for is checked
 ``failing``  when candidates keep failing by one defect
-``parts``    a few cameras on many episodes, cut up so that no worker idles
+``shards``    a few cameras on many episodes, cut up so that no worker idles
 ``progress`` what listens while it runs
 ===========  ================================================================================================
 """

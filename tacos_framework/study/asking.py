@@ -10,7 +10,7 @@ import numpy as np
 
 from tacos_framework.contracts import Evaluated
 from tacos_framework.errors import ContractBroken
-from tacos_framework.plan import Part
+from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 
@@ -32,7 +32,7 @@ class GuardedOptimizer:
         From any method, where the optimizer gives what its contract rules out.
     """
 
-    def __init__(self, part: Part, space: DesignSpace, rng: np.random.Generator) -> None:
+    def __init__(self, part: ConfiguredComponent, space: DesignSpace, rng: np.random.Generator) -> None:
         self._part, self._space = part, space
         self._optimizer = part.make(space=space, rng=rng)
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import Scores
-from tacos_framework.fitness import Fitness, Term, mean_scores
+from tacos_framework.fitness import Fitness, FitnessTerm, mean_scores
 
 Key = Hashable
 
@@ -51,7 +51,7 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
     Examples
     --------
     >>> from tacos_framework.fitness import Term
-    >>> contributions([{"a": 1.0}, {"a": 3.0}], Fitness((Term("a", 2.0),))).tolist()
+    >>> contributions([{"a": 1.0}, {"a": 3.0}], Fitness((FitnessTerm("a", 2.0),))).tolist()
     [2.0, 6.0]
     """
     n = len(blocks)
@@ -72,7 +72,7 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
     return total + deviations
 
 
-def _counted_terms(blocks: Sequence[Scores], fitness: Fitness) -> tuple[Term, ...] | None:
+def _counted_terms(blocks: Sequence[Scores], fitness: Fitness) -> tuple[FitnessTerm, ...] | None:
     """The terms of the fitness over all scenarios, or of the worst so far; None where they cannot be told."""
     if not fitness.scenarios:
         return fitness.terms_of
@@ -86,7 +86,7 @@ def _counted_terms(blocks: Sequence[Scores], fitness: Fitness) -> tuple[Term, ..
     if any(len(scores) < len(fitness.terms_of) for scores in by_scenario.values()):
         return None
     return tuple(
-        Term(f"{name}/{term.score}", weight * term.weight)
+        FitnessTerm(f"{name}/{term.score}", weight * term.weight)
         for name, weight in fitness.weights(by_scenario).items()
         if weight > 0
         for term in fitness.terms_of
@@ -137,7 +137,7 @@ class Race:
     Examples
     --------
     >>> from tacos_framework.fitness import Term
-    >>> race = Race(Fitness((Term("a", 1.0),)), standard_errors=2, min_blocks=3)
+    >>> race = Race(Fitness((FitnessTerm("a", 1.0),)), standard_errors=2, min_blocks=3)
     >>> race.saw("good", [{"a": 1.0}, {"a": 3.0}, {"a": 2.0}])
     >>> race.saw("poor", [{"a": 0.5}, {"a": 2.6}, {"a": 1.4}])
     >>> race.saw("close", [{"a": 1.2}, {"a": 2.5}, {"a": 2.2}])
@@ -165,8 +165,8 @@ class Race:
         shared = min(map(len, racing.values()), default=0)
         if shared < self.min_blocks:
             return []
-        told = {key: contributions(blocks[:shared], self.fitness) for key, blocks in racing.items()}
-        known = {key: values for key, values in told.items() if values is not None}
+        contributed = {key: contributions(blocks[:shared], self.fitness) for key, blocks in racing.items()}
+        known = {key: values for key, values in contributed.items() if values is not None}
         if not known:
             return []
         leader = max(known, key=lambda key: known[key].mean())
@@ -179,12 +179,12 @@ class Race:
         self.dropped.update(out)
         return list(out)
 
-    def told(self, fitnesses: Mapping[Key, float]) -> dict[Key, float]:
+    def fitness_of_dropped(self, fitnesses: Mapping[Key, float]) -> dict[Key, float]:
         """The fitness that stands for each dropped candidate.
 
         Its own mean is over other blocks than that of the candidates that saw all, and blocks differ more
-        than cameras do. So it is told the fitness of the one it was dropped for, less what it was behind. It
-        always ranks below a candidate that saw all blocks.
+        than cameras do. So the optimizer observes the fitness of the one it was dropped for, less what it was
+        behind. It always ranks below a candidate that saw all blocks.
 
         Parameters
         ----------
@@ -195,11 +195,11 @@ class Race:
         -------
         Fitness of those that did not, by key; without those dropped for one that has failed since.
         """
-        told = dict(fitnesses)
+        known = dict(fitnesses)
         for key, gap in reversed(self.dropped.items()):  # those dropped for it were dropped before it was
-            if gap.rival in told and key not in fitnesses:
-                told[key] = told[gap.rival] + gap.difference
-        return {key: fitness for key, fitness in told.items() if key not in fitnesses}
+            if gap.rival in known and key not in fitnesses:
+                known[key] = known[gap.rival] + gap.difference
+        return {key: fitness for key, fitness in known.items() if key not in fitnesses}
 
 
 def _behind(leader: Key, leading: NDArray[np.float64], values: NDArray[np.float64]) -> Behind:

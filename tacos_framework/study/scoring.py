@@ -8,7 +8,7 @@ from dataclasses import replace
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
 from tacos_framework.recipe import RaceSettings
-from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, joined
+from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
 from tacos_framework.study.racing import Race
 
 
@@ -36,7 +36,7 @@ def score_in_a_race(
     Returns
     -------
     One evaluation for each job, in their order. One that was dropped has its scores on the blocks it saw,
-    says so in `Evaluation.dropped`, and has the fitness that `Race.told` gives.
+    says so in `Evaluation.dropped`, and has the fitness that `Race.fitness_of_dropped` gives.
     """
     race = Race(fitness, rules.standard_errors, rules.min_blocks)
     for key, rival in rivals.items():
@@ -72,12 +72,14 @@ def _outcomes(
     found: Mapping[str, Sequence[Evaluation]], race: Race, rivals: Mapping[str, Evaluation]
 ) -> list[Evaluation]:
     """One evaluation for each candidate, of all blocks it saw."""
-    whole = {key: joined(parts, race.fitness) for key, parts in found.items()}
+    whole = {key: merged_evaluation(parts, race.fitness) for key, parts in found.items()}
     complete = {key: e.fitness for key, e in whole.items() if key not in race.dropped}
     complete |= {key: e.fitness for key, e in rivals.items()}
-    told = race.told({key: fitness for key, fitness in complete.items() if fitness is not None})
+    dropped = race.fitness_of_dropped(
+        {key: fitness for key, fitness in complete.items() if fitness is not None}
+    )
     return [
-        replace(e, fitness=told.get(key, e.fitness), dropped=str(race.dropped[key]))
+        replace(e, fitness=dropped.get(key, e.fitness), dropped=str(race.dropped[key]))
         if key in race.dropped
         else e
         for key, e in whole.items()

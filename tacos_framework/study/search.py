@@ -13,7 +13,7 @@ from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
 from tacos_framework.study.asking import GuardedOptimizer
 from tacos_framework.study.failing import FailuresInARow, KeepsFailing, limit_of
-from tacos_framework.study.relay import score_in_a_relay
+from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.study.scoring import score_in_a_race
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 
@@ -22,7 +22,7 @@ FINALISTS = 3
 
 
 @dataclass(frozen=True)
-class Contender:
+class CandidateStats:
     """What is remembered of a candidate over all generations it took part in."""
 
     values: Mapping[str, Any]
@@ -62,15 +62,15 @@ class Search:
     budget: int | None
     states: dict[str, State] = field(default_factory=dict)
     generation: int = 0
-    told: int = 0
+    n_observed: int = 0
     evaluations: int = 0
     images: int = 0
     stopped: str | None = None
-    decided: bool = False
+    finalists_rescored: bool = False
     trained_best: int = 0
     best: Evaluation | None = None
     failing: FailuresInARow = field(default_factory=FailuresInARow)
-    contenders: dict[str, Contender] = field(default_factory=dict)
+    candidate_stats: dict[str, CandidateStats] = field(default_factory=dict)
     cache: dict[str, Evaluation] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -102,8 +102,8 @@ class Search:
             for i in range(study.episodes)
         )
 
-    def _lesson(self, candidate: int) -> EpisodeSpec | None:
-        """What a candidate, counted in its generation, trains on; None where nothing learns."""
+    def _training_episode(self, candidate: int) -> EpisodeSpec | None:
+        """The episode a candidate, counted in its generation, trains on; None where no task is trained."""
         if not self._training:
             return None
         study, seed = self.plan.recipe.study, self.plan.recipe.seed
@@ -121,11 +121,11 @@ class Search:
         return self.plan.recipe.study.renew_episodes == "never" and not self._training
 
     def expected_candidates(self) -> int | None:
-        """How many candidates are still to come, elites counted each time, if that can be told."""
+        """How many candidates are still to come, elites counted each time, if that is known."""
         if self.optimizer is None:
-            return max(0, (self.budget or 1) - self.told) if self._training else 1
+            return max(0, (self.budget or 1) - self.n_observed) if self._training else 1
         known = [n for n in (self.optimizer.expected_candidates, self.budget) if n is not None]
-        return max(0, min(known) - self.told) if known else None
+        return max(0, min(known) - self.n_observed) if known else None
 
     # one generation ---------------------------------------------------------------------------------------
 
@@ -177,7 +177,7 @@ class Search:
     def _stop(self) -> str | None:
         if self.optimizer is None:
             if self._training and self.evaluations < (self.budget or 1):
-                return None  # its tasks learn from it as long as they may from the others
+                return None  # its tasks train on it as long as they may on the others
             return "nothing is left free to search"
         if self.budget is not None and self.evaluations >= self.budget:
             return f"{self.evaluations} evaluations, the budget of {self.budget}, are spent"
@@ -191,10 +191,10 @@ class Search:
         on_evaluated: Callable[[Evaluation], None],
     ) -> tuple[list[Evaluation], dict[str, State]]:
         episodes = self._episodes("design")
-        jobs = [ScoreJob(v, episodes, self.states, self._lesson(i)) for i, v in enumerate(wanted)]
+        jobs = [ScoreJob(v, episodes, self.states, self._training_episode(i)) for i, v in enumerate(wanted)]
         if self._training and self._weights == "shared":
             evaluations, states = [], dict(self.states)
-            for evaluation in score_in_a_relay(jobs, self.plan.fitness, executor, evaluate):
+            for evaluation in score_pipelined(jobs, self.plan.fitness, executor, evaluate):
                 states.update(evaluation.states)
                 evaluations.append(evaluation)
                 on_evaluated(evaluation)
@@ -248,31 +248,33 @@ class Search:
         return score_in_a_race(jobs, rivals, rules, self.plan.fitness, executor, evaluate)
 
     def _remember(self, evaluations: Sequence[Evaluation]) -> None:
-        self.told += len(evaluations)
+        self.n_observed += len(evaluations)
         for evaluation in evaluations:
             self.evaluations += not evaluation.cached
             self.images += evaluation.images
             if evaluation.fitness is None:
                 continue
             key = content_key(evaluation.values)
-            old = self.contenders.get(key, Contender(evaluation.values, 0.0, 0))
-            self.contenders[key] = Contender(old.values, old.fitness_sum + evaluation.fitness, old.times + 1)
+            old = self.candidate_stats.get(key, CandidateStats(evaluation.values, 0.0, 0))
+            self.candidate_stats[key] = CandidateStats(
+                old.values, old.fitness_sum + evaluation.fitness, old.times + 1
+            )
             if evaluation.dropped is None and (self.best is None or evaluation.fitness > _fitness(self.best)):
                 self.best = replace(evaluation, states={}, cached=False)
 
-    def decide(
+    def rescore_finalists(
         self, executor: Executor, evaluate: Evaluator, on_evaluated: Callable[[Evaluation], None]
     ) -> list[Evaluation]:
         """Where scores of different generations do not compare, score the best few on common episodes.
 
         Returns the evaluations; `best` is the winner.
         """
-        self.decided = True
-        if self.comparable or len(self.contenders) < 2:
+        self.finalists_rescored = True
+        if self.comparable or len(self.candidate_stats) < 2:
             return []
-        ranked = sorted(self.contenders.values(), key=lambda contender: -contender.mean_fitness)[:FINALISTS]
+        ranked = sorted(self.candidate_stats.values(), key=lambda stats: -stats.mean_fitness)[:FINALISTS]
         episodes = tuple(replace(spec, name=("final", *spec.name[1:])) for spec in self._episodes("final"))
-        jobs = [ScoreJob(contender.values, episodes, self.states) for contender in ranked]
+        jobs = [ScoreJob(stats.values, episodes, self.states) for stats in ranked]
         evaluations = []
         for evaluation in executor.map(evaluate, jobs):
             evaluations.append(evaluation)
@@ -290,15 +292,15 @@ class Search:
         """How often the states may have changed: generations, and trainings on the best."""
         return self.generation + self.trained_best
 
-    def lesson_on_best(self) -> ScoreJob | None:
+    def next_training_on_best(self) -> ScoreJob | None:
         """The next training on the best camera, if one is left."""
         if self.best is None or not self._training or self.trained_best >= self.plan.recipe.study.train_best:
             return None
-        lesson = EpisodeSpec(self.plan.recipe.seed, ("train_best", self.trained_best))
-        return ScoreJob(self.best.values, (), self.states, lesson, partial=True)
+        training = EpisodeSpec(self.plan.recipe.seed, ("train_best", self.trained_best))
+        return ScoreJob(self.best.values, (), self.states, training, partial=True)
 
-    def learn(self, evaluation: Evaluation) -> None:
-        """Go on with the states a lesson led to; one that failed leaves them as they are."""
+    def update_weights(self, evaluation: Evaluation) -> None:
+        """Go on with the states a training job led to; one that failed leaves them as they are."""
         self.states = {**self.states, **evaluation.states}
         self.images += evaluation.images
         self.trained_best += 1
@@ -309,15 +311,15 @@ class Search:
         """All that is needed to go on, as JSON values; states of tasks are kept apart."""
         return {
             "generation": self.generation,
-            "told": self.told,
+            "n_observed": self.n_observed,
             "evaluations": self.evaluations,
             "images": self.images,
             "stopped": self.stopped,
-            "decided": self.decided,
+            "finalists_rescored": self.finalists_rescored,
             "trained_best": self.trained_best,
             "best": self.best and as_data(self.best),
             "failing": asdict(self.failing),
-            "contenders": {key: asdict(contender) for key, contender in self.contenders.items()},
+            "candidate_stats": {key: asdict(stats) for key, stats in self.candidate_stats.items()},
             "cache": {key: as_data(evaluation) for key, evaluation in self.cache.items()},
             "optimizer": self.optimizer and self.optimizer.state(),
         }
@@ -325,14 +327,16 @@ class Search:
     def restore(self, state: Mapping[str, Any], states: dict[str, State]) -> None:
         """Go on from a `state`."""
         self.generation = state["generation"]
-        self.told = state["told"]
+        self.n_observed = state["n_observed"]
         self.evaluations = state["evaluations"]
         self.images = state["images"]
         self.stopped = state["stopped"]
-        self.decided = state["decided"]
+        self.finalists_rescored = state["finalists_rescored"]
         self.trained_best = state["trained_best"]
         self.best = Evaluation(**state["best"]) if state["best"] else None
-        self.contenders = {key: Contender(**contender) for key, contender in state["contenders"].items()}
+        self.candidate_stats = {
+            key: CandidateStats(**stats) for key, stats in state["candidate_stats"].items()
+        }
         self.cache = {key: Evaluation(**evaluation) for key, evaluation in state["cache"].items()}
         self.failing = FailuresInARow(**state["failing"])
         self.states = states

@@ -24,9 +24,9 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
 from tacos_framework.study.failing import KeepsFailing
-from tacos_framework.study.parts import score_in_parts
 from tacos_framework.study.progress import Progress, Silent
 from tacos_framework.study.search import Search, as_data
+from tacos_framework.study.shards import score_sharded
 from tacos_framework.values import FrameBatch
 
 log = logging.getLogger(__name__)
@@ -142,7 +142,7 @@ class Study:
         self._judge()
 
     def _search(self, search: Search) -> None:
-        if search.decided:
+        if search.finalists_rescored:
             return
         title = "Designing" if search.name == DESIGNED else f"Fitting {search.name}"
         self._progress.phase(title, search.expected_candidates())
@@ -164,22 +164,22 @@ class Study:
                 log.info("generation %d: best %s", number, best and best.fitness)
             self._progress.best(search.best)
             self._checkpoint()
-        search.decide(self._executor, self._evaluate, self._count)
+        search.rescore_finalists(self._executor, self._evaluate, self._count)
         self._progress.best(search.best)
         self._checkpoint()
         log.info("%s: %s; best fitness %s", search.name, search.stopped, search.best and search.best.fitness)
 
     def _train_best(self) -> None:
         """Train each camera's network further on that camera; the cameras at the same time."""
-        lessons = self.plan.recipe.study.train_best
-        if any(search.lesson_on_best() for search in self.searches):
-            self._progress.phase("Training on the best", lessons * len(self.searches))
-        while pupils := [(s, job) for s in self.searches if (job := s.lesson_on_best()) is not None]:
-            trained = self._executor.map(self._evaluate, [job for _, job in pupils])
-            for (search, _), evaluation in zip(pupils, trained, strict=True):
+        trainings = self.plan.recipe.study.train_best
+        if any(search.next_training_on_best() for search in self.searches):
+            self._progress.phase("Training on the best", trainings * len(self.searches))
+        while pending := [(s, job) for s in self.searches if (job := s.next_training_on_best()) is not None]:
+            trained = self._executor.map(self._evaluate, [job for _, job in pending])
+            for (search, _), evaluation in zip(pending, trained, strict=True):
                 self._account(evaluation)
                 self._progress.step()
-                search.learn(evaluation)
+                search.update_weights(evaluation)
             self._checkpoint()
 
     def _count(self, evaluation: Evaluation) -> None:
@@ -220,7 +220,7 @@ class Study:
         self._progress.phase("Testing on unseen scenes", len(missing))
         episodes = tuple(EpisodeSpec(test.seed, ("test", i), test.frames) for i in range(test.episodes))
         jobs = [ScoreJob(s.best.values, episodes, s.states) for s in missing.values() if s.best is not None]
-        scored = score_in_parts(jobs, self.plan.fitness, self._executor, self._evaluate)
+        scored = score_sharded(jobs, self.plan.fitness, self._executor, self._evaluate)
         for name, evaluation in zip(missing, scored, strict=True):
             self._count(evaluation)
             self._test[name] = evaluation
@@ -335,8 +335,8 @@ class Study:
                 f"photosites, and its noise is that of the average. Resolutions compare with one another, "
                 f"but scores are not those of the full pixel counts."
             )
-        if lessons := max(search.trained_best for search in self.searches):
-            yield f"Before the test, what learns was trained {lessons} times more on each camera."
+        if trainings := max(search.trained_best for search in self.searches):
+            yield f"Before the test, the trainable tasks were trained {trainings} times more on each camera."
         for variable in self.plan.space.as_data():
             if left_out := variable.get("left_out"):
                 yield (

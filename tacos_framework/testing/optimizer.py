@@ -128,7 +128,7 @@ class OptimizerConformance(ComponentConformance):
 
     def test_it_takes_what_it_is_told_as_it_is(self) -> None:
         optimizer = self.make()
-        told = [Evaluated(candidate, math.pi) for candidate in optimizer.ask()]
-        before = list(told)
-        optimizer.tell(told)
-        assert told == before
+        observed = [Evaluated(candidate, math.pi) for candidate in optimizer.ask()]
+        before = list(observed)
+        optimizer.tell(observed)
+        assert observed == before

@@ -18,8 +18,8 @@ from tacos_framework.values import (
     FrameBatch,
     Light,
     Material,
+    MeshPart,
     Object,
-    Part,
     Rig,
     Trajectory,
     View,
@@ -175,13 +175,13 @@ def _rectangle(
     *,
     material: int,
     object_id: int,
-) -> Part:
+) -> MeshPart:
     """A rectangle that faces ``half_u x half_v``."""
     middle, u, v = (np.array(vector, np.float32) for vector in (centre, half_u, half_v))
     normal = np.cross(u, v)
     corners = [middle - u - v, middle + u - v, middle + u + v, middle - u + v]
     across, along = 2 * np.linalg.norm(u), 2 * np.linalg.norm(v)
-    return Part(
+    return MeshPart(
         vertices_m=np.array(corners, np.float32),
         normals=np.tile(normal / np.linalg.norm(normal), (4, 1)).astype(np.float32),
         uv_m=np.array([[0, 0], [across, 0], [across, along], [0, along]], np.float32),

@@ -6,7 +6,7 @@ from tacos_framework.values.camera import Camera, Electrons, Exposure, Rig
 from tacos_framework.values.episode import Crossing, Episode, Mover, Trajectory
 from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.values.images import Capture, FrameBatch, View
-from tacos_framework.values.world import Light, Material, Object, Part, World
+from tacos_framework.values.world import Light, Material, MeshPart, Object, World
 
 __all__ = [
     "Camera",
@@ -21,9 +21,9 @@ __all__ = [
     "ImageGeometry",
     "Light",
     "Material",
+    "MeshPart",
     "Mover",
     "Object",
-    "Part",
     "Rig",
     "Trajectory",
     "View",

@@ -53,7 +53,7 @@ class Material:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class MeshPart:
     """A triangle mesh in world coordinates, of one material, belonging to one object.
 
     Parameters
@@ -166,7 +166,7 @@ class World:
     """
 
     key: str
-    parts: tuple[Part, ...]
+    parts: tuple[MeshPart, ...]
     materials: tuple[Material, ...]
     objects: tuple[Object, ...]
     class_names: tuple[str, ...]

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.catalog.parts import Catalog, Part
+from tacos_framework.catalog.parts import Catalog, CatalogPart
 from tacos_framework.errors import did_you_mean
 from tacos_framework.variables.gene import Gene
 
@@ -65,7 +65,7 @@ class CatalogChoice:
             self._refuse_twins()
 
     def _refuse_twins(self) -> None:
-        places: dict[tuple[float, ...], Part] = {}
+        places: dict[tuple[float, ...], CatalogPart] = {}
         for row, place in zip(self.rows, map(tuple, self._table.tolist()), strict=True):
             other = places.setdefault(place, row)
             if other is not row:
@@ -81,16 +81,16 @@ class CatalogChoice:
         return self.catalog.design_columns if self.columns is None else tuple(self.columns)
 
     @cached_property
-    def rows(self) -> tuple[Part, ...]:
+    def rows(self) -> tuple[CatalogPart, ...]:
         """The parts to choose from, ordered by area."""
         return tuple(sorted(self.catalog.rows_knowing(self.design_columns), key=self._order))
 
     @property
-    def left_out(self) -> tuple[Part, ...]:
+    def left_out(self) -> tuple[CatalogPart, ...]:
         """Parts of the catalog that cannot be chosen, as a number is unknown."""
         return tuple(part for part in self.catalog.rows if part not in self.rows)
 
-    def _order(self, row: Part) -> tuple[float, tuple[float, ...], str]:
+    def _order(self, row: CatalogPart) -> tuple[float, tuple[float, ...], str]:
         """Area where the part has one, then the columns in turn, then the name."""
         width, height = row.values.get("width_mm"), row.values.get("height_mm")
         has_area = isinstance(width, int | float) and isinstance(height, int | float)
@@ -119,7 +119,7 @@ class CatalogChoice:
             for column, low, high in zip(self.design_columns, lower, upper, strict=True)
         )
 
-    def decode(self, genes: Sequence[float]) -> tuple[Part, tuple[float, ...]]:
+    def decode(self, genes: Sequence[float]) -> tuple[CatalogPart, tuple[float, ...]]:
         """The nearest part."""
         if self.scheme == "discrete":
             index = round(float(genes[0]))
@@ -129,8 +129,8 @@ class CatalogChoice:
         return self.rows[index], self._genes_of(index)
 
     def encode(self, value: Any) -> tuple[float, ...]:
-        """The genes of a part, given as a `Part`, its `Part.as_dict`, or its name."""
-        name = value.name if isinstance(value, Part) else value
+        """The genes of a part, given as a `CatalogPart`, its `CatalogPart.as_dict`, or its name."""
+        name = value.name if isinstance(value, CatalogPart) else value
         if isinstance(value, Mapping):
             name = value.get("name")
         names = [row.name for row in self.rows]

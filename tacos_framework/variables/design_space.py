@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.catalog.parts import Part
+from tacos_framework.catalog.parts import CatalogPart
 from tacos_framework.errors import did_you_mean
 from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Gene, Integer, Variable
 
@@ -42,7 +42,7 @@ class Candidate:
     Parameters
     ----------
     values
-        For each variable its value; a `Part` for catalog variables.
+        For each variable its value; a `CatalogPart` for catalog variables.
     genes
         The genes of exactly these values.
     key
@@ -66,7 +66,8 @@ class Candidate:
     def as_dict(self) -> dict[str, Any]:
         """The values as JSON values; a part is its name and columns."""
         return {
-            name: value.as_dict() if isinstance(value, Part) else value for name, value in self.values.items()
+            name: value.as_dict() if isinstance(value, CatalogPart) else value
+            for name, value in self.values.items()
         }
 
 
@@ -129,7 +130,7 @@ class DesignSpace:
     def encode(self, values: Mapping[str, Any]) -> NDArray[np.float64]:
         """(genes,) float64 of these values; ``decode(encode(values))`` has exactly these values.
 
-        Parts may be given as `Part`, as their name, or as `Candidate.as_dict` gave them.
+        Parts may be given as `CatalogPart`, as their name, or as `Candidate.as_dict` gave them.
 
         Raises
         ------

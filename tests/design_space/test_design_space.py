@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.catalog import Catalog, Column, Part
+from tacos_framework.catalog import Catalog, CatalogColumn, CatalogPart
 from tacos_framework.variables.design_space import (
     Candidate,
     CatalogChoice,
@@ -29,8 +29,10 @@ from tacos_framework.variables.design_space import (
 COLUMNS = ("width_mm", "height_mm", "pixel_um")
 
 
-def sensor(name: str, width_mm: float, height_mm: float, pixel_um: float) -> Part:
-    return Part(name, {"width_mm": width_mm, "height_mm": height_mm, "pixel_um": pixel_um, "maker": None})
+def sensor(name: str, width_mm: float, height_mm: float, pixel_um: float) -> CatalogPart:
+    return CatalogPart(
+        name, {"width_mm": width_mm, "height_mm": height_mm, "pixel_um": pixel_um, "maker": None}
+    )
 
 
 SENSORS = (
@@ -40,18 +42,20 @@ SENSORS = (
     sensor("tiny", 3.0, 2.3, 4.8),
 )
 
-UNKNOWN_PIXEL = Part("unknown pixel", {"width_mm": 4.0, "height_mm": 3.0, "pixel_um": None, "maker": "x"})
+UNKNOWN_PIXEL = CatalogPart(
+    "unknown pixel", {"width_mm": 4.0, "height_mm": 3.0, "pixel_um": None, "maker": "x"}
+)
 
 
-def catalog(*rows: Part) -> Catalog:
+def catalog(*rows: CatalogPart) -> Catalog:
     columns = (
-        *(Column(name, name[-2:], "Size.") for name in COLUMNS),
-        Column("maker", "1", "Maker.", "text"),
+        *(CatalogColumn(name, name[-2:], "Size.") for name in COLUMNS),
+        CatalogColumn("maker", "1", "Maker.", "text"),
     )
     return Catalog("sensors", "Sensors", columns, rows, source="tests", design_columns=COLUMNS)
 
 
-def sensor_choice(*rows: Part, **options: Any) -> CatalogChoice:
+def sensor_choice(*rows: CatalogPart, **options: Any) -> CatalogChoice:
     return CatalogChoice("sensor", catalog(*(rows or SENSORS)), **options)
 
 

@@ -10,14 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.fitness import Constraint, Fitness, Term, mean_scores, standard_errors
+from tacos_framework.fitness import Constraint, Fitness, FitnessTerm, mean_scores, standard_errors
 
 PAPER = Fitness(
     (
-        Term("features.inliers", 0.0025),
-        Term("features.inlier_ratio", 0.5),
-        Term("detect.ap50", 1.0),
-        Term("obstacle.seen_ratio", 1.0),
+        FitnessTerm("features.inliers", 0.0025),
+        FitnessTerm("features.inlier_ratio", 0.5),
+        FitnessTerm("detect.ap50", 1.0),
+        FitnessTerm("obstacle.seen_ratio", 1.0),
     )
 )
 QUANTIZED_DAY = {
@@ -42,14 +42,14 @@ def test_the_paper_s_sum_for_a_row_of_its_table() -> None:
 
 @given(st.lists(st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)), min_size=1, max_size=6))
 def test_the_value_is_the_sum_of_its_terms(pairs: list[tuple[float, float]]) -> None:
-    fitness = Fitness(tuple(Term(f"t.s{i}", weight) for i, (weight, _) in enumerate(pairs)))
+    fitness = Fitness(tuple(FitnessTerm(f"t.s{i}", weight) for i, (weight, _) in enumerate(pairs)))
     scores = {f"t.s{i}": score for i, (_, score) in enumerate(pairs)}
     assert fitness.value(scores) == math.fsum(fitness.terms(scores).values())
     assert fitness.value(scores) == pytest.approx(sum(w * s for w, s in pairs), abs=1e-3)
 
 
 def test_scores_the_fitness_does_not_name_are_left_alone() -> None:
-    assert Fitness((Term("a.b", 2.0),)).value({"a.b": 3.0, "a.other": math.nan}) == 6.0
+    assert Fitness((FitnessTerm("a.b", 2.0),)).value({"a.b": 3.0, "a.other": math.nan}) == 6.0
 
 
 def test_a_missing_score_fails_the_candidate_and_is_named() -> None:
@@ -75,10 +75,13 @@ def test_scores_that_are_no_numbers_are_a_defect_of_the_task(value: float) -> No
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: Term("a.b", math.nan), "the weight of a.b must be a finite number, not nan"),
+        (lambda: FitnessTerm("a.b", math.nan), "the weight of a.b must be a finite number, not nan"),
         (lambda: Fitness(()), "a fitness needs at least one term"),
-        (lambda: Fitness((Term("a.b", 1), Term("a.b", 2))), "the fitness names a.b more than once"),
-        (lambda: Fitness(tuple(Term(n, 1) for n in "baba")), "the fitness names a, b more than once"),
+        (
+            lambda: Fitness((FitnessTerm("a.b", 1), FitnessTerm("a.b", 2))),
+            "the fitness names a.b more than once",
+        ),
+        (lambda: Fitness(tuple(FitnessTerm(n, 1) for n in "baba")), "the fitness names a, b more than once"),
         (lambda: Constraint("hfov_deg"), "the constraint on hfov_deg has no bound"),
         (lambda: Constraint("hfov_deg", 9, 1), "the constraint on hfov_deg has min 9 above max 1"),
     ],

@@ -10,17 +10,17 @@ import numpy as np
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.captures import Capture, Noise
+from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.formation import simulate
 
 WIDTH, HEIGHT = 160, 120
 BLACK_DN = 16.0
 
 
-def capture(name: str, kind: str, expected: Any, frames: int = 2, exposure_ms: float = 10.0) -> Capture:
+def capture(name: str, kind: str, expected: Any, frames: int = 2, exposure_ms: float = 10.0) -> RealCapture:
     """A capture whose real frames are still to come; `expected` is a level or an (H, W) image [DN]."""
     image = np.broadcast_to(np.asarray(expected, np.float32), (HEIGHT, WIDTH))
-    return Capture(
+    return RealCapture(
         id=name,
         kind=kind,
         real_dn=np.zeros((frames, HEIGHT, WIDTH, 1), np.float32),
@@ -39,7 +39,7 @@ def squares() -> np.ndarray:
     return np.asarray(BLACK_DN + 25 + 150 * tilted)
 
 
-def bench() -> list[Capture]:
+def bench() -> list[RealCapture]:
     """A dark at two exposure times, flats at three levels, and edges."""
     return [
         capture("dark_short", "dark", BLACK_DN),
@@ -54,7 +54,9 @@ def placed(name: str, cls: type[Any], **settings: Any) -> PlacedEffect:
     return PlacedEffect(f"effect.{name}", f"effect.{name}", cls, cls.Config(**settings))
 
 
-def taken(captures: Sequence[Capture], effects: Sequence[PlacedEffect] = (), seed: int = 5) -> list[Capture]:
+def taken(
+    captures: Sequence[RealCapture], effects: Sequence[PlacedEffect] = (), seed: int = 5
+) -> list[RealCapture]:
     """The captures with real frames that hold these effects."""
     return [
         replace(c, real_dn=simulate(c, effects, EpisodeDraws(seed, ("taken", i))))

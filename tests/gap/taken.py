@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.captures import Board, Capture, Noise
+from tacos_gap.captures import Board, Noise, RealCapture
 from tacos_gap.formation import simulate
 
 WIDTH, HEIGHT = 160, 120
@@ -28,11 +28,11 @@ def effect(plugins: Plugins, name: str, **settings: Any) -> PlacedEffect:
     return PlacedEffect(use, use, cls, cls.Config(**settings))
 
 
-def capture(kind: str, level: float | NDArray[Any], *, frames: int = 2, channels: int = 1) -> Capture:
+def capture(kind: str, level: float | NDArray[Any], *, frames: int = 2, channels: int = 1) -> RealCapture:
     """A capture with expected values and no real frames yet; `level` is above the pedestal [DN]."""
     signal = np.broadcast_to(np.asarray(level, np.float32), (HEIGHT, WIDTH))
     expected = np.repeat(signal[None, :, :, None] + np.float32(BLACK_DN), channels, axis=3)
-    return Capture(
+    return RealCapture(
         id=f"{kind}_{round(float(np.mean(level)))}",
         kind=kind,
         real_dn=np.zeros((frames, HEIGHT, WIDTH, channels), np.float32),
@@ -44,7 +44,9 @@ def capture(kind: str, level: float | NDArray[Any], *, frames: int = 2, channels
     )
 
 
-def taken(captures: Sequence[Capture], effects: Sequence[PlacedEffect], seed: int = 3) -> list[Capture]:
+def taken(
+    captures: Sequence[RealCapture], effects: Sequence[PlacedEffect], seed: int = 3
+) -> list[RealCapture]:
     """The captures with real frames, from a camera that has these effects."""
     return [
         replace(each, real_dn=simulate(each, effects, EpisodeDraws(seed, ("taken", i))))
@@ -64,7 +66,7 @@ def patchwork() -> NDArray[np.float32]:
     return np.asarray(cv2.GaussianBlur(image, (0, 0), 0.6))
 
 
-def board(turn_deg: float) -> Capture:
+def board(turn_deg: float) -> RealCapture:
     """A view of a chessboard of 6 x 4 inner corners, turned about its upright axis, through a bent lens."""
     square_px = 40
     rows, columns = np.mgrid[: 7 * square_px, : 9 * square_px] // square_px

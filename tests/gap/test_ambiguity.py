@@ -11,23 +11,23 @@ from tacos_framework.plugins import Plugins
 from tacos_gap.ambiguity import confused_with
 from tacos_gap.boards import source_of
 from tacos_gap.candidates import candidates
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.next_capture import best_capture
-from tacos_gap.parameters import Term
+from tacos_gap.parameters import HypothesisTerm
 from tests.gap.small_captures import BLACK_DN, bench, capture, squares
 
 EFFECTS = candidates(Plugins.discover()).effects
 
 
-def flat(frames: int = 1) -> Capture:
+def flat(frames: int = 1) -> RealCapture:
     return capture("flat", "flat", BLACK_DN + 100, frames)
 
 
-def board(name: str) -> Capture:
+def board(name: str) -> RealCapture:
     return replace(capture(name, "board", 0.0, 1), expected_dn=None)
 
 
-def moving(velocity: tuple[float, float], frames: int = 1) -> Capture:
+def moving(velocity: tuple[float, float], frames: int = 1) -> RealCapture:
     still = capture(f"moving {velocity}", "sequence", squares(), frames)
     field = np.broadcast_to(np.float32(velocity), (*still.valid.shape, 2))
     return replace(still, context=replace(still.context, velocity_px_s=field))
@@ -79,8 +79,8 @@ def effects():
     return Plugins.discover()
 
 
-def term(effects: Plugins, name: str, **values: float) -> Term:
-    return Term(name, effects.resolve(f"effect.{name}"), values, dict.fromkeys(values, 0.1))
+def term(effects: Plugins, name: str, **values: float) -> HypothesisTerm:
+    return HypothesisTerm(name, effects.resolve(f"effect.{name}"), values, dict.fromkeys(values, 0.1))
 
 
 def test_the_next_capture_is_the_one_on_which_rivals_differ(effects):

@@ -12,7 +12,7 @@ import pytest
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageGeometry
 from tacos_gap.boards import BoardEvidence, find_corners
-from tacos_gap.captures import Board, Capture, CaptureFolder
+from tacos_gap.captures import Board, CaptureFolder, RealCapture
 from tacos_gap.diagnosis import diagnose
 from tests.gap.small_captures import capture, placed
 
@@ -42,7 +42,7 @@ def seen(tilt_deg: tuple[float, float], distance_mm: float, k1: float = 0.0) -> 
     return cv2.projectPoints(points, rotation, shift, CAMERA, np.array([k1, 0, 0, 0.0]))[0].reshape(-1, 2)
 
 
-def board(name: str = "board", image: np.ndarray | None = None) -> Capture:
+def board(name: str = "board", image: np.ndarray | None = None) -> RealCapture:
     return replace(
         capture(name, "board", 0.0, frames=1),
         real_dn=np.zeros((1, HEIGHT, WIDTH, 1), np.float32) if image is None else image[None, ..., None],

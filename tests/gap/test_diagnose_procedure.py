@@ -15,7 +15,7 @@ from tacos_framework.cli import run_main
 from tacos_framework.plugins import Plugins
 from tacos_framework.testing import ProcedureConformance
 from tacos_gap.candidates import candidates
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.captures.writer import write_captures
 from tacos_gap.procedures.diagnose import Diagnose
 from tests.gap.taken import board, capture, effect, patchwork, taken
@@ -29,7 +29,7 @@ KEYS = {
     "unknown",
     "next_capture",
     "below_floor",
-    "placebo",
+    "negative_control",
     "task",
     "limitations",
 }
@@ -41,7 +41,7 @@ def plugins() -> Plugins:
 
 
 def diagnosed(
-    captures: list[Capture], consider: set[str], plugins: Plugins, folder: Path, **settings: Any
+    captures: list[RealCapture], consider: set[str], plugins: Plugins, folder: Path, **settings: Any
 ) -> tuple[dict[str, Any], str]:
     """``diagnosis.json`` and the report of a folder with these captures, considering a few effects only."""
     write_captures(folder / "captures", captures)

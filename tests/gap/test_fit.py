@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from tacos_framework.settings import Settings, setting
-from tacos_gap.evidence import Judged, Label
+from tacos_gap.evidence import Label, ReplicateResiduals
 from tacos_gap.fit import finished, fit, jacobian_of, rescored
 from tacos_gap.intervals import half_widths
-from tacos_gap.parameters import Term
+from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
 
 
@@ -43,14 +43,14 @@ class Curve:
         rng = np.random.default_rng(seed)
         self.real = shape(height, bend) + rng.normal(0, 1, len(X))
         self.labels = [Label(f"{kind} {seed}", kind, "curve", "optics", {"x": float(x)}) for x in X]
-        self.floor = rng.normal(0, 1, (16, len(X)))
+        self.null_replicates = rng.normal(0, 1, (16, len(X)))
 
     def residual(self, effects: Sequence[Any], draws: int = 1) -> np.ndarray:
         return self.real - sum((shape(e.config.height, e.config.bend) for e in effects), np.zeros(len(X)))
 
-    def judged(self, effects: Sequence[Any]) -> Judged:
+    def replicate_residuals(self, effects: Sequence[Any]) -> ReplicateResiduals:
         z = self.residual(effects)
-        return Judged(z, self.floor, np.ones_like(z))
+        return ReplicateResiduals(z, self.null_replicates, np.ones_like(z))
 
 
 class Slope(Curve):
@@ -83,8 +83,8 @@ def problem(height: float, bend: float, count: int = 4) -> Problem:
     return Problem([Curve(height, bend, seed) for seed in range(count)])
 
 
-def start(height: float = 1.0, bend: float = 0.1) -> tuple[Term, ...]:
-    return (Term("bump", Bump, {"height": height, "bend": bend}, {"height": 1.0, "bend": 0.3}),)
+def start(height: float = 1.0, bend: float = 0.1) -> tuple[HypothesisTerm, ...]:
+    return (HypothesisTerm("bump", Bump, {"height": height, "bend": bend}, {"height": 1.0, "bend": 0.3}),)
 
 
 def test_intervals_hold_the_truth_about_as_often_as_they_say():
@@ -112,8 +112,8 @@ def test_captures_that_disagree_widen_the_interval():
 
 def test_a_parameter_that_was_put_to_neutral_still_makes_others_uncertain():
     of = Problem([Slope(6.0, 0.0, seed) for seed in range(4)])
-    both = Term("slope", Slope.Effect, {"first": 6.0, "second": 0.0}, {"first": 1.0, "second": 1.0})
-    pruned = Term("slope", Slope.Effect, {"first": 6.0, "second": 0.0}, {"first": 1.0})
+    both = HypothesisTerm("slope", Slope.Effect, {"first": 6.0, "second": 0.0}, {"first": 1.0, "second": 1.0})
+    pruned = HypothesisTerm("slope", Slope.Effect, {"first": 6.0, "second": 0.0}, {"first": 1.0})
     reaches = []
     for term in (both, pruned):
         found = fit(of, (term,))

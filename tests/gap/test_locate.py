@@ -1,10 +1,10 @@
-"""Where a gap lies: what stands out is found, what does not is not."""
+"""Where a gap lies: what is significant is found, what is not is not."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from tacos_gap.evidence import Judged, Label
+from tacos_gap.evidence import Label, ReplicateResiduals
 from tacos_gap.locate import locate
 from tacos_gap.problem import Problem
 from tacos_gap.unknown import unexplained
@@ -24,13 +24,13 @@ class Blocks:
         for key, size in added.items():
             at = int(key.removeprefix("at_"))
             self._z[at * NUMBERS : (at + 1) * NUMBERS] += size
-        self.floor = rng.normal(0, 1, (16, len(places)))
+        self.null_replicates = rng.normal(0, 1, (16, len(places)))
 
     def residual(self, effects):
         return self._z
 
-    def judged(self, effects):
-        return Judged(self._z, self.floor, np.ones_like(self._z))
+    def replicate_residuals(self, effects):
+        return ReplicateResiduals(self._z, self.null_replicates, np.ones_like(self._z))
 
 
 def test_the_statistic_that_differs_comes_first_with_its_place():
@@ -49,14 +49,14 @@ def test_noise_is_seldom_a_place():
 
 def test_nothing_left_is_nothing_unknown():
     of = [Problem([Blocks(seed)]) for seed in range(30)]
-    left = [unexplained(each, each.judged(())) for each in of]
-    assert np.mean([u.stands_out for u in left]) <= 0.15
+    left = [unexplained(each, each.replicate_residuals(())) for each in of]
+    assert np.mean([u.is_significant for u in left]) <= 0.15
     assert all(u.probability == 0 for u in left)
 
 
 def test_something_left_in_one_place_alone_stands_out():
     of = Problem([Blocks(5, at_4=12.0)])
-    left = unexplained(of, of.judged(()))
-    assert left.stands_out
+    left = unexplained(of, of.replicate_residuals(()))
+    assert left.is_significant
     assert left.where == "statistic 4"
     assert left.probability > 0.5

@@ -18,7 +18,7 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.settings import Settings, setting
 from tacos_framework.simulation import EpisodeSpec, Simulation
 from tacos_framework.values import Camera, Exposure, FrameBatch, ImageContext, ImageGeometry
-from tacos_gap.captures import Capture, Noise
+from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.formation import simulate
 from tacos_gap.sensing import NODE, sensor_at, with_sensor
 from tests.gap.small_captures import BLACK_DN, capture, placed, squares
@@ -83,11 +83,11 @@ def frames_of(plan: Plan, spec: EpisodeSpec) -> list[FrameBatch]:
     return list(Simulation(plan).batches("features", {"pitch_deg": 0.0}, spec))
 
 
-def of_study(batches: list[FrameBatch], sensor: PlacedSensor) -> Capture:
+def of_study(batches: list[FrameBatch], sensor: PlacedSensor) -> RealCapture:
     """What the diagnosis would be given of a study's episode: its expectation, without any effect."""
     views = [batch.capture.views[0] for batch in batches]
     camera = views[0].camera
-    plain = Capture(
+    plain = RealCapture(
         id="study",
         kind="scene",
         real_dn=np.zeros((len(views), camera.height_px, camera.width_px, 3), np.float32),

@@ -14,7 +14,7 @@ from tacos_framework import ProcedureRecipe, run
 from tacos_framework.errors import UserError
 from tacos_framework.formation import EpisodeDraws, PlacedSensor
 from tacos_framework.plugins import Plugins
-from tacos_gap.captures import Capture, Noise
+from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.captures.writer import write_captures
 from tacos_gap.formation import simulate
 from tacos_gap.sensing import NODE, CapturedNoise, response_of, sensor_at, with_sensor
@@ -93,7 +93,7 @@ def assert_said(text: str, said: str) -> None:
     assert second in text
 
 
-def diagnosed(captures: list[Capture], plugins: Plugins, folder: Path, **settings: Any) -> dict[str, Any]:
+def diagnosed(captures: list[RealCapture], plugins: Plugins, folder: Path, **settings: Any) -> dict[str, Any]:
     write_captures(folder / "captures", captures)
     recipe = ProcedureRecipe("procedure.diagnose", {"captures": str(folder / "captures"), **settings})
     run(recipe, out=folder / "out", plugins=plugins)

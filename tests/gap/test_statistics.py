@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import pytest
 
-from tacos_gap.captures import Capture, Noise
-from tacos_gap.statistics import Block, Sample, measure
+from tacos_gap.captures import Noise, RealCapture
+from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, squares
 
 LEVEL = 100.0
@@ -24,16 +24,16 @@ def flat_frames(count: int = 4, seed: int = 1) -> np.ndarray:
     return (BLACK_DN + LEVEL + noise).astype(np.float32)
 
 
-def flat(frames: int = 4) -> Capture:
+def flat(frames: int = 4) -> RealCapture:
     return capture("flat", "flat", BLACK_DN + LEVEL, frames)
 
 
-def blocks(of: Capture, frames: np.ndarray) -> dict[str, Block]:
+def blocks(of: RealCapture, frames: np.ndarray) -> dict[str, StatisticBlock]:
     assert of.expected_dn is not None
     return {block.statistic: block for block in measure(Sample(of, frames, of.expected_dn))}
 
 
-def at(block: Block, **wanted: Any) -> float:
+def at(block: StatisticBlock, **wanted: Any) -> float:
     """The number of a block taken at this place."""
     (index,) = [i for i, place in enumerate(block.at) if all(place.get(k) == v for k, v in wanted.items())]
     return float(block.values[index])
@@ -162,7 +162,7 @@ def test_shifted_detail_is_displaced():
     assert np.median(across.values) == pytest.approx(0.0, abs=0.05)
 
 
-def colourful() -> Capture:
+def colourful() -> RealCapture:
     """A chart of random colours."""
     rng = np.random.default_rng(11)
     patches = rng.uniform(20, 180, (6, 8, 3))

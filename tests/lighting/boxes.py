@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from tacos_framework.values import Light, Material, Object, Part, World
+from tacos_framework.values import Light, Material, MeshPart, Object, World
 
 
 def world_of(mesh: trimesh.Trimesh | None, reflectance: float = 0.5, lights: tuple[Light, ...] = ()) -> World:
     """A world of one flat-shaded grey mesh, or of nothing."""
-    parts: tuple[Part, ...] = ()
+    parts: tuple[MeshPart, ...] = ()
     if mesh is not None:
         corners = mesh.triangles.reshape(-1, 3)
         parts = (
-            Part(
+            MeshPart(
                 corners,
                 np.repeat(mesh.face_normals, 3, axis=0),
                 np.zeros((len(corners), 2)),

@@ -30,9 +30,9 @@ def search(optimizer: Any, fitness: Callable[[Candidate], float | None]) -> floa
     """The best fitness found."""
     best = -np.inf
     while optimizer.stop() is None:
-        told = [Evaluated(candidate, fitness(candidate)) for candidate in optimizer.ask()]
-        best = max(best, *(result.fitness for result in told if result.fitness is not None), -np.inf)
-        optimizer.tell(told)
+        observed = [Evaluated(candidate, fitness(candidate)) for candidate in optimizer.ask()]
+        best = max(best, *(result.fitness for result in observed if result.fitness is not None), -np.inf)
+        optimizer.tell(observed)
     return best
 
 

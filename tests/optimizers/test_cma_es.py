@@ -169,7 +169,7 @@ def test_any_space_and_any_fitness_can_be_resumed_bit_by_bit(kinds, seed, fitnes
 
     space = DesignSpace([replace(kind, name=f"v{i}") for i, kind in enumerate(kinds)])
 
-    def told(optimizer):
+    def results_of(optimizer):
         return [
             Evaluated(c, fitness[int(c.key, 16) % len(fitness)]) for c in optimizer.ask()
         ]  # depends on the candidate alone
@@ -184,8 +184,8 @@ def test_any_space_and_any_fitness_can_be_resumed_bit_by_bit(kinds, seed, fitnes
         if unbroken.stop() is not None:
             return
         if done >= after:
-            resumed.tell(told(resumed))
-        unbroken.tell(told(unbroken))
+            resumed.tell(results_of(resumed))
+        unbroken.tell(results_of(unbroken))
 
 
 def test_ipop_doubles_the_population():

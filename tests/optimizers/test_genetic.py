@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tacos_framework.catalog import Catalog, Column, Part
+from tacos_framework.catalog import Catalog, CatalogColumn, CatalogPart
 from tacos_framework.contracts import Evaluated
 from tacos_framework.errors import UserError
 from tacos_framework.variables.design_space import (
@@ -142,8 +142,8 @@ def test_genes_of_an_offspring_mutate_independently():
 def test_an_offset_of_one_gene_goes_before_that_of_its_variable():
     columns = ("width_mm", "pixel_um")
     sizes = np.linspace(2, 8, 61)
-    rows = [Part(f"{w}, {p}", {"width_mm": w, "pixel_um": p}) for w in sizes for p in sizes]
-    fields = tuple(Column(name, name[-2:], "Size.") for name in columns)
+    rows = [CatalogPart(f"{w}, {p}", {"width_mm": w, "pixel_um": p}) for w in sizes for p in sizes]
+    fields = tuple(CatalogColumn(name, name[-2:], "Size.") for name in columns)
     catalog = Catalog("sensors", "Sensors", fields, rows, source="tests", design_columns=columns)
     sensor = CatalogChoice("sensor", catalog)
     space = DesignSpace([sensor])

@@ -59,9 +59,9 @@ def test_failures_are_avoided():
 
     optimizer, late = make(evaluations=80), []
     while optimizer.stop() is None:
-        told = [Evaluated(candidate, fenced(candidate)) for candidate in optimizer.ask()]
-        late = [*late, *(result.fitness is None for result in told)][-30:]
-        optimizer.tell(told)
+        observed = [Evaluated(candidate, fenced(candidate)) for candidate in optimizer.ask()]
+        late = [*late, *(result.fitness is None for result in observed)][-30:]
+        optimizer.tell(observed)
     assert np.mean(late) < 0.2
 
 
@@ -108,17 +108,17 @@ def test_a_product_that_leaves_nothing_free_is_searched_all_the_same():
 def test_any_fitness_can_be_resumed_bit_by_bit(seed, batch, fitness, after):
     space = DesignSpace([Continuous("a", 0, 1, "m"), Categorical("lens", ("wide", "normal", "tele"))])
 
-    def told(optimizer):
+    def results_of(optimizer):
         return [Evaluated(c, fitness[int(c.key, 16) % len(fitness)]) for c in optimizer.ask()]
 
     config = {"evaluations": 24, "batch": batch, "initial": 5}
     unbroken, resumed = make(space, seed, **config), make(space, 0, **config)
     for _ in range(after):
         if unbroken.stop() is None:
-            unbroken.tell(told(unbroken))
+            unbroken.tell(results_of(unbroken))
     resumed.restore(json.loads(json.dumps(unbroken.state(), allow_nan=False)))
     while unbroken.stop() is None:
         assert [c.genes for c in resumed.ask()] == [c.genes for c in unbroken.ask()]
-        resumed.tell(told(resumed))
-        unbroken.tell(told(unbroken))
+        resumed.tell(results_of(resumed))
+        unbroken.tell(results_of(unbroken))
     assert resumed.stop() == unbroken.stop()

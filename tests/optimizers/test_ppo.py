@@ -32,12 +32,12 @@ def hill(candidate) -> float:
 
 def climb(search: Ppo, fitness=hill) -> list[float | None]:
     """The fitness of all candidates, in the order asked."""
-    told: list[float | None] = []
+    observed: list[float | None] = []
     while search.stop() is None:
         results = [Evaluated(candidate, fitness(candidate)) for candidate in search.ask()]
-        told += [result.fitness for result in results]
+        observed += [result.fitness for result in results]
         search.tell(results)
-    return told
+    return observed
 
 
 @pytest.mark.parametrize("config", [{}, {"reward": "gain", "discount": 0.9, "learning_rate": 3e-3}])

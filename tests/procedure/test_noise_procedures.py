@@ -236,9 +236,9 @@ def test_doubts_are_told(folder, tmp_path):
     frames = np.minimum(colour_bars(4) * pattern, 255)
     write(folder, np.rint(frames).astype(np.uint8), "png")
     result = calibrate(tmp_path, frames=str(folder), camera=CAMERA)
-    told = " ".join(result["warnings"])
-    assert "There are 4 frames" in told
-    assert "effect.prnu simulates it" in told
+    warned = " ".join(result["warnings"])
+    assert "There are 4 frames" in warned
+    assert "effect.prnu simulates it" in warned
 
 
 @pytest.mark.parametrize("config", [{}, {"frames": "somewhere"}])

@@ -19,7 +19,7 @@ from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
 from tacos_validation import kept_studies
 from tacos_validation.studies_compared.compare import CompareStudies
-from tacos_validation.studies_compared.pairs import Outcome, difference, scores_of, spread
+from tacos_validation.studies_compared.pairs import StudyOutcome, difference, scores_of, spread
 
 VARIANTS = {"joint": {}, "frozen": {"nodes.learner.train.weights": "frozen"}}
 
@@ -137,8 +137,8 @@ def test_what_cannot_be_compared_is_refused_before_anything_is_run(study, toys, 
     assert not (tmp_path / "out" / "studies").exists()
 
 
-def outcome(variant: str, seed: int, **scores: float) -> Outcome:
-    return Outcome(variant, seed, scores, {}, 0, 0.0)
+def outcome(variant: str, seed: int, **scores: float) -> StudyOutcome:
+    return StudyOutcome(variant, seed, scores, {}, 0, 0.0)
 
 
 def test_a_difference_is_taken_seed_by_seed():

@@ -1,4 +1,4 @@
-"""Studies in one table: what is looked up, what stands out, what is refused, going on with a broken run."""
+"""Studies in one table: what is looked up, what is marked, what is refused, going on with a broken run."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from tacos_framework.recipe import Use
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_validation.studies_table.findings import Cell, Finding, StudyRun, findings, look_up
-from tacos_validation.studies_table.pages import Outcome, summary
-from tacos_validation.studies_table.settings import Column, TableRow
+from tacos_validation.studies_table.findings import RowResult, StudyRun, SummaryCell, findings, look_up
+from tacos_validation.studies_table.pages import TableOutcome, summary
+from tacos_validation.studies_table.settings import SummaryColumn, TableRow
 from tacos_validation.studies_table.table import StudiesTable
 
 PROBLEM = {
@@ -200,7 +200,7 @@ def test_the_best_of_a_column_stands_out_where_there_is_one():
     ]
     rows = [TableRow(title=name, study=name) for name in ("a", "b", "c", "gone")]
     for better, expected in (("lower", "b"), ("higher", "a"), (None, None)):
-        column = Column(head="c", value="test.w.c", better=better)
+        column = SummaryColumn(head="c", value="test.w.c", better=better)
         found = findings(rows, [column], runs)
         assert [row.title for row in found] == ["a", "b", "c"]
         assert [row.title for row in found if row.cells[0].best] == ([expected] if expected else [])
@@ -227,15 +227,19 @@ def test_the_headline_names_a_camera_that_alone_is_best():
         }
     )
 
-    def rows(*errors: float) -> tuple[Finding, ...]:
+    def rows(*errors: float) -> tuple[RowResult, ...]:
         best = min(errors)
         return tuple(
-            Finding(row.title, (Cell((1.0,), None, best=True), Cell((error,), None, best=error == best)), 1)
+            RowResult(
+                row.title,
+                (SummaryCell((1.0,), None, best=True), SummaryCell((error,), None, best=error == best)),
+                1,
+            )
             for row, error in zip(config.rows, errors, strict=True)
         )
 
     def headline(*errors: float) -> str:
-        return summary(Outcome(config, rows(*errors), (), ())).splitlines()[0]
+        return summary(TableOutcome(config, rows(*errors), (), ())).splitlines()[0]
 
     assert headline(0.5, 0.25) == "Other has the best error: 0.25"
     assert headline(0.5, 0.5) == "2 cameras side by side"

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.fitness import Fitness, Term, mean_scores
+from tacos_framework.fitness import Fitness, FitnessTerm, mean_scores
 from tacos_framework.study.racing import Race, contributions
 
-FITNESS = Fitness((Term("a", 1.0),))
-TWO_TERMS = Fitness((Term("a", 0.5), Term("b", -2.0)))
+FITNESS = Fitness((FitnessTerm("a", 1.0),))
+TWO_TERMS = Fitness((FitnessTerm("a", 0.5), FitnessTerm("b", -2.0)))
 
 numbers = st.floats(-100, 100)
 blocks_of_two = st.lists(
@@ -108,14 +108,14 @@ def test_a_dropped_candidate_is_told_less_than_one_that_saw_all_blocks(scores):
         for key in race.drop():
             del running[key]
     whole = {key: float(np.mean(values)) for key, values in running.items()}
-    told = race.told(whole)
-    assert set(told) == set(range(len(scores))) - set(running)
-    assert all(fitness < max(whole.values()) for fitness in told.values())
+    dropped = race.fitness_of_dropped(whole)
+    assert set(dropped) == set(range(len(scores))) - set(running)
+    assert all(fitness < max(whole.values()) for fitness in dropped.values())
 
 
 def test_blocks_that_were_easy_do_not_lift_those_that_saw_only_them():
     easy_first = race(good=[10.0, 10.1, 10.2, 0.0, 0.0], bad=[9.0, 9.2, 9.1])
     assert easy_first.drop() == ["bad"]
     good = (10.0 + 10.1 + 10.2) / 5
-    assert easy_first.told({"good": good}) == {"bad": pytest.approx(good - 1.0)}
+    assert easy_first.fitness_of_dropped({"good": good}) == {"bad": pytest.approx(good - 1.0)}
     assert str(easy_first.dropped["bad"]).startswith("dropped after 3 blocks: 1 behind the leader")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from small_worlds import box, matte, pose, quad, room, world
 
 from tacos_framework.camera.geometry import invert_pose, project, projection_matrix
-from tacos_framework.values import Camera, Part
+from tacos_framework.values import Camera, MeshPart
 from tacos_plugins.renderers.moderngl.charts import MOST_TEXELS, find_charts, pack_shelves
 from tacos_plugins.renderers.moderngl.culling import Culling
 from tacos_plugins.renderers.moderngl.flatten import cut_into_chunks, flatten
@@ -26,7 +26,7 @@ def mesh_of(parts):
 def merged(parts):
     """One part of many."""
     firsts = np.cumsum([0] + [len(p.vertices_m) for p in parts])
-    return Part(
+    return MeshPart(
         np.concatenate([p.vertices_m for p in parts]),
         np.concatenate([p.normals for p in parts]),
         np.concatenate([p.uv_m for p in parts]),
@@ -120,7 +120,7 @@ def test_culling_keeps_every_triangle_with_a_corner_in_view():
 def test_tangents_follow_the_texture(mirrored):
     sheet = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
     uv = sheet.uv_m * [-1, 1] if mirrored else sheet.uv_m
-    part = Part(sheet.vertices_m, sheet.normals, uv, sheet.triangles, 0, 0)
+    part = MeshPart(sheet.vertices_m, sheet.normals, uv, sheet.triangles, 0, 0)
     frames = tangent_frames(mesh_of([part]))
     np.testing.assert_allclose(frames[:, 0], [[-1.0 if mirrored else 1.0, 0, 0]] * 4, atol=1e-6)
     np.testing.assert_allclose(frames[:, 1], [[0, 1, 0]] * 4, atol=1e-6)

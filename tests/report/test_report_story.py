@@ -8,7 +8,7 @@ import pytest
 
 from tacos_framework.fitness import standard_errors
 from tacos_framework.report import story
-from tacos_framework.report.comparison import Difference, difference
+from tacos_framework.report.comparison import CameraDifference, difference
 from tacos_framework.report.study_data import CameraResult, Generation, StudyData, Tried
 from tacos_framework.report.tables import score_table
 
@@ -123,7 +123,7 @@ def test_errors_that_the_fitness_leaves_out_are_better_when_lower() -> None:
 def test_the_outcome_needs_an_interval_without_zero(
     designed: float, error: float | None, outcome: str
 ) -> None:
-    assert Difference(designed, 1.0, error).outcome == outcome
+    assert CameraDifference(designed, 1.0, error).outcome == outcome
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from tacos_framework.camera.geometry import invert_pose, project
-from tacos_framework.catalog import Part, load_cameras
+from tacos_framework.catalog import CatalogPart, load_cameras
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.rigs.mounted_camera import SensorPart, field_of_view_deg, focal_length_for_mm
 from tacos_plugins.rigs.stereo import StereoRig
@@ -161,7 +161,7 @@ def test_impossible_cameras_are_refused(wrong, said):
 
 
 def test_a_sensor_may_come_as_a_catalog_part_whose_other_columns_do_not_matter():
-    row = Part("IMX172", {key: value for key, value in FLEA3.items() if key != "name"})
+    row = CatalogPart("IMX172", {key: value for key, value in FLEA3.items() if key != "name"})
     _, variables = monocular(sensor=row)
     assert variables.sensor == SensorPart(name="IMX172", width_px=4000, height_px=3000, pixel_um=1.55)
 

@@ -132,7 +132,7 @@ def test_what_a_run_left_that_died_before_it_began_does_not_stand_in_the_way(tmp
     [
         ("recipe.yaml", "- a list"),
         ("recipe.yaml", "{"),
-        ("checkpoint.json", '{"format": 1'),
+        ("checkpoint.json", '{"format": 2'),
         ("checkpoint.json", "[]"),
         ("checkpoint.json", "\udcff"),
     ],
@@ -145,6 +145,13 @@ def test_files_that_are_damaged_are_refused_in_a_sentence(tmp_path, name, conten
     (fault,) = caught.value.faults
     assert isinstance(fault, Fault)
     assert fault.where in (str(tmp_path / name), str(tmp_path))
+
+
+def test_a_checkpoint_of_an_older_version_is_refused_and_says_so(tmp_path):
+    Results.create(tmp_path, RECIPE).close()
+    (tmp_path / "checkpoint.json").write_text('{"format": 1, "searches": []}')
+    with pytest.raises(UserError, match="it is of another version of tacos-framework: format 1"):
+        Results.resume(tmp_path, RECIPE)
 
 
 def test_a_last_line_cut_short_is_left_out(tmp_path):

@@ -8,15 +8,23 @@ import pytest
 from toy_study import LEARNER, comparable, merged, run, toy_recipe
 
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.fitness import Fitness, Term
-from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, joined, judged
+from tacos_framework.fitness import Fitness, FitnessTerm
+from tacos_framework.simulation import (
+    EpisodeSpec,
+    Evaluation,
+    Evaluator,
+    ScoreJob,
+    merged_evaluation,
+    with_fitness,
+)
 from tacos_framework.study.racing import contributions
 
 DAY, NIGHT = {"name": "day", "weight": 1}, {"name": "night", "weight": 3, "illumination_lux": 2}
 BOTH = {"scenario": [DAY, NIGHT], "fitness": [{"score": "width.brightness", "weight": 2}]}
 VALUES = {"focal_length_mm": 1.0, "pitch_deg": 0.0}
 FITNESS = {
-    over: Fitness((Term("a", 2.0),), (("day", 1.0), ("night", 3.0)), over) for over in ("mean", "worst")
+    over: Fitness((FitnessTerm("a", 2.0),), (("day", 1.0), ("night", 3.0)), over)
+    for over in ("mean", "worst")
 }
 
 
@@ -149,16 +157,16 @@ def evaluation(*rows):
 
 def test_worlds_that_were_scored_in_parts_are_judged_together():
     parts = [evaluation((1.0, 5.0)), evaluation((3.0, 1.0), (2.0, 0.0))]
-    whole = joined(parts, FITNESS["mean"])
-    assert whole == judged(evaluation((1.0, 5.0), (3.0, 1.0), (2.0, 0.0)), FITNESS["mean"])
+    whole = merged_evaluation(parts, FITNESS["mean"])
+    assert whole == with_fitness(evaluation((1.0, 5.0), (3.0, 1.0), (2.0, 0.0)), FITNESS["mean"])
     assert whole.scenarios == {"day": {"a": 2.0, "fitness": 4.0}, "night": {"a": 2.0, "fitness": 4.0}}
     assert whole.episodes[0] == {"a": 4.0, "fitness": 8.0}
 
 
 def test_a_scenario_without_a_score_fails_the_candidate_and_is_named():
     with pytest.raises(CandidateFailed, match="in scenario 'night': no episode gave a value for a"):
-        judged(evaluation((1.0, None), (2.0, None)), FITNESS["mean"])
-    partly = judged(evaluation((1.0, None), (2.0, 3.0)), FITNESS["mean"])
+        with_fitness(evaluation((1.0, None), (2.0, None)), FITNESS["mean"])
+    partly = with_fitness(evaluation((1.0, None), (2.0, 3.0)), FITNESS["mean"])
     assert partly.fitness == pytest.approx(2 * (1.5 + 3 * 3.0) / 4)
     assert "fitness" not in partly.episodes[0]
 
@@ -166,7 +174,7 @@ def test_a_scenario_without_a_score_fails_the_candidate_and_is_named():
 @pytest.mark.parametrize("over", ["mean", "worst"])
 def test_what_a_world_contributes_has_the_mean_and_the_spread_of_the_fitness(over):
     rows = [(1.0, 0.5), (3.0, 0.1), (2.0, 0.9)]
-    found = judged(evaluation(*rows), FITNESS[over])
+    found = with_fitness(evaluation(*rows), FITNESS[over])
     told = contributions(found.blocks, FITNESS[over])
     assert told.mean() == pytest.approx(found.fitness)
     assert told.tolist() == pytest.approx([episode["fitness"] for episode in found.episodes])

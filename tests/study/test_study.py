@@ -144,19 +144,19 @@ def test_failed_candidates_are_told_and_the_study_goes_on(toys, tmp_path):
 def test_a_candidate_that_takes_its_worker_along_is_told_as_failed(toys, tmp_path):
     deadly = {"nodes": {"width": {"die_above_deg": 100}}}
     failing = {"nodes": {"width": {"fail_above_deg": 100}}}
-    told = []
+    observed = []
     for name, changes in (("deadly", deadly), ("failing", failing)):
         recipe = toy_recipe(executor={"use": "executor.process", "workers": 2}, **changes)
         result = run(recipe, toys, tmp_path / name)
         assert result["best"]["derived"]["hfov_deg"] <= 100
         lines = (tmp_path / name / "generations.jsonl").read_text().splitlines()
-        told.append([c for line in lines for c in json.loads(line)["candidates"]])
-    reasons = {candidate.pop("failed") for candidate in told[0]}
+        observed.append([c for line in lines for c in json.loads(line)["candidates"]])
+    reasons = {candidate.pop("failed") for candidate in observed[0]}
     assert reasons == {None, "its worker process was ended by SIGSEGV, 2 times in a row"}
-    for candidate in told[1]:
+    for candidate in observed[1]:
         del candidate["failed"]
     seen = ("camera", "fitness", "scores", "cached")
-    assert [[c[k] for k in seen] for c in told[0]] == [[c[k] for k in seen] for c in told[1]]
+    assert [[c[k] for k in seen] for c in observed[0]] == [[c[k] for k in seen] for c in observed[1]]
     assert "SIGSEGV; it is tried again" in (tmp_path / "deadly" / "log.txt").read_text()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import ContractBroken
-from tacos_framework.plan import Part
+from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.settings import Settings
 from tacos_framework.study.asking import GuardedOptimizer
 from tacos_framework.variables.design_space import Candidate, Continuous, DesignSpace
@@ -44,7 +44,7 @@ class Unruly:
 
 @pytest.fixture
 def optimizer():
-    part = Part("optimizer.acme", Unruly, Unruly.Config(), "acme-search")
+    part = ConfiguredComponent("optimizer.acme", Unruly, Unruly.Config(), "acme-search")
     return GuardedOptimizer(part, SPACE, np.random.default_rng(1))
 
 

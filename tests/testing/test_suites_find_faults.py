@@ -190,7 +190,7 @@ class FragileGenetic(Genetic):
     """Has nothing to ask once all have failed."""
 
     def _first_generation(self):
-        return super()._first_generation() if self._told == 0 else []
+        return super()._first_generation() if self._generations_observed == 0 else []
 
 
 class ShufflingExecutor(LocalExecutor):

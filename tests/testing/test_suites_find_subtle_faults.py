@@ -137,11 +137,11 @@ class LiveSearch(RandomSearch):
     """Hands out the very list it goes on to fill."""
 
     def tell(self, evaluated):
-        self.__dict__.setdefault("told", []).append(len(evaluated))
+        self.__dict__.setdefault("observed", []).append(len(evaluated))
         super().tell(evaluated)
 
     def state(self):
-        return {**super().state(), "told": self.__dict__.setdefault("told", [])}
+        return {**super().state(), "observed": self.__dict__.setdefault("observed", [])}
 
 
 class UnderstatedSearch(RandomSearch):

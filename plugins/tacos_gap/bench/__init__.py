@@ -2,6 +2,6 @@
 
 from tacos_gap.bench.rendering import recipe_renderer
 from tacos_gap.bench.settings import BenchCapture, BenchSettings
-from tacos_gap.bench.simulated import Bench
+from tacos_gap.bench.simulated import CaptureBench
 
-__all__ = ["Bench", "BenchCapture", "BenchSettings", "recipe_renderer"]
+__all__ = ["BenchCapture", "BenchSettings", "CaptureBench", "recipe_renderer"]

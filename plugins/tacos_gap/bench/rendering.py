@@ -13,7 +13,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.recipe.loading import read_any_recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_gap.bench.settings import BenchSettings
-from tacos_gap.bench.simulated import Bench
+from tacos_gap.bench.simulated import CaptureBench
 from tacos_gap.captures.reader import Render
 
 
@@ -23,7 +23,7 @@ def recipe_renderer(plugins: Plugins) -> Render:
     The recipe is one of a bench, as `tacos captures simulate` takes it: a file, or the name of one that is
     shipped. Of its captures the one of the same id is rendered; a recipe with a single capture serves any id.
     """
-    benches: dict[Path, Bench] = {}
+    benches: dict[Path, CaptureBench] = {}
 
     def render(path: Path, capture: str) -> NDArray[np.float32]:
         if path not in benches:
@@ -39,14 +39,14 @@ def recipe_renderer(plugins: Plugins) -> Render:
     return render
 
 
-def _bench(path: Path, plugins: Plugins) -> Bench:
+def _bench(path: Path, plugins: Plugins) -> CaptureBench:
     recipe, faults = read_any_recipe(path if path.is_file() or path.suffix else path.name)
     if not isinstance(recipe, ProcedureRecipe):
         raise UserError(not_of_a_bench(str(path)))
     config = plan_procedure(recipe, plugins, faults).config
     if not isinstance(config, BenchSettings):
         raise UserError(not_of_a_bench(str(path)))
-    return Bench(config, plugins, recipe.seed)
+    return CaptureBench(config, plugins, recipe.seed)
 
 
 def not_of_a_bench(name: str) -> Fault:

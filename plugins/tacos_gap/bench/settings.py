@@ -17,7 +17,7 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 @dataclass(frozen=True)
-class Shot:
+class BenchShot:
     """One capture to take.
 
     Parameters
@@ -63,7 +63,12 @@ class BenchCapture(Settings):
         "dimmed; several make a series at the same time. Above 1 it saturates.",
     )
     frames: int = setting(4, help="Frames.", ge=1, le=1000)
-    level_uncertainty: float = setting(0.0, help="Relative scale within which nobody errs.", ge=0, le=1)
+    level_uncertainty: float = setting(
+        0.0,
+        help="Equivalence margin of the level of light: within it a relative difference is no error.",
+        ge=0,
+        le=1,
+    )
 
     @model_validator(mode="after")
     def _one_series(self) -> BenchCapture:
@@ -73,7 +78,7 @@ class BenchCapture(Settings):
             raise ValueError("every kind but dark needs a scene, and dark has none")
         return self
 
-    def shots(self) -> Iterator[Shot]:
+    def shots(self) -> Iterator[BenchShot]:
         """The captures of the series."""
         times = self.exposure_ms if isinstance(self.exposure_ms, tuple) else (self.exposure_ms,)
         levels = self.level if isinstance(self.level, tuple) else (self.level,)
@@ -84,7 +89,7 @@ class BenchCapture(Settings):
                     name += f"_{time_ms:g}ms"
                 if len(levels) > 1:
                     name += f"_{100 * level:g}"
-                yield Shot(
+                yield BenchShot(
                     id=name,
                     kind=self.kind,
                     scene=self.scene,
@@ -114,7 +119,7 @@ class BenchSettings(Settings):
             raise ValueError(f"captures are called {', '.join(twice)} more than once")
         return self
 
-    def shots(self) -> Iterator[Shot]:
+    def shots(self) -> Iterator[BenchShot]:
         """All captures."""
         for capture in self.captures:
             yield from capture.shots()

@@ -21,8 +21,8 @@ from tacos_framework.recipe import Use
 from tacos_framework.values import Capture as Rendered
 from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig
 from tacos_gap.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
-from tacos_gap.bench.settings import BenchSettings, Shot
-from tacos_gap.captures import Board, Capture, Noise
+from tacos_gap.bench.settings import BenchSettings, BenchShot
+from tacos_gap.captures import Board, Noise, RealCapture
 from tacos_gap.sensing import NODE, response_of
 
 REFERENCE_LUX = 1000.0
@@ -52,7 +52,7 @@ class Expected:
     white_level_dn: float
 
 
-class Bench:
+class CaptureBench:
     """A camera on a bench.
 
     Parameters
@@ -83,19 +83,19 @@ class Bench:
         self._effects = [PlacedEffect(part.use, part.use, part.cls, part.config) for part in parts]
         self._rendered: dict[str, Rendered] = {}
 
-    def captures(self) -> Iterator[Capture]:
+    def captures(self) -> Iterator[RealCapture]:
         """Every capture, one after another."""
         for shot in self.shots.values():
             yield self.capture(shot)
 
-    def capture(self, shot: Shot) -> Capture:
+    def capture(self, shot: BenchShot) -> RealCapture:
         """What a camera with the effects gives for a shot, beside what is expected."""
         expected = self.expected(shot)
         light = expected.light if shot.kind == "sequence" else repeated(expected.light, shot.frames)
         draws = EpisodeDraws(self._seed, ("bench", shot.id))
         formation = ImageFormation(self._exposure(shot), self._effects)
         batch = formation.expose(formation.light(light, draws), self._sensor, draws)
-        return Capture(
+        return RealCapture(
             id=shot.id,
             kind=shot.kind,
             real_dn=batch.images[0].astype(np.float32),
@@ -111,7 +111,7 @@ class Bench:
             patches=patches_of(expected.light, expected.signal_dn) if shot.kind == "chart" else None,
         )
 
-    def expected(self, shot: Shot) -> Expected:
+    def expected(self, shot: BenchShot) -> Expected:
         """What the simulator without the effects expects."""
         light = self._light(shot)
         sensor = self._sensor_at(self._exposure(shot))
@@ -130,7 +130,7 @@ class Bench:
 
     # one shot ---------------------------------------------------------------------------------------------
 
-    def _exposure(self, shot: Shot) -> Exposure:
+    def _exposure(self, shot: BenchShot) -> Exposure:
         return Exposure(shot.exposure_ms * 1e-3, self.settings.f_number, self.settings.gain_db)
 
     def _sensor_at(self, exposure: Exposure) -> SensorAt:
@@ -144,7 +144,7 @@ class Bench:
         channels = _known(sensor, np.zeros((1, 1, 1, 3), np.float32)).shape[-1]
         return response_of(sensor, channels)[0]
 
-    def _light(self, shot: Shot) -> Rendered:
+    def _light(self, shot: BenchShot) -> Rendered:
         """The scene under the reference light; rendered anew only where it differs from the last."""
         if shot.scene is None:
             size = (1, self._camera.height_px, self._camera.width_px, 3)
@@ -159,7 +159,7 @@ class Bench:
     def _renderer_asks_for(self) -> tuple[str, ...]:
         return tuple(signature_of(type(self._renderer), "renderer").supplied)
 
-    def _render(self, shot: Shot, frames: int) -> Rendered:
+    def _render(self, shot: BenchShot, frames: int) -> Rendered:
         assert shot.scene is not None
         use = shot.scene
         if shot.kind == "sequence":
@@ -177,7 +177,7 @@ class Bench:
         rendered: Rendered = self._renderer.capture(episode[:frames], **wanted)
         return rendered
 
-    def _context(self, shot: Shot, expected: Expected) -> ImageContext:
+    def _context(self, shot: BenchShot, expected: Expected) -> ImageContext:
         view = expected.light.views[0]
         exposure = self._exposure(shot)
         context = ImageContext(
@@ -199,7 +199,7 @@ class Bench:
             )
         return context
 
-    def _board(self, shot: Shot) -> Board:
+    def _board(self, shot: BenchShot) -> Board:
         config = self._scene_config(shot)
         try:
             return Board(tuple(config.inner_corners), float(config.square_mm))
@@ -209,11 +209,11 @@ class Bench:
                 Fault(shot.id, f"{shot.scene.use} is no board", "a scene with inner_corners and square_mm")
             ) from None
 
-    def _edge_angle_deg(self, shot: Shot) -> float | None:
+    def _edge_angle_deg(self, shot: BenchShot) -> float | None:
         angle = getattr(self._scene_config(shot), "angle_deg", None)
         return None if angle is None else float(angle)
 
-    def _scene_config(self, shot: Shot) -> Any:
+    def _scene_config(self, shot: BenchShot) -> Any:
         assert shot.scene is not None
         return part_of(shot.scene, "scene", self._plugins).config
 

@@ -45,7 +45,7 @@ class Board:
 
 
 @dataclass(frozen=True, eq=False)
-class Capture:
+class RealCapture:
     """Real frames of one thing under one setting, and what the simulator expects.
 
     Parameters
@@ -100,7 +100,7 @@ class Capture:
         """Number of real frames."""
         return len(self.real_dn)
 
-    def of_at_most(self, pixels: int) -> Capture:
+    def of_at_most(self, pixels: int) -> RealCapture:
         """With as many of its repeated frames as hold so many pixels, but two where there are two."""
         assert self.expected_dn is None or len(self.expected_dn) in (1, self.frames)
         enough = max(2, pixels // self.valid.size)
@@ -119,5 +119,5 @@ class CaptureFolder:
     """All captures of a folder, and what was noticed while reading that is no error."""
 
     path: Path
-    captures: tuple[Capture, ...]
+    captures: tuple[RealCapture, ...]
     limitations: tuple[str, ...] = field(default=())

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tacos_framework.plugins.guarded import calling
-from tacos_gap.captures.capture import Capture
+from tacos_gap.captures.capture import RealCapture
 
 
-def untold(captures: Sequence[Capture], effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
+def untold(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
     """Effects that captures cannot show, or not tell from others, by what would: as the effects declare it.
 
     Parameters

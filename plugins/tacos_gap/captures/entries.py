@@ -22,7 +22,7 @@ class CropEntry(Settings):
     full_height_px: Size = setting(help="Height of the sensor.", unit="px")
 
 
-class CameraEntry(Settings):
+class CaptureCamera(Settings):
     """What the simulator believes of the camera."""
 
     width_px: Size = setting(help="Width of the files.", unit="px")
@@ -45,7 +45,7 @@ class CameraEntry(Settings):
     )
 
     @model_validator(mode="after")
-    def _levels(self) -> CameraEntry:
+    def _levels(self) -> CaptureCamera:
         if self.black_level_dn >= self.white:
             raise ValueError(f"black_level_dn is below the white level, {self.white:g}")
         if self.cfa is not None and self.channels != 1:
@@ -104,7 +104,12 @@ class CaptureEntry(Settings):
     exposure_ms: float | None = setting(None, help="Exposure time.", unit="ms", gt=0)
     gain_db: float = setting(0.0, help="Gain.", unit="dB")
     group: str | None = setting(None, help="Captures of one group differ in exposure_ms only.")
-    level_uncertainty: float = setting(0.0, help="Relative scale within which nobody errs.", ge=0, le=1)
+    level_uncertainty: float = setting(
+        0.0,
+        help="Equivalence margin of the level of light: within it a relative difference is no error.",
+        ge=0,
+        le=1,
+    )
     mask: str | None = setting(None, help="Image, 0 where `simulated` says nothing.")
     simulated_frames: int | None = setting(None, help="Noisy frames that `simulated` is the mean of.", ge=1)
     width_px: Size | None = setting(None, help="Width of the files, where it is not the camera's.", unit="px")
@@ -126,7 +131,7 @@ class FolderEntry(Settings):
     """``captures.yaml``."""
 
     tacos_captures: Literal[1] = setting(help="Format of the file.")
-    camera: CameraEntry = setting(help="What the simulator believes of the camera.")
+    camera: CaptureCamera = setting(help="What the simulator believes of the camera.")
     noise: Literal["unknown"] | NoiseEntry | tuple[NoiseEntry, ...] = setting(
         "unknown", help="The simulator's noise, or unknown."
     )

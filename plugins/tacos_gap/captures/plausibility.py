@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from tacos_framework.errors import Fault
-from tacos_gap.captures.capture import Capture
+from tacos_gap.captures.capture import RealCapture
 
 CLIPPED_SHARE = 0.9
 """Share of clipped pixels above which a capture tells next to nothing."""
@@ -23,7 +23,7 @@ _DIM_DN = 8.0
 """Signal below which ratios say nothing [DN]."""
 
 
-def faults_of(capture: Capture) -> Iterator[tuple[str, str, str, str]]:
+def faults_of(capture: RealCapture) -> Iterator[tuple[str, str, str, str]]:
     """What cannot be right about a capture: the key at fault, what, what was expected, and what to do."""
     real, white = capture.real_dn, capture.context.white_level_dn
     if real.max() > white:
@@ -39,7 +39,7 @@ def faults_of(capture: Capture) -> Iterator[tuple[str, str, str, str]]:
         yield (
             "real",
             f"frames {twins[0] + 1} and {twins[1] + 1} of {capture.id!r} are the same, pixel by pixel",
-            "frames with noise of their own",
+            "frames with independent noise",
             "Take another frame, or leave the copy out.",
         )
     elif _times_as_bright(capture) > FACTOR_OF_ERROR or _times_as_bright(capture) < 1 / FACTOR_OF_ERROR:
@@ -53,7 +53,7 @@ def faults_of(capture: Capture) -> Iterator[tuple[str, str, str, str]]:
         )
 
 
-def _copies(capture: Capture) -> tuple[int, int] | None:
+def _copies(capture: RealCapture) -> tuple[int, int] | None:
     """Two frames that show the same noise; dark, even and noiseless ones may well be alike."""
     real, noise = capture.real_dn, capture.noise
     noiseless = noise.known and not any(noise.photon_dn) and not any(noise.thermal_dn2)
@@ -69,7 +69,7 @@ def _copies(capture: Capture) -> tuple[int, int] | None:
     return None
 
 
-def _times_as_bright(capture: Capture) -> float:
+def _times_as_bright(capture: RealCapture) -> float:
     """Mean signal of the frames over the expected one; 1 where either says nothing about units."""
     if capture.expected_dn is None or capture.kind == "dark" or not capture.valid.any():
         return 1.0
@@ -83,19 +83,19 @@ def _times_as_bright(capture: Capture) -> float:
     return max(real, 1e-3) / max(expected, 1e-3)
 
 
-def limitations_of(capture: Capture) -> Iterator[str]:
+def limitations_of(capture: RealCapture) -> Iterator[str]:
     """Sentences on what a capture cannot be used for."""
     real, context = capture.real_dn, capture.context
     if (real >= context.white_level_dn).mean() > CLIPPED_SHARE:
-        yield f"{capture.id}: nearly all pixels are saturated; only saturation can be judged from it."
+        yield f"{capture.id}: nearly all pixels are saturated; only saturation can be measured in it."
     elif capture.kind != "dark" and real.max() == real.min():
         yield f"{capture.id}: every pixel is {real.min():g}; a constant image tells nothing."
     elif capture.kind != "dark" and (real <= 0).mean() > CLIPPED_SHARE:
-        yield f"{capture.id}: nearly all pixels are 0; only the dark can be judged from it."
+        yield f"{capture.id}: nearly all pixels are 0; only the dark can be measured in it."
     if capture.frames == 1 and capture.kind != "board":
         yield (
-            f"{capture.id}: a single frame has no real-against-real floor and does not tell fixed patterns "
-            f"from noise; the simulator's own floor is used."
+            f"{capture.id}: a single frame has no real-against-real noise floor and does not tell fixed "
+            f"patterns from noise; the simulator's own noise floor is used."
         )
     if not capture.valid.any():
         yield f"{capture.id}: its mask leaves no pixel."
@@ -108,10 +108,10 @@ def limitations_of(capture: Capture) -> Iterator[str]:
     if capture.expected_dn is None and capture.kind == "edge":
         yield f"{capture.id}: nothing is simulated; its edges are taken to be sharp in the world."
     if not capture.noise.known:
-        yield f"{capture.id}: the simulator's noise is unknown, so noise is estimated and not judged."
+        yield f"{capture.id}: the simulator's noise is unknown, so noise is estimated and not compared."
 
 
-def order_faults(captures: Sequence[Capture], where_of: Mapping[str, str]) -> Iterator[Fault]:
+def order_faults(captures: Sequence[RealCapture], where_of: Mapping[str, str]) -> Iterator[Fault]:
     """Faults of exposure series that grow darker with time: exposures that were mixed up."""
     for name, members in _groups(captures).items():
         series = sorted(members, key=lambda capture: capture.context.exposure_s)
@@ -129,8 +129,8 @@ def order_faults(captures: Sequence[Capture], where_of: Mapping[str, str]) -> It
                 )
 
 
-def _groups(captures: Iterable[Capture]) -> dict[str, list[Capture]]:
-    groups: dict[str, list[Capture]] = {}
+def _groups(captures: Iterable[RealCapture]) -> dict[str, list[RealCapture]]:
+    groups: dict[str, list[RealCapture]] = {}
     for capture in captures:
         if capture.group is not None and capture.kind != "dark" and capture.exposure_stated:
             groups.setdefault(capture.group, []).append(capture)

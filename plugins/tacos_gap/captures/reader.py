@@ -12,8 +12,8 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import Document, read_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.captures.capture import Board, Capture, CaptureFolder, Noise
-from tacos_gap.captures.entries import CameraEntry, CaptureEntry, CropEntry, FolderEntry, NoiseEntry
+from tacos_gap.captures.capture import Board, CaptureFolder, Noise, RealCapture
+from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry, FolderEntry, NoiseEntry
 from tacos_gap.captures.files import CaptureFiles
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
@@ -89,7 +89,7 @@ class _Reader:
             self.files.fault(("camera", "crop"), str(error), "files that lie on the sensor")
         self._check_noise()
 
-    def capture(self, i: int) -> Capture | None:
+    def capture(self, i: int) -> RealCapture | None:
         """A capture; None after its faults were kept."""
         entry, camera, files = self.entry.captures[i], self.entry.camera, self.files
         before = len(files.faults)
@@ -119,7 +119,7 @@ class _Reader:
         if len(files.faults) > before or real is None:
             return None
         valid = np.ones(shape, bool) if mask is None else mask.reshape(*shape, -1)[..., 0] != 0
-        capture = Capture(
+        capture = RealCapture(
             id=entry.id,
             kind=entry.kind,
             real_dn=real,
@@ -280,7 +280,7 @@ def _per_channel(value: float | tuple[float, ...]) -> tuple[float, ...]:
     return tuple(value) if isinstance(value, tuple) else (value,)
 
 
-def _geometry(camera: CameraEntry, entry: CaptureEntry | None) -> ImageGeometry:
+def _geometry(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometry:
     """Where the files of a capture lie on the sensor; those of the camera itself for None."""
     width = (entry and entry.width_px) or camera.width_px
     height = (entry and entry.height_px) or camera.height_px

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures.capture import Capture
+from tacos_gap.captures.capture import RealCapture
 
 REACH_PX = 21
 """Window in which the two sides of an edge are looked for [px]."""
@@ -16,7 +16,7 @@ _LEAST_CONTRAST = 0.12
 """Contrast of a window, over that of the image, below which it holds no edge."""
 
 
-def with_sharp_edges(capture: Capture) -> Capture:
+def with_sharp_edges(capture: RealCapture) -> RealCapture:
     """The capture with step edges expected where its frames cross the middle between their two sides.
 
     Symmetric blur moves no such crossing, so the steps stand where the edges of the world do. What is not

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.settings.yaml_writer import to_yaml
-from tacos_gap.captures.capture import Capture, Noise
+from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.files import PATCH_COLUMNS
 from tacos_gap.captures.reader import FILE
 
 
-def write_captures(folder: str | Path, captures: Iterable[Capture]) -> Path:
+def write_captures(folder: str | Path, captures: Iterable[RealCapture]) -> Path:
     """Write images and ``captures.yaml``; returns its path.
 
     Frames of whole numbers become PNG, of 8 bits where the white level allows it and of 16 where not; other
@@ -77,7 +77,7 @@ def _safe(name: str) -> str:
 # camera and noise -----------------------------------------------------------------------------------------
 
 
-def _camera_entry(capture: Capture, described: Mapping[str, Any]) -> dict[str, Any]:
+def _camera_entry(capture: RealCapture, described: Mapping[str, Any]) -> dict[str, Any]:
     """The entry ``camera``, as files like those of this capture have it."""
     geometry = capture.geometry
     x, y = geometry.offset_px
@@ -91,7 +91,7 @@ def _camera_entry(capture: Capture, described: Mapping[str, Any]) -> dict[str, A
     }
 
 
-def _camera_of(capture: Capture) -> dict[str, Any]:
+def _camera_of(capture: RealCapture) -> dict[str, Any]:
     """What all captures of a camera share; the centre on the full sensor."""
     geometry, context = capture.geometry, capture.context
     white = float(context.white_level_dn)
@@ -132,7 +132,7 @@ def _numbers(values: Sequence[float]) -> Any:
 # a capture ------------------------------------------------------------------------------------------------
 
 
-def _entry(folder: Path, name: str, capture: Capture, camera: Mapping[str, Any]) -> dict[str, Any]:
+def _entry(folder: Path, name: str, capture: RealCapture, camera: Mapping[str, Any]) -> dict[str, Any]:
     geometry, context = capture.geometry, capture.context
     entry: dict[str, Any] = {"id": capture.id, "kind": capture.kind, "real": _frames(folder, name, capture)}
     if capture.expected_dn is not None:
@@ -169,7 +169,7 @@ def _entry(folder: Path, name: str, capture: Capture, camera: Mapping[str, Any])
     return entry | _scene_of(folder, name, capture)
 
 
-def _scene_of(folder: Path, name: str, capture: Capture) -> dict[str, Any]:
+def _scene_of(folder: Path, name: str, capture: RealCapture) -> dict[str, Any]:
     """Depth, motion and readout."""
     context = capture.context
     entry: dict[str, Any] = {}
@@ -191,7 +191,7 @@ def _scene_of(folder: Path, name: str, capture: Capture) -> dict[str, Any]:
     return entry
 
 
-def _frames(folder: Path, name: str, capture: Capture) -> list[str]:
+def _frames(folder: Path, name: str, capture: RealCapture) -> list[str]:
     real = capture.real_dn
     whole = (
         bool((real == np.rint(real)).all()) and real.min() >= 0 and capture.context.white_level_dn <= 65535

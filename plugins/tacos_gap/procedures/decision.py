@@ -78,7 +78,7 @@ def decide(
     results = {}
     for name, added in (("without", ()), ("with", tuple(effects))):
         plan = question.plan(plugins, added)
-        results[name] = _judged(plan, question, plugins, executor, progress, f"Ranking cameras {name} it")
+        results[name] = _ranked(plan, question, plugins, executor, progress, f"Ranking cameras {name} it")
     cameras = sorted(results["without"], key=lambda camera: -_fitness(results["without"][camera]))
     rankings = {
         name: sorted(cameras, key=lambda camera: -_fitness(found[camera])) for name, found in results.items()
@@ -117,7 +117,7 @@ def sentence(rankings: Mapping[str, Sequence[str]], scored: Mapping[str, Evaluat
     return f"{text} The best one changes, by {ahead:.3f} of fitness (95 % interval ± {error:.3f})."
 
 
-def _judged(
+def _ranked(
     plan: Plan,
     question: Question,
     plugins: Plugins,
@@ -138,7 +138,7 @@ def _judged(
     for search in searches:
         while not search.stopped:
             search.step(executor, evaluate, progress.evaluated)
-        search.decide(executor, evaluate, progress.evaluated)
+        search.rescore_finalists(executor, evaluate, progress.evaluated)
         progress.step(search.name)
     found = {search.name: search.best for search in searches if search.best is not None}
     test = plan.recipe.test

@@ -166,7 +166,7 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
     if more:
         lines.append(f"  cannot be told from: {', '.join(more)}")
-    lines.append(f"Gap: {diagnosis.gap_before:.1f} before, {diagnosis.gap_after:.1f} after, floor 1.")
+    lines.append(f"Gap: {diagnosis.gap_before:.1f} before, {diagnosis.gap_after:.1f} after, noise floor 1.")
     for score, found in diagnosis.task.items():
         lines.append(
             f"{score}: {found['real']:.4g} on real frames, {found['sim_before']:.4g} on simulated ones, "

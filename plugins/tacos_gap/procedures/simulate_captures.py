@@ -8,8 +8,8 @@ from typing import Any
 
 from tacos_framework.plugins import Plugins
 from tacos_framework.study.progress import Progress
-from tacos_gap.bench import Bench, BenchSettings
-from tacos_gap.captures import Capture, write_captures
+from tacos_gap.bench import BenchSettings, CaptureBench
+from tacos_gap.captures import RealCapture, write_captures
 
 
 class SimulateCaptures:
@@ -28,17 +28,17 @@ class SimulateCaptures:
 
     def run(self, *, out: Path, seed: int, plugins: Plugins, progress: Progress) -> Mapping[str, Any]:
         """Take all captures."""
-        bench = Bench(self.config, plugins, seed)
+        bench = CaptureBench(self.config, plugins, seed)
         progress.phase("Taking captures", len(bench.shots))
         taken: dict[str, int] = {}
 
-        def told() -> Iterator[Capture]:
+        def announced() -> Iterator[RealCapture]:
             for capture in bench.captures():
                 taken[capture.id] = capture.frames
                 yield capture
                 progress.step(capture.id)
 
-        path = write_captures(out, told())
+        path = write_captures(out, announced())
         effects = ", ".join(use.use for use in self.config.effects) or "no effect"
         return {
             "captures": list(taken),

@@ -12,7 +12,7 @@ from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import Capture as Light
 from tacos_framework.values import Episode, FrameBatch, Object, Trajectory, View, World
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.formation import simulate
 from tacos_gap.sensing import camera_of
 
@@ -25,7 +25,7 @@ _FULL_8_BIT = 255
 
 
 def task_scores(
-    captures: Sequence[Capture], effects: Sequence[PlacedEffect], plugins: Plugins, seed: int
+    captures: Sequence[RealCapture], effects: Sequence[PlacedEffect], plugins: Plugins, seed: int
 ) -> dict[str, dict[str, float]]:
     """Scores of ``task.orb-features`` by name: ``real``, ``sim_before`` and ``sim_after``.
 
@@ -56,7 +56,7 @@ def task_scores(
     }
 
 
-def as_batch(capture: Capture, frames_dn: NDArray[np.float32]) -> FrameBatch:
+def as_batch(capture: RealCapture, frames_dn: NDArray[np.float32]) -> FrameBatch:
     """Frames of a capture as those of a simulated walk; of the world behind them nothing is known."""
     count, height, width = frames_dn.shape[:3]
     context = capture.context

@@ -57,7 +57,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
 
 
 def closures(diagnosis: Diagnosis) -> str:
-    """SVG of bars: all causes together, then each one's share, alone and in its place, then the placebo."""
+    """SVG of bars: all causes, each one's share, alone and in its place, and the negative control."""
     best = diagnosis.causes
     together = sum(cause.shapley for cause in best)
     rows: list[tuple[str, float, str]] = []
@@ -69,8 +69,10 @@ def closures(diagnosis: Diagnosis) -> str:
             rows.append(("added alone", cause.closure_alone, TERMS[2]))
         else:
             rows.append((cause.effect, cause.closure, AFTER))
-    if diagnosis.placebo is not None:
-        rows.append((f"placebo: {diagnosis.placebo[0]} alone", diagnosis.placebo[1], DOT))
+    if diagnosis.negative_control is not None:
+        rows.append(
+            (f"negative control: {diagnosis.negative_control[0]} alone", diagnosis.negative_control[1], DOT)
+        )
     interval = best[0].closure_interval
     return _bars("closures", rows, interval)
 
@@ -94,7 +96,9 @@ def _bars(name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[flo
         axes.set(ylim=(len(rows) - 0.5, -0.5))
         axes.set_xlim(low * 1.1, 1.12)
         axes.set_xticks([0, 0.25, 0.5, 0.75, 1.0], ["0", "25 %", "50 %", "75 %", "100 %"])
-        axes.set_xlabel("share of the gap above the floor that is gone, on what was held out of the fit")
+        axes.set_xlabel(
+            "share of the gap above the noise floor that is gone, on what was held out of the fit"
+        )
         axes.spines[["left", "bottom"]].set_visible(False)
         light_grid(axes, "x")
 

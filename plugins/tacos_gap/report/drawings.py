@@ -1,4 +1,4 @@
-"""Which drawings a diagnosis calls for: those of the statistics that stand out."""
+"""Which drawings a diagnosis calls for: those of the statistics that are significant."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 
 from tacos_framework.formation import PlacedEffect
 from tacos_framework.report.page import Drawing
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.findings import Diagnosis
 from tacos_gap.fit import Fitted
-from tacos_gap.problem import Problem, bent
+from tacos_gap.problem import Problem, robust
 from tacos_gap.report.arrows import arrows, of_boards, of_tiles
 from tacos_gap.report.histogram import histogram
 from tacos_gap.report.image_map import image_map
@@ -28,7 +28,7 @@ LEAST_SHARE = 0.01
 """Share in the squared gap from which on a statistic is drawn."""
 
 FAR = 5.0
-"""Gap of its own from which on it is drawn however small its share: some have few numbers [floor]."""
+"""Gap of its own from which on it is drawn however small its share: some have few numbers [noise floor]."""
 
 _MAPS = frozenset(
     {"relative_illumination", "displacement", "board_corners", "colour_displacement", "dark_field"}
@@ -55,7 +55,7 @@ class Artist:
     """
 
     problem: Problem
-    captures: Sequence[Capture]
+    captures: Sequence[RealCapture]
     effects: Sequence[PlacedEffect]
     seed: int
     before: str = "simulated"
@@ -83,7 +83,7 @@ class Artist:
         svg = profile(name, numbers, "radius", before=self.before, after=self.after)
         return Drawing(svg, f"{view_of(numbers.statistic).title}, over the distance from the centre.")
 
-    def _most_different(self, numbers: Numbers) -> Capture | None:
+    def _most_different(self, numbers: Numbers) -> RealCapture | None:
         label = numbers.labels[int(np.argmax(np.abs(numbers.z_before)))]
         return next((c for c in self.captures if c.id == label.capture and c.expected_dn is not None), None)
 
@@ -123,7 +123,7 @@ def decisive(problem: Problem, best: Fitted, effect: str) -> tuple[str, Any] | N
     without = problem.residual(tuple(term for term in best.hypothesis if term.name != effect))
     if without is None:
         return None
-    gained = bent(without) ** 2 - bent(best.z) ** 2
+    gained = robust(without) ** 2 - robust(best.z) ** 2
     sums: dict[str, float] = {}
     for label, gain in zip(problem.labels, gained.tolist(), strict=True):
         sums[label.statistic] = sums.get(label.statistic, 0.0) + gain

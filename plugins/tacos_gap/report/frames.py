@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import srgb_from_linear
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.formation import simulate
 from tacos_gap.report.image_map import DIVERGING
 
@@ -20,13 +20,13 @@ CROP_PX = 56
 
 _WIDEST_PX = 640
 _WORTH_A_LOOK = 2.0
-"""Gap above which a second capture is shown [floor]."""
+"""Gap above which a second capture is shown [noise floor]."""
 
 _KINDS = ("scene", "chart", "edge", "sequence", "bracket", "flat", "dark")
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
+class ComparedFrames:
     """Frames of a capture as pictures.
 
     Parameters
@@ -53,8 +53,8 @@ class Compared:
 
 
 def to_show(
-    captures: Sequence[Capture], gaps: Mapping[str, tuple[float, float]], most: int = 2
-) -> list[Capture]:
+    captures: Sequence[RealCapture], gaps: Mapping[str, tuple[float, float]], most: int = 2
+) -> list[RealCapture]:
     """The captures worth looking at: the richest kind, then the one that differs most of another kind."""
     drawable = [c for c in captures if c.expected_dn is not None and c.kind in _KINDS]
     by_kind = sorted(drawable, key=lambda c: (_KINDS.index(c.kind), -gaps.get(c.id, (0.0, 0.0))[0]))
@@ -66,7 +66,7 @@ def to_show(
     return chosen[:most]
 
 
-def compare(capture: Capture, effects: Sequence[PlacedEffect], seed: int) -> Compared:
+def compare(capture: RealCapture, effects: Sequence[PlacedEffect], seed: int) -> ComparedFrames:
     """Simulate a capture without and with the effects, and set its first real frame beside it."""
     draws = EpisodeDraws(seed, ("report", capture.id))
     stacks = [capture.real_dn, simulate(capture, (), draws)]
@@ -79,7 +79,7 @@ def compare(capture: Capture, effects: Sequence[PlacedEffect], seed: int) -> Com
     low, high, stretched = _range(capture)
     whole = [_display(stack[0], low, high) for stack in stacks]
     part = _most_different(smooth[0])
-    return Compared(
+    return ComparedFrames(
         capture.id,
         capture.kind,
         [_reduced(image) for image in whole],
@@ -90,7 +90,7 @@ def compare(capture: Capture, effects: Sequence[PlacedEffect], seed: int) -> Com
     )
 
 
-def _range(capture: Capture) -> tuple[float, float, bool]:
+def _range(capture: RealCapture) -> tuple[float, float, bool]:
     """Values shown as black and white, and whether they are stretched apart."""
     low, high = np.percentile(capture.real_dn[0], (0.2, 99.8))
     context = capture.context

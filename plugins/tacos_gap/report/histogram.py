@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.palette import MUTED, RULE
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.formation import simulate
 from tacos_gap.report.series import AFTER, BEFORE, REAL
 
@@ -19,7 +19,13 @@ _MOST_CODES = 160
 
 
 def histogram(
-    name: str, capture: Capture, effects: Sequence[PlacedEffect], seed: int, *, before: str, after: str | None
+    name: str,
+    capture: RealCapture,
+    effects: Sequence[PlacedEffect],
+    seed: int,
+    *,
+    before: str,
+    after: str | None,
 ) -> str:
     """SVG of the shares of codes; of the densest part where there are many."""
     series = [("real", capture.real_dn, REAL)]

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.boards import AMPLITUDE_PX, CORNER_PX
-from tacos_gap.captures import Capture
+from tacos_gap.boards import CORNER_PX, MARGIN_PX
+from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence, Label
 from tacos_gap.findings import Diagnosis
 from tacos_gap.problem import Problem
 
-CORNER_UNIT_PX = float(np.hypot(CORNER_PX, AMPLITUDE_PX))
-"""One floor unit of a board's corner [px]."""
+CORNER_UNIT_PX = float(np.hypot(CORNER_PX, MARGIN_PX))
+"""One noise-floor unit of a board's corner [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +29,13 @@ class Numbers:
     labels
         What each number is.
     z_before, z_after
-        (K,) real less simulated [floor].
+        (K,) real less simulated [noise floor].
     sigma
-        (K,) one floor unit, in the statistic's unit.
+        (K,) one noise-floor unit, in the statistic's unit.
     real
         (K,) of the real frames, in the statistic's unit; NaN where only differences are known.
     gap_before, gap_after
-        Root mean square of the differences [floor].
+        Root mean square of the differences [noise floor].
     """
 
     statistic: str
@@ -76,7 +76,7 @@ class Numbers:
 def numbers_of(
     problem: Problem, before: NDArray[np.float64], after: NDArray[np.float64]
 ) -> dict[str, Numbers]:
-    """The numbers of every statistic, for two hypotheses given by their residuals [floor]."""
+    """The numbers of every statistic, for two hypotheses given by their residuals [noise floor]."""
     real, sigma = _measured(problem)
     captures = {e.capture.id: e.capture for e in problem.evidence if isinstance(e, ImageEvidence)}
     members: dict[str, list[int]] = {}
@@ -100,7 +100,7 @@ def numbers_of(
     return found
 
 
-def _at_mean_level(label: Label, captures: Mapping[str, Capture]) -> Label:
+def _at_mean_level(label: Label, captures: Mapping[str, RealCapture]) -> Label:
     """A label with the mean level in place of an interval, whose ends bright and dark squares fill."""
     span = label.at.get("level_dn")
     capture = captures.get(label.capture)
@@ -114,7 +114,7 @@ def _at_mean_level(label: Label, captures: Mapping[str, Capture]) -> Label:
 
 
 def capture_gaps(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
-    """Gap of each capture, before and after [floor]."""
+    """Gap of each capture, before and after [noise floor]."""
     problem = diagnosis.problem
     names = np.array([label.capture for label in problem.labels])
     return {
@@ -127,7 +127,7 @@ def capture_gaps(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
 
 
 def _measured(problem: Problem) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Values of the real frames and floor units, number by number."""
+    """Values of the real frames and noise-floor units, number by number."""
     real = np.full(len(problem.labels), np.nan)
     sigma = np.ones(len(problem.labels))
     for evidence, slot in zip(problem.evidence, problem.slots, strict=True):

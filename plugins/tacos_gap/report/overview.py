@@ -1,4 +1,4 @@
-"""Every statistic in one drawing: how far apart before, how far after, and the floor."""
+"""Every statistic in one drawing: how far apart before, how far after, and the noise floor."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def overview(numbers: Mapping[str, Numbers], *, explained: bool) -> str:
         ticks = [t for t in (0.1, 0.3, 1, 3, 10, 30, 100, 300) if axes.get_xlim()[0] <= t < top * 1.5]
         axes.set_xticks(ticks, [f"{t:g}" for t in ticks])
         axes.minorticks_off()
-        axes.set_xlabel("difference between real and simulated, in units of the floor")
-        axes.text(0.97, len(rows) - 0.5, "floor", color=MUTED, ha="right", va="center", fontsize=8.5)
+        axes.set_xlabel("difference between real and simulated, in units of the noise floor")
+        axes.text(0.97, len(rows) - 0.5, "noise floor", color=MUTED, ha="right", va="center", fontsize=8.5)
         axes.spines[["left", "bottom"]].set_visible(False)
         light_grid(axes, "x")
         handles = [Line2D([], [], color=BEFORE, marker="s", linestyle="", markersize=7)]

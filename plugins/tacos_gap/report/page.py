@@ -12,21 +12,21 @@ from tacos_framework.report.page import (
     Drawing,
     Heading,
     Page,
+    PagePicture,
     Paragraph,
-    Picture,
-    Row,
     Section,
+    SideBySide,
     Table,
     image_uri,
 )
 from tacos_framework.report.quantities import duration, number
 from tacos_framework.report.story import design_words
-from tacos_gap.captures import Capture, CaptureFolder
+from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.problem import placed
 from tacos_gap.report import bars, words
 from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
-from tacos_gap.report.frames import Compared, compare, to_show
+from tacos_gap.report.frames import ComparedFrames, compare, to_show
 from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
 from tacos_gap.report.overview import overview
 from tacos_gap.report.views import over
@@ -34,7 +34,7 @@ from tacos_gap.report.views import over
 SIMULATIONS = ("real", "simulated", "simulated with the causes")
 DIFFERENCES = ("real less simulated", "real less simulated with the causes")
 MOST_DRAWINGS = 5
-"""Drawings of statistics that stand out, beside the map."""
+"""Drawings of statistics that are significant, beside the map."""
 
 
 @dataclass(frozen=True)
@@ -130,15 +130,15 @@ def _drawn_with_the_cause(diagnosis: Diagnosis) -> str | None:
     return found and found[0]
 
 
-def _paired(drawings: Sequence[Drawing]) -> Iterator[Row]:
+def _paired(drawings: Sequence[Drawing]) -> Iterator[SideBySide]:
     for start in range(0, len(drawings), 2):
-        yield Row(tuple(drawings[start : start + 2]))
+        yield SideBySide(tuple(drawings[start : start + 2]))
 
 
 def _causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
     yield Drawing(
         bars.probabilities(diagnosis),
-        "How probable each cause is, with the effects that could stand in its place, judged on what none was "
+        "How probable each cause is, with the effects that could stand in its place, scored on what none was "
         "fitted to.",
     )
     for cause in diagnosis.causes:
@@ -149,9 +149,9 @@ def _causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
             yield wide
         rows = tuple(row for item in cause.parameters.items() for row in words.parameter_rows(*item))
         table = Table(("parameter", "value", "90 % interval", "unit"), rows)
-        beside: list[Drawing | Picture | Table] = [narrow] if narrow is not None else []
+        beside: list[Drawing | PagePicture | Table] = [narrow] if narrow is not None else []
         if beside or rows:
-            yield Row((*beside, *([table] if rows else [])))
+            yield SideBySide((*beside, *([table] if rows else [])))
         yield Paragraph(cause.evidence)
 
 
@@ -173,15 +173,17 @@ def _decided(diagnosis: Diagnosis, cause: Cause, artist: Artist) -> tuple[Drawin
     return None, own.drawing(name, numbers)
 
 
-def _frames(shown: Sequence[Compared]) -> Iterator[Block]:
+def _frames(shown: Sequence[ComparedFrames]) -> Iterator[Block]:
     for pair in shown:
         yield Heading(f"{pair.capture}, {pair.kind}")
-        yield Row(_pictures(pair.whole, SIMULATIONS))
-        yield Row(_pictures(pair.crops, tuple(f"{t}, the part that differs most" for t in SIMULATIONS)))
+        yield SideBySide(_pictures(pair.whole, SIMULATIONS))
+        yield SideBySide(
+            _pictures(pair.crops, tuple(f"{t}, the part that differs most" for t in SIMULATIONS))
+        )
         differences = _pictures(
             pair.differences, ("real less simulated", "real less simulated with the causes")
         )
-        yield Row(differences)
+        yield SideBySide(differences)
         note = " Levels are stretched: the frames are nearly even." if pair.stretched else ""
         yield Paragraph(
             "Differences are means over the frames; blue is darker than simulated, vermilion brighter, in "
@@ -189,20 +191,23 @@ def _frames(shown: Sequence[Compared]) -> Iterator[Block]:
         )
 
 
-def _pictures(images: Sequence[Any], titles: Sequence[str]) -> tuple[Picture, ...]:
+def _pictures(images: Sequence[Any], titles: Sequence[str]) -> tuple[PagePicture, ...]:
     return tuple(
-        Picture(image_uri(image), title, enlarged=True) for image, title in zip(images, titles, strict=False)
+        PagePicture(image_uri(image), title, enlarged=True)
+        for image, title in zip(images, titles, strict=False)
     )
 
 
 def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
-    placebo = ""
-    if diagnosis.placebo is not None:
-        placebo = " The placebo is an effect of another stage, fitted alone: what flexibility would buy."
+    negative_control = ""
+    if diagnosis.negative_control is not None:
+        negative_control = (
+            " The negative control is an effect of another stage, fitted alone: what flexibility would buy."
+        )
     if diagnosis.causes:
         yield Drawing(
             bars.closures(diagnosis),
-            f"The line on the first bar is its 90 % interval.{placebo}",
+            f"The line on the first bar is its 90 % interval.{negative_control}",
         )
     yield Paragraph(words.remainder(diagnosis))
 
@@ -251,7 +256,7 @@ def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
 
 def _repeat(
     diagnosis: Diagnosis,
-    captures: Sequence[Capture],
+    captures: Sequence[RealCapture],
     gaps: Mapping[str, tuple[float, float]],
     run: Circumstances,
 ) -> Iterator[Block]:

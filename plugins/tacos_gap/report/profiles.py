@@ -14,7 +14,7 @@ from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_gap.evidence import Label
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER_LINE, BAND, BEFORE_LINE, REAL_DOTS, legend
-from tacos_gap.report.views import Over, View, place_words, position, view_of
+from tacos_gap.report.views import Over, StatisticView, place_words, position, view_of
 
 MOST_PLACES = 16
 _EVEN = ("dark", "flat", "bracket")
@@ -27,7 +27,7 @@ _AXES: dict[Over, tuple[str, str]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class ProfileCurve:
     """Means at each place of an axis, in the unit that is drawn."""
 
     title: str
@@ -41,7 +41,7 @@ class Curve:
 
 
 def profile(name: str, numbers: Numbers, kind: Over, *, before: str, after: str | None) -> str:
-    """SVG of real dots within the floor's band, and lines of the simulation before and after.
+    """SVG of real dots within the noise floor's band, and lines of the simulation before and after.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def profile(name: str, numbers: Numbers, kind: Over, *, before: str, after: str 
     return draw(name, size_in, f"{view.title}: real, {before}{f', {after}' if after else ''}.", paint)
 
 
-def _draw(axes: Axes, curve: Curve, *, joined: bool, with_after: bool) -> None:
+def _draw(axes: Axes, curve: ProfileCurve, *, joined: bool, with_after: bool) -> None:
     line = {} if joined else {"linestyle": "", "markersize": 6}
     if joined and len(curve.x) > 1:
         axes.fill_between(curve.x, curve.low, curve.high, **BAND)
@@ -96,7 +96,7 @@ def _draw(axes: Axes, curve: Curve, *, joined: bool, with_after: bool) -> None:
     axes.plot(curve.x, curve.real, **{**REAL_DOTS, "markersize": 4.5 if joined else 6})
 
 
-def _curves(numbers: Numbers, kind: Over, view: View) -> list[Curve]:
+def _curves(numbers: Numbers, kind: Over, view: StatisticView) -> list[ProfileCurve]:
     """A curve per channel or zone, averaged over directions, and over captures that belong together."""
     key = _AXES[kind][0]
     panels: dict[str, dict[str, dict[float, list[int]]]] = {}
@@ -114,8 +114,8 @@ def _line(label: Label, kind: Over) -> str:
 
 
 def _joined(
-    title: str, lines: Mapping[str, Mapping[float, list[int]]], numbers: Numbers, view: View
-) -> Curve:
+    title: str, lines: Mapping[str, Mapping[float, list[int]]], numbers: Numbers, view: StatisticView
+) -> ProfileCurve:
     """The lines of a panel, one after the other with a gap between them."""
     parts = [
         _curve(title, np.array(sorted(line)), [line[x] for x in sorted(line)], numbers, view)
@@ -125,7 +125,7 @@ def _joined(
     def row(name: str) -> NDArray[np.float64]:
         return np.concatenate([np.append(getattr(part, name), np.nan) for part in parts])[:-1]
 
-    return Curve(title, row("x"), row("real"), row("low"), row("high"), row("before"), row("after"))
+    return ProfileCurve(title, row("x"), row("real"), row("low"), row("high"), row("before"), row("after"))
 
 
 def _panel(at: object, kind: Over) -> str:
@@ -139,14 +139,18 @@ def _panel(at: object, kind: Over) -> str:
 
 
 def _curve(
-    title: str, x: NDArray[np.float64], members: Sequence[Sequence[int]], numbers: Numbers, view: View
-) -> Curve:
+    title: str,
+    x: NDArray[np.float64],
+    members: Sequence[Sequence[int]],
+    numbers: Numbers,
+    view: StatisticView,
+) -> ProfileCurve:
     real, before, after = (
         np.array([_mean(values, numbers.sigma, list(kept)) for kept in members])
         for values in (numbers.real, numbers.before, numbers.after)
     )
     spread = np.array([float(np.median(numbers.sigma[list(kept)])) for kept in members])
-    return Curve(
+    return ProfileCurve(
         title,
         x,
         view.shown(real),
@@ -161,7 +165,7 @@ def _mean(values: NDArray[np.float64], sigma: NDArray[np.float64], kept: list[in
     return float(np.average(values[kept], weights=1 / sigma[kept] ** 2))
 
 
-def _places(numbers: Numbers, view: View) -> list[Curve]:
+def _places(numbers: Numbers, view: StatisticView) -> list[ProfileCurve]:
     """The numbers of the capture that differs most, side by side."""
     names = np.array([label.capture for label in numbers.labels])
     worst = names[int(np.argmax(np.abs(numbers.z_before)))]
@@ -175,7 +179,7 @@ def _places(numbers: Numbers, view: View) -> list[Curve]:
     title = "" if own is numbers else f"in {worst}"
     curve = _curve(title, np.arange(len(largest), dtype=float), members, own, view)
     return [
-        Curve(
+        ProfileCurve(
             title, curve.x, curve.real, curve.low, curve.high, curve.before, curve.after,
             tuple(places[int(k)] for k in largest),
         )

@@ -34,7 +34,7 @@ def legend(figure: Figure, before: str, after: str | None) -> None:
         handles.append(Line2D([], [], **AFTER_LINE))
         names.append(after)
     handles.append(Line2D([], [], color=RULE, linewidth=7, alpha=0.75))
-    names.append("floor")
+    names.append("noise floor")
     figure.legend(
         handles, names, loc="outside upper left", ncols=4, labelcolor=MUTED, fontsize=8.5, columnspacing=1.2
     )

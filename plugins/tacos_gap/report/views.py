@@ -34,7 +34,7 @@ def _contrast(log_power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True)
-class View:
+class StatisticView:
     """How a statistic is drawn.
 
     Parameters
@@ -56,66 +56,66 @@ class View:
 
 
 _VIEWS = {
-    "relative_illumination": View(
+    "relative_illumination": StatisticView(
         "Brightness over the image",
         "real over simulated [%]",
         _percent,
         "The mean level is taken out, so that exposure does not count.",
     ),
-    "dark_field": View("Offset over the image, with the cap on", "real less simulated [DN]"),
-    "displacement": View(
+    "dark_field": StatisticView("Offset over the image, with the cap on", "real less simulated [DN]"),
+    "displacement": StatisticView(
         "Where things appear", "displacement [px]", explained="Real less simulated position."
     ),
-    "colour_displacement": View(
+    "colour_displacement": StatisticView(
         "Where red and blue appear against green", "displacement [px]", explained="Real less simulated."
     ),
-    "board_corners": View(
+    "board_corners": StatisticView(
         "Corners of the boards", "misfit [px]", explained="What no pose of the board explains."
     ),
-    "level": View("Level against expected level", "real less expected [DN]"),
-    "dark_level": View("Level in the dark", "real less expected [DN]"),
-    "photon_transfer": View(
+    "level": StatisticView("Level against expected level", "real less expected [DN]"),
+    "dark_level": StatisticView("Level in the dark", "real less expected [DN]"),
+    "photon_transfer": StatisticView(
         "Noise against signal", "variance over frames [DN²]", np.exp, "The photon-transfer curve."
     ),
-    "spatial_noise": View("Noise against signal, from single frames", "variance [DN²]", np.exp),
-    "noise_over_field": View(
+    "spatial_noise": StatisticView("Noise against signal, from single frames", "variance [DN²]", np.exp),
+    "noise_over_field": StatisticView(
         "Noise over the radius",
         "noise over its expectation [1]",
         np.exp,
         "Flat where light is lost, rising where values were scaled up afterwards.",
     ),
-    "fixed_pattern": View(
+    "fixed_pattern": StatisticView(
         "Pattern that repeats from frame to frame",
         "its variance [DN²]",
         explained="Covariance of independent halves of the frames.",
     ),
-    "detail": View(
+    "detail": StatisticView(
         "Contrast of detail over spatial frequency",
         "contrast over that expected [1]",
         _contrast,
         "Below 1 detail is lost, above 1 it was sharpened.",
     ),
-    "row_waves": View("Waves over the rows", "amplitude over the signal [%]", _percent),
-    "row_noise": View("Noise shared by a row", "over that of independent pixels [1]", np.exp),
-    "column_noise": View("Noise shared by a column", "over that of independent pixels [1]", np.exp),
-    "noise_autocorrelation": View("Correlation of noise between neighbours", "correlation [1]"),
-    "channel_correlation": View("Correlation of noise between channels", "correlation [1]"),
-    "noise_lattice": View("Noise on the lattice of the colour filters", "over its mean [1]", np.exp),
-    "noise_tails": View("Tails of the noise", "kurtosis [1]", np.exp),
-    "hot_pixels": View("Hot pixels", "count", np.expm1),
-    "clipped": View("Clipped pixels", "share [%]", _percent),
-    "top_level": View("The largest values", "share [%]", _percent),
-    "code_comb": View("Empty codes", "strength [1]"),
-    "colour_matrix": View("How channels mix", "entry of the matrix [1]"),
-    "patches": View("Patches of the chart", "real less expected [DN]"),
-    "frame_to_frame": View("Brightness from frame to frame", "standard deviation [%]", _percent),
+    "row_waves": StatisticView("Waves over the rows", "amplitude over the signal [%]", _percent),
+    "row_noise": StatisticView("Noise shared by a row", "over that of independent pixels [1]", np.exp),
+    "column_noise": StatisticView("Noise shared by a column", "over that of independent pixels [1]", np.exp),
+    "noise_autocorrelation": StatisticView("Correlation of noise between neighbours", "correlation [1]"),
+    "channel_correlation": StatisticView("Correlation of noise between channels", "correlation [1]"),
+    "noise_lattice": StatisticView("Noise on the lattice of the colour filters", "over its mean [1]", np.exp),
+    "noise_tails": StatisticView("Tails of the noise", "kurtosis [1]", np.exp),
+    "hot_pixels": StatisticView("Hot pixels", "count", np.expm1),
+    "clipped": StatisticView("Clipped pixels", "share [%]", _percent),
+    "top_level": StatisticView("The largest values", "share [%]", _percent),
+    "code_comb": StatisticView("Empty codes", "strength [1]"),
+    "colour_matrix": StatisticView("How channels mix", "entry of the matrix [1]"),
+    "patches": StatisticView("Patches of the chart", "real less expected [DN]"),
+    "frame_to_frame": StatisticView("Brightness from frame to frame", "standard deviation [%]", _percent),
 }
 
 
-def view_of(statistic: str) -> View:
+def view_of(statistic: str) -> StatisticView:
     """How to draw a statistic; those that are not known here are drawn in their own unit."""
     words = statistic.replace("_", " ")
-    return _VIEWS.get(statistic) or View(words[:1].upper() + words[1:], words)
+    return _VIEWS.get(statistic) or StatisticView(words[:1].upper() + words[1:], words)
 
 
 def over(places: Iterable[Mapping[str, Any]]) -> Over:

@@ -84,12 +84,12 @@ def lead(diagnosis: Diagnosis, captures: int) -> str:
     if diagnosis.verdict == "no_gap":
         before = number(diagnosis.gap_before, 2)
         return (
-            f"{count} simulation by {before} times the floor, the simulator's difference from itself with "
-            "other noise. What lies below the floor cannot be told."
+            f"{count} simulation by {before} times the noise floor, the simulator's difference from itself "
+            "with other noise. What lies below the noise floor is not significant."
         )
     before, after = number(diagnosis.gap_before, 3), number(diagnosis.gap_after, 3)
     low, high = (number(end, 2) for end in diagnosis.gap_interval)
-    text = f"{count} simulation by {before} times the floor, "
+    text = f"{count} simulation by {before} times the noise floor, "
     text += "the simulator's difference from itself with other noise. "
     if not diagnosis.causes:
         return f"{text}Nothing was added."
@@ -173,11 +173,11 @@ def remainder(diagnosis: Diagnosis) -> str:
     """What is left after the causes."""
     left = diagnosis.unknown
     chance = left.p_value
-    text = f"What is left measures {number(left.gap, 2)} times the floor. "
+    text = f"What is left measures {number(left.gap, 2)} times the noise floor. "
     if left.probability < 0.1:
         return f"{text}That is no more than a right model of a real camera leaves."
-    told = "none of" if chance <= 0.06 else f"{share(chance)} of"
+    fraction = "none of" if chance <= 0.06 else f"{share(chance)} of"
     return (
-        f"{text}Of the simulator's comparisons with itself {told} them stands out as much: something "
+        f"{text}Of the simulator's comparisons with itself {fraction} them is as extreme: something "
         f"outside of the catalogue remains, with a probability of {share(left.probability)}."
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.codes import code_statistics
 from tacos_gap.statistics.colour import colour_statistics
 from tacos_gap.statistics.compression import compression_statistics
@@ -19,7 +19,7 @@ from tacos_gap.statistics.noise import noise_statistics
 from tacos_gap.statistics.rows import row_statistics
 from tacos_gap.statistics.sharpness import sharpness_statistics
 
-Family = Callable[[Sample], Iterator[Block]]
+Family = Callable[[Sample], Iterator[StatisticBlock]]
 
 FAMILIES: tuple[Family, ...] = (
     level_statistics,
@@ -34,9 +34,9 @@ FAMILIES: tuple[Family, ...] = (
     compression_statistics,
 )
 
-__all__ = ["FAMILIES", "Block", "Family", "Sample", "measure"]
+__all__ = ["FAMILIES", "Family", "Sample", "StatisticBlock", "measure"]
 
 
-def measure(sample: Sample) -> list[Block]:
+def measure(sample: Sample) -> list[StatisticBlock]:
     """All blocks of numbers of a sample, in a fixed order."""
     return [block for family in FAMILIES for block in family(sample)]

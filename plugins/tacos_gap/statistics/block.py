@@ -11,11 +11,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class StatisticBlock:
     """Numbers of one statistic.
 
     Parameters
@@ -28,15 +28,15 @@ class Block:
         (K,) the numbers.
     at
         For each number where it was taken: ``{"radius": [0.7, 1.0]}``, ``{"channel": "R"}``.
-    amplitude
-        Differences this small are nobody's concern, whatever their significance: a number or one each.
+    margin
+        Equivalence margin: smaller differences are negligible, however significant; a number or one each.
     """
 
     statistic: str
     stage: str
     values: NDArray[np.float64]
     at: Sequence[Mapping[str, Any]]
-    amplitude: NDArray[np.float64] | float
+    margin: NDArray[np.float64] | float
 
 
 class Sample:
@@ -55,7 +55,9 @@ class Sample:
         (1 or N, H, W, C) what they are compared with [DN].
     """
 
-    def __init__(self, capture: Capture, frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]):
+    def __init__(
+        self, capture: RealCapture, frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]
+    ):
         self.capture = capture
         self.as_taken = frames_dn
         self.frames = without_hot_pixels(frames_dn, expected_dn) if capture.kind == "dark" else frames_dn
@@ -113,10 +115,10 @@ class Sample:
         return self.capture.valid
 
 
-_SIGNALS: WeakKeyDictionary[Capture, NDArray[np.float32]] = WeakKeyDictionary()
+_SIGNALS: WeakKeyDictionary[RealCapture, NDArray[np.float32]] = WeakKeyDictionary()
 
 
-def expected_signal(capture: Capture) -> NDArray[np.float32]:
+def expected_signal(capture: RealCapture) -> NDArray[np.float32]:
     """(H, W, C) what the simulator expects above the pedestal; worked out once per capture [DN]."""
     if capture not in _SIGNALS:
         assert capture.expected_dn is not None

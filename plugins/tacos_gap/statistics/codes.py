@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 
 PERIODS = (2, 3, 4, 5, 6, 8)
 """Steps between used codes that are looked for [DN]."""
@@ -16,7 +16,7 @@ _DEEPEST_DN = 4096
 """Files deeper than this have codes to spare; combs are not looked for."""
 
 
-def code_statistics(sample: Sample) -> Iterator[Block]:
+def code_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Shares at the ends, the tallest pile near the top, empty codes, combs."""
     values = sample.as_taken if sample.valid.all() else sample.as_taken[:, sample.valid]
     if not values.size:
@@ -25,9 +25,9 @@ def code_statistics(sample: Sample) -> Iterator[Block]:
     histogram = np.bincount(values.astype(np.uint16).ravel())
     top = len(histogram) - 1
     ends = np.array([histogram[int(np.ceil(white)) :].sum(), histogram[0]]) / values.size
-    yield Block("clipped", "pixel", ends, [{"end": "white"}, {"end": "zero"}], 0.003)
+    yield StatisticBlock("clipped", "pixel", ends, [{"end": "white"}, {"end": "zero"}], 0.003)
     if sample.capture.kind != "dark":
-        yield Block(
+        yield StatisticBlock(
             "top_level",
             "pixel",
             np.array([top / white, _pile(histogram)]),
@@ -36,7 +36,7 @@ def code_statistics(sample: Sample) -> Iterator[Block]:
         )
     if white < _DEEPEST_DN:
         comb = _comb(histogram)
-        yield Block(
+        yield StatisticBlock(
             "code_comb",
             "readout",
             comb,

@@ -8,14 +8,14 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures import Capture
-from tacos_gap.statistics.block import Block, Sample, expected_signal
+from tacos_gap.captures import RealCapture
+from tacos_gap.statistics.block import Sample, StatisticBlock, expected_signal
 
 _LEAST_SPREAD = 0.01
 """Spread of colours, over full scale, below which a matrix cannot be told."""
 
 
-def colour_statistics(sample: Sample) -> Iterator[Block]:
+def colour_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """The least-squares matrix from expected to real linear colours; mean residuals of chart patches."""
     if len(sample.channels) != 3 or sample.capture.kind == "dark":
         return
@@ -29,18 +29,18 @@ def colour_statistics(sample: Sample) -> Iterator[Block]:
     if np.linalg.eigvalsh(np.cov(expected.T))[0] > _LEAST_SPREAD**2:
         matrix = np.linalg.solve(expected.T @ expected, expected.T @ real).T
         at = [{"from": "RGB"[column], "to": "RGB"[row]} for row in range(3) for column in range(3)]
-        yield Block("colour_matrix", "isp", matrix.ravel(), at, 0.005)
+        yield StatisticBlock("colour_matrix", "isp", matrix.ravel(), at, 0.005)
     if sample.capture.patches is not None:
         boxes, _ = sample.capture.patches
         values = [sample.residual[y : y + h, x : x + w].mean(axis=(0, 1)) for x, y, w, h in boxes]
         places = [{"patch": int(k), "channel": c} for k in range(len(boxes)) for c in "RGB"]
-        yield Block("patches", "isp", np.concatenate(values).astype(float), places, 0.3)
+        yield StatisticBlock("patches", "isp", np.concatenate(values).astype(float), places, 0.3)
 
 
-_USED: WeakKeyDictionary[Capture, NDArray[np.int64]] = WeakKeyDictionary()
+_USED: WeakKeyDictionary[RealCapture, NDArray[np.int64]] = WeakKeyDictionary()
 
 
-def _used(capture: Capture) -> NDArray[np.int64]:
+def _used(capture: RealCapture) -> NDArray[np.int64]:
     """Every seventh pixel that counts and is expected to stay well below saturation, as flat indices."""
     if capture not in _USED:
         context = capture.context

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dctn
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 
 BLOCK_PX = 8
 
 
-def compression_statistics(sample: Sample) -> Iterator[Block]:
+def compression_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Steps at borders of 8 x 8 blocks over steps elsewhere, and vanished coefficients of blocks in place."""
     frame = sample.frames[0][..., 1 if len(sample.channels) == 3 else 0]
     residual = frame - (
@@ -23,9 +23,9 @@ def compression_statistics(sample: Sample) -> Iterator[Block]:
         return
     steps = [_border_steps(residual), _border_steps(residual.T)]
     at = [{"direction": "columns"}, {"direction": "rows"}]
-    yield Block("block_borders", "codec", np.array(steps), at, 0.02)
+    yield StatisticBlock("block_borders", "codec", np.array(steps), at, 0.02)
     vanished = _vanished(frame, 0) - _vanished(frame, 4)
-    yield Block(
+    yield StatisticBlock(
         "vanished_coefficients", "codec", vanished, [{"frequency": "low"}, {"frequency": "high"}], 0.01
     )
 

@@ -10,19 +10,19 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures import Capture
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.captures import RealCapture
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import tiles
 
 AMPLITUDE_PX = 0.03
-"""Displacements this small are nobody's concern [px]."""
+"""Equivalence margin: smaller displacements are negligible [px]."""
 
 _LEAST_PIXELS = 40
 _TEXTURED = 0.02
 """Gradient that makes a pixel count, over the range of the image per pixel."""
 
 
-def displacement_statistics(sample: Sample) -> Iterator[Block]:
+def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Median displacement in tiles with texture, and that of red and blue against green [px]."""
     capture = sample.capture
     if not capture.is_structured:
@@ -35,14 +35,16 @@ def displacement_statistics(sample: Sample) -> Iterator[Block]:
     at = spots.at
     for axis, name in ((0, "x"), (1, "y")):
         values = spots.medians(green[..., axis])
-        yield Block("displacement", "optics", values, [{**a, "axis": name} for a in at], AMPLITUDE_PX)
+        yield StatisticBlock(
+            "displacement", "optics", values, [{**a, "axis": name} for a in at], AMPLITUDE_PX
+        )
     if colour:
         for channel, name in ((0, "R-G"), (2, "B-G")):
             apart = _flow(sample, channel) - green
             for axis, direction in ((0, "x"), (1, "y")):
                 values = spots.medians(apart[..., axis])
                 places = [{**a, "axis": direction, "channels": name} for a in at]
-                yield Block("colour_displacement", "optics", values, places, AMPLITUDE_PX)
+                yield StatisticBlock("colour_displacement", "optics", values, places, AMPLITUDE_PX)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +59,10 @@ class _Spots:
         return np.array([float(np.median(flat[part])) for part in self.parts])
 
 
-_SPOTS: WeakKeyDictionary[Capture, _Spots] = WeakKeyDictionary()
+_SPOTS: WeakKeyDictionary[RealCapture, _Spots] = WeakKeyDictionary()
 
 
-def _spots(capture: Capture) -> _Spots:
+def _spots(capture: RealCapture) -> _Spots:
     if capture not in _SPOTS:
         assert capture.expected_dn is not None
         level = capture.expected_dn[0].mean(axis=-1)

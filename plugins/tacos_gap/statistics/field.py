@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import rings, tiles
 
 RELATIVE = 0.004
 OFFSET_DN = 0.06
 
 
-def field_statistics(sample: Sample) -> Iterator[Block]:
+def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Level of tiles over their expectation, and variance over mean in rings, both less their averages."""
     capture = sample.capture
     grid = tiles(capture)
@@ -23,7 +23,7 @@ def field_statistics(sample: Sample) -> Iterator[Block]:
             signal = grid.mean(sample.signal[..., channel])
             scale = np.ones_like(signal) if dark else np.maximum(signal, 2.0)
             shape = grid.mean(sample.residual[..., channel]) / scale
-            yield Block(
+            yield StatisticBlock(
                 "dark_field" if dark else "relative_illumination",
                 "pixel" if dark else "optics",
                 shape - np.average(shape, weights=grid.count),
@@ -35,7 +35,7 @@ def field_statistics(sample: Sample) -> Iterator[Block]:
         if len(circles.at) > 1:
             ratio = np.einsum("hwc->hw", sample.variance) / _expected_variance(sample)
             value = np.log(np.maximum(circles.mean(ratio), 1e-6))
-            yield Block("noise_over_field", "isp", value - value.mean(), circles.at, 0.02)
+            yield StatisticBlock("noise_over_field", "isp", value - value.mean(), circles.at, 0.02)
 
 
 def _expected_variance(sample: Sample) -> np.ndarray:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import levels, smooth_areas
 
 HOT_DN = 4.0
@@ -19,7 +19,7 @@ _OFFSET_DN = 0.04
 _LEAST_OF_A_LINE = 16  # pixels
 
 
-def fixed_pattern_statistics(sample: Sample) -> Iterator[Block]:
+def fixed_pattern_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Covariance of independent halves of the frames after a high-pass; shares of hot pixels in the dark."""
     if sample.repeats and sample.capture.kind in ("dark", "flat", "bracket"):
         yield from _covariance(sample)
@@ -27,7 +27,7 @@ def fixed_pattern_statistics(sample: Sample) -> Iterator[Block]:
         yield _hot_pixels(sample)
 
 
-def _covariance(sample: Sample) -> Iterator[Block]:
+def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
     even = smooth_areas(sample.capture) & sample.valid
     if even.sum() < 2000:
         return
@@ -40,7 +40,7 @@ def _covariance(sample: Sample) -> Iterator[Block]:
         if not bins.at:
             continue
         signal = bins.mean(np.abs(sample.signal[..., channel]))
-        yield Block(
+        yield StatisticBlock(
             "fixed_pattern",
             "pixel",
             bins.mean(product[..., channel]),
@@ -52,7 +52,9 @@ def _covariance(sample: Sample) -> Iterator[Block]:
             filled = count[axis] > _LEAST_OF_A_LINE
             a, b = (half.sum(axis=axis)[filled] / count[axis][filled] for half in (one, two))
             amplitude = (0.3 * _OFFSET_DN) ** 2 + (0.2 * _RELATIVE * signal.mean()) ** 2
-            yield Block(name, "pixel", np.array([float(np.mean(a * b))]), [{"channel": label}], amplitude)
+            yield StatisticBlock(
+                name, "pixel", np.array([float(np.mean(a * b))]), [{"channel": label}], amplitude
+            )
 
 
 def _fine(image: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -62,7 +64,7 @@ def _fine(image: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(image - blurred, np.float32)
 
 
-def _hot_pixels(sample: Sample) -> Block:
+def _hot_pixels(sample: Sample) -> StatisticBlock:
     """Counts above two thresholds in the darkest frame, so that noise seldom counts, as logarithms."""
     steady = sample.as_taken.min(axis=0)
     noise_dn = float(np.sqrt(max(max(sample.capture.noise.thermal_dn2), 1 / 12)))
@@ -70,4 +72,4 @@ def _hot_pixels(sample: Sample) -> Block:
     thresholds = (HOT_DN + 5 * noise_dn, 4 * (HOT_DN + 5 * noise_dn))
     counts = np.array([float((above[sample.valid] > t).sum()) for t in thresholds])
     at = [{"above_dn": round(t, 1)} for t in thresholds]
-    return Block("hot_pixels", "pixel", np.log1p(counts), at, 0.5)
+    return StatisticBlock("hot_pixels", "pixel", np.log1p(counts), at, 0.5)

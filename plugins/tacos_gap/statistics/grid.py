@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
 RINGS = (0.0, 0.35, 0.6, 0.8, 1.5)
@@ -46,10 +46,10 @@ class Bins:
         return len(self.at) == 1 and bool((self.index == 0).all())
 
 
-_KEPT: WeakKeyDictionary[Capture, dict[Any, Bins]] = WeakKeyDictionary()
+_KEPT: WeakKeyDictionary[RealCapture, dict[Any, Bins]] = WeakKeyDictionary()
 
 
-def _kept(capture: Capture, key: Any, make: Any) -> Bins:
+def _kept(capture: RealCapture, key: Any, make: Any) -> Bins:
     bins = _KEPT.setdefault(capture, {})
     if key not in bins:
         bins[key] = make()
@@ -65,7 +65,7 @@ def _compact(index: NDArray[np.int64], at: Sequence[Mapping[str, Any]]) -> Bins:
     return Bins(renamed[index + 1], [at[k] for k in keep.tolist()], count[keep])
 
 
-def tiles(capture: Capture) -> Bins:
+def tiles(capture: RealCapture) -> Bins:
     """Tiles of the image, row by row."""
 
     def make() -> Bins:
@@ -88,12 +88,12 @@ def tiles(capture: Capture) -> Bins:
     return _kept(capture, "tiles", make)
 
 
-def _radius_of(capture: Capture, box: Sequence[int]) -> list[float]:
+def _radius_of(capture: RealCapture, box: Sequence[int]) -> list[float]:
     inside = capture.geometry.radius[box[1] : box[3], box[0] : box[2]]
     return [round(float(inside.min()), 2), round(float(inside.max()), 2)] if inside.size else [0.0, 0.0]
 
 
-def rings(capture: Capture) -> Bins:
+def rings(capture: RealCapture) -> Bins:
     """Rings around the principal point."""
 
     def make() -> Bins:
@@ -105,7 +105,7 @@ def rings(capture: Capture) -> Bins:
     return _kept(capture, "rings", make)
 
 
-def levels(capture: Capture, channel: int, flat: NDArray[np.bool_] | None = None) -> Bins:
+def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = None) -> Bins:
     """Bins of the expected level; one bin where the capture is even.
 
     `flat` restricts them to pixels where it holds.
@@ -128,17 +128,17 @@ def levels(capture: Capture, channel: int, flat: NDArray[np.bool_] | None = None
     return _kept(capture, ("levels", channel, flat is None), make)
 
 
-_SMOOTH: WeakKeyDictionary[Capture, NDArray[np.bool_]] = WeakKeyDictionary()
+_SMOOTH: WeakKeyDictionary[RealCapture, NDArray[np.bool_]] = WeakKeyDictionary()
 
 
-def smooth_areas(capture: Capture) -> NDArray[np.bool_]:
+def smooth_areas(capture: RealCapture) -> NDArray[np.bool_]:
     """(H, W) where the expectation has no edges: noise can be seen there in a single frame."""
     if capture not in _SMOOTH:
         _SMOOTH[capture] = _without_edges(capture)
     return _SMOOTH[capture]
 
 
-def _without_edges(capture: Capture) -> NDArray[np.bool_]:
+def _without_edges(capture: RealCapture) -> NDArray[np.bool_]:
     import cv2
 
     assert capture.expected_dn is not None

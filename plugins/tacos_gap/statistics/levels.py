@@ -6,22 +6,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import levels
 
 OFFSET_DN = 0.06
 RELATIVE = 0.004
-"""Mean levels this close to the expectation are nobody's concern: an absolute and a relative part."""
+"""Equivalence margin of mean levels around the expectation: an absolute and a relative part."""
 
 
-def level_statistics(sample: Sample) -> Iterator[Block]:
+def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Mean of real less expected in bins of the expected level, per channel [DN]."""
     for channel, name in enumerate(sample.channels):
         bins = levels(sample.capture, channel)
         if not bins.at:
             continue
         signal = bins.mean(np.abs(sample.signal[..., channel]))
-        yield Block(
+        yield StatisticBlock(
             "dark_level" if sample.capture.kind == "dark" else "level",
             "readout" if sample.capture.kind == "dark" else "exposure",
             bins.mean(sample.residual[..., channel]),
@@ -31,4 +31,4 @@ def level_statistics(sample: Sample) -> Iterator[Block]:
     if sample.repeats or len(sample.frames) > 1:
         overall = sample.frames.mean(axis=(1, 2, 3))
         scale = max(float(sample.signal.mean()), 1.0)
-        yield Block("frame_to_frame", "exposure", np.array([np.std(overall) / scale]), [{}], 0.003)
+        yield StatisticBlock("frame_to_frame", "exposure", np.array([np.std(overall) / scale]), [{}], 0.003)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import levels, smooth_areas
 
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, -1), (0, 4), (4, 0))
@@ -17,7 +17,7 @@ _FLOOR_DN2 = 1e-3
 _LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
 
 
-def noise_statistics(sample: Sample) -> Iterator[Block]:
+def noise_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Noise of repeated frames; of a single one, what a high-pass leaves in even areas."""
     if sample.repeats:
         planes = sample.planes
@@ -41,7 +41,7 @@ def _photon_transfer(
     name: str,
     areas: NDArray[np.bool_] | None,
     amplitude: float,
-) -> Iterator[Block]:
+) -> Iterator[StatisticBlock]:
     if not sample.capture.noise.known:
         return
     for channel, label in enumerate(sample.channels):
@@ -49,7 +49,7 @@ def _photon_transfer(
         if bins.at:
             measured = bins.mean(variance[..., channel])
             # a variance far below that of rounding is a matter of rounding, not of noise
-            yield Block(
+            yield StatisticBlock(
                 name,
                 "pixel",
                 np.log(measured + _FLOOR_DN2),
@@ -58,20 +58,20 @@ def _photon_transfer(
             )
 
 
-def _tails(planes: NDArray[np.float32], valid: NDArray[np.bool_]) -> Block:
+def _tails(planes: NDArray[np.float32], valid: NDArray[np.bool_]) -> StatisticBlock:
     square = np.square(planes if valid.all() else planes[:, :, valid])
     variance = max(float(square.mean()), 0.05)
     kurtosis = max(float(np.vdot(square, square)) / square.size / variance**2, 0.1)
-    return Block("noise_tails", "readout", np.array([np.log(kurtosis)]), [{}], 0.03)
+    return StatisticBlock("noise_tails", "readout", np.array([np.log(kurtosis)]), [{}], 0.03)
 
 
-def _correlation(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]:
+def _correlation(sample: Sample, planes: NDArray[np.float32]) -> Iterator[StatisticBlock]:
     step = 2 if sample.capture.context.cfa else 1
     for plane, label in zip(planes, sample.channels, strict=True):
         variance = max(float(np.vdot(plane, plane)) / plane.size, 0.02)
         values = [_lagged(plane, rows * step, columns * step) / variance for rows, columns in LAGS]
         at = [{"lag_px": [columns * step, rows * step], "channel": label} for rows, columns in LAGS]
-        yield Block("noise_autocorrelation", "pixel", np.array(values), at, 0.004)
+        yield StatisticBlock("noise_autocorrelation", "pixel", np.array(values), at, 0.004)
     if len(sample.channels) == 3:
         pairs = ((0, 1), (1, 2), (0, 2))
         flat = planes.reshape(3, -1)
@@ -79,7 +79,7 @@ def _correlation(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]
         spread = np.sqrt(np.maximum(np.diag(covariance), 1e-6))
         values = [float(covariance[a, b] / (spread[a] * spread[b])) for a, b in pairs]
         at = [{"channels": sample.channels[a] + sample.channels[b]} for a, b in pairs]
-        yield Block("channel_correlation", "isp", np.array(values), at, 0.005)
+        yield StatisticBlock("channel_correlation", "isp", np.array(values), at, 0.005)
 
 
 def _lagged(plane: NDArray[np.float32], rows: int, columns: int) -> float:
@@ -89,7 +89,7 @@ def _lagged(plane: NDArray[np.float32], rows: int, columns: int) -> float:
     return float(np.einsum("nij,nij->", a, b) / a.size)
 
 
-def _lattice(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]:
+def _lattice(sample: Sample, planes: NDArray[np.float32]) -> Iterator[StatisticBlock]:
     """Variance at the four places of a 2 x 2 lattice, which only a demosaiced image tells apart."""
     if sample.capture.context.cfa:
         return
@@ -100,7 +100,7 @@ def _lattice(sample: Sample, planes: NDArray[np.float32]) -> Iterator[Block]:
         logs = np.log(phases + 0.01)
         value = logs - logs.mean()
         at = [{"lattice": [c, r], "channel": label} for r in (0, 1) for c in (0, 1)]
-        yield Block("noise_lattice", "isp", value, at, 0.02)
+        yield StatisticBlock("noise_lattice", "isp", value, at, 0.02)
 
 
 def _high_pass(image: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.statistics.block import Sample, StatisticBlock
 
 WAVES = 24
 """Periods of a wave over the rows that are looked at: the height over 1, 2, ..."""
 
 
-def row_statistics(sample: Sample) -> Iterator[Block]:
+def row_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Variance of row and column means over that of independent pixels; waves over the rows."""
     noise = sample.temporal if sample.repeats else sample.frames - sample.expected
     row_means = _row_means(noise)
@@ -43,14 +43,14 @@ def _column_means(image: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.stack(means).reshape(image.shape[0], image.shape[2], image.shape[3])
 
 
-def _shared(lines: NDArray[np.float32], independent: float, name: str) -> Block:
+def _shared(lines: NDArray[np.float32], independent: float, name: str) -> StatisticBlock:
     """Log variance of neighbouring lines' differences, over what independent pixels would give."""
     steps = np.diff(lines, axis=1) / np.sqrt(2)
     ratio = float(np.mean(steps**2)) / independent
-    return Block(name, "readout", np.array([np.log(ratio + 0.05)]), [{}], 0.05)
+    return StatisticBlock(name, "readout", np.array([np.log(ratio + 0.05)]), [{}], 0.05)
 
 
-def _waves(sample: Sample, noise: NDArray[np.float32], row_means: NDArray[np.float32]) -> Block:
+def _waves(sample: Sample, noise: NDArray[np.float32], row_means: NDArray[np.float32]) -> StatisticBlock:
     """Amplitude of waves over the rows of each frame, relative to the signal, by its rms over frames."""
     level = row_means.mean(axis=1, keepdims=True)
     if sample.valid.all():
@@ -63,4 +63,4 @@ def _waves(sample: Sample, noise: NDArray[np.float32], row_means: NDArray[np.flo
     amplitude = 2 * np.sqrt(np.mean(spectrum**2, axis=0)) / profile.shape[1]
     count = min(WAVES, len(amplitude) - 1)
     at = [{"period_rows": round(profile.shape[1] / k, 1)} for k in range(1, count + 1)]
-    return Block("row_waves", "exposure", amplitude[1 : count + 1], at, 0.002)
+    return StatisticBlock("row_waves", "exposure", amplitude[1 : count + 1], at, 0.002)

@@ -10,8 +10,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures import Capture
-from tacos_gap.statistics.block import Block, Sample
+from tacos_gap.captures import RealCapture
+from tacos_gap.statistics.block import Sample, StatisticBlock
 
 TILE_PX = 64
 BANDS = (0.03, 0.08, 0.16, 0.28, 0.42)
@@ -25,7 +25,7 @@ _LEAST_SHARE = 1e-7
 """Detail fainter than this share of full scale squared is lost in noise."""
 
 
-def sharpness_statistics(sample: Sample) -> Iterator[Block]:
+def sharpness_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Log power of real over expected detail."""
     capture = sample.capture
     if not capture.is_structured:
@@ -36,7 +36,7 @@ def sharpness_statistics(sample: Sample) -> Iterator[Block]:
     green = 1 if len(sample.channels) == 3 else 0
     power = _power(sample.mean[..., green], layout)
     values = np.log((power + layout.least) / (layout.expected + layout.least))
-    yield Block("detail", "optics", values[layout.kept], layout.at, 0.03)
+    yield StatisticBlock("detail", "optics", values[layout.kept], layout.at, 0.03)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +50,17 @@ class _Layout:
     at: Sequence[Mapping[str, Any]]
 
 
-_LAYOUTS: WeakKeyDictionary[Capture, list[_Layout | None]] = WeakKeyDictionary()
+_LAYOUTS: WeakKeyDictionary[RealCapture, list[_Layout | None]] = WeakKeyDictionary()
 _CELLS = (len(BANDS) - 1) * DIRECTIONS
 
 
-def _layout(capture: Capture) -> _Layout | None:
+def _layout(capture: RealCapture) -> _Layout | None:
     if capture not in _LAYOUTS:
         _LAYOUTS[capture] = [_make_layout(capture)]
     return _LAYOUTS[capture][0]
 
 
-def _make_layout(capture: Capture) -> _Layout | None:
+def _make_layout(capture: RealCapture) -> _Layout | None:
     """Tiles with detail, which zone each is in, and the cells of frequency and direction with power."""
     assert capture.expected_dn is not None
     expected = capture.expected_dn.mean(axis=0)

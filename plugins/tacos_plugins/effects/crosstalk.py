@@ -34,7 +34,7 @@ class Crosstalk:
         """Settings of the effect."""
 
         share: float = setting(
-            0.0, help="Share of a photosite's signal that each neighbour gets.", ge=0, le=1 / 9
+            0.0, help="Share of a photosite's signal that goes to each neighbour.", ge=0, le=1 / 9
         )
 
     stage: ClassVar[Stage] = "pixel"

@@ -39,7 +39,7 @@ class Answer:
     resident_mib: float = 0.0
 
 
-class Held:
+class WorkerState:
     """A function that is unpickled with its first job, and kept for all further ones."""
 
     def __init__(self, payload: bytes) -> None:
@@ -78,9 +78,9 @@ def serve(payload: bytes, channel: Connection, lifeline: Connection, threads: in
 
     cv2.setNumThreads(threads)
     channel.send_bytes(_packed(Answer()))
-    held = Held(payload)
+    state = WorkerState(payload)
     while (message := channel.recv_bytes()) != LEAVE:
-        channel.send_bytes(held.answer(message))
+        channel.send_bytes(state.answer(message))
     os._exit(0)  # drivers may hang while a GL context is torn down; the system takes everything back
 
 

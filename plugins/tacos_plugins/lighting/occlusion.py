@@ -16,7 +16,7 @@ _RAYS_PER_CALL = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
-class Hits:
+class WorldHits:
     """First hits of rays.
 
     Parameters
@@ -76,7 +76,7 @@ class Occlusion:
             )
         return free
 
-    def first_hits(self, origins_m: Vectors, directions: Vectors) -> Hits:
+    def first_hits(self, origins_m: Vectors, directions: Vectors) -> WorldHits:
         """The first triangle each ray meets, from either side."""
         triangle = np.full(len(origins_m), -1, dtype=np.int32)
         barycentric = np.zeros((len(origins_m), 3), dtype=np.float32)
@@ -94,4 +94,4 @@ class Occlusion:
                 u, v = found["u"], found["v"]
                 barycentric[batch] = np.where(hit[:, None], np.stack([1 - u - v, u, v], axis=1), 0)
                 distance[batch] = np.where(hit, found["tfar"], np.inf)
-        return Hits(triangle, barycentric, distance)
+        return WorldHits(triangle, barycentric, distance)

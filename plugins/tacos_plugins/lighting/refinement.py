@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Part, World
+from tacos_framework.values import MeshPart, World
 
 
 def refined(world: World, edge_m: float) -> World:
@@ -18,7 +18,7 @@ def refined(world: World, edge_m: float) -> World:
     return replace(world, parts=tuple(_refined(part, edge_m) for part in world.parts), indirect_lux=None)
 
 
-def _refined(part: Part, edge_m: float) -> Part:
+def _refined(part: MeshPart, edge_m: float) -> MeshPart:
     """Split in four, again and again, whatever triangle has a long edge.
 
     Neighbours may be split differently: their surfaces stay the same, as new vertices lie on old edges.

@@ -14,8 +14,8 @@ from pydantic import model_validator
 from tacos_framework.contracts import Evaluated
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_plugins.optimizers.observed_results import validate_results
 from tacos_plugins.optimizers.restarts import Descent, Restarts
-from tacos_plugins.optimizers.told import check_told
 from tacos_plugins.optimizers.unit_cube import UnitCube
 
 NARROW = 0.003
@@ -33,7 +33,7 @@ class CmaEs:
     its Gaussian accordingly. Candidates that failed rank last. When a descent has converged, the next one
     starts elsewhere (``restarts``).
 
-    The strategy lives in a unit cube (one axis per gene) and is told the points it drew, not the snapped
+    The strategy lives in a unit cube (one axis per gene) and learns from the points it drew, not the snapped
     ones, as is usual for mixed-integer CMA-ES. So that integers, choices and catalog parts do not stall once
     the Gaussian fits between two of them, its standard deviation along their genes never falls below
     ``margin`` times the distance to the next value. Points of a generation that snap to the same candidate
@@ -47,16 +47,16 @@ class CmaEs:
     >>> search = CmaEs(CmaEs.Config(evaluations=80), space=space, rng=np.random.default_rng(1))
     >>> best = -np.inf
     >>> while not (reason := search.stop()):
-    ...     told = [Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()]
-    ...     best = max(best, *(result.fitness for result in told))
-    ...     search.tell(told)
+    ...     observed = [Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()]
+    ...     best = max(best, *(result.fitness for result in observed))
+    ...     search.tell(observed)
     >>> reason, bool(best > -0.01)
     ('80 different candidates were evaluated', True)
 
     Notes
     -----
-    `state` keeps the fitness told so far and the generator's first state; `restore` tells it all again, which
-    takes milliseconds per generation and is exact.
+    `state` keeps the fitness observed so far and the generator's first state; `restore` tells it all again,
+    which takes milliseconds per generation and is exact.
 
     References
     ----------
@@ -111,7 +111,7 @@ class CmaEs:
 
     def _begin(self) -> None:
         self._first_rng_state = self._rng.bit_generator.state
-        self._told: list[list[float | None]] = []
+        self._observed: list[list[float | None]] = []
         self._seen: set[str] = set()
         self._barren = 0
         self._worst: float | None = None
@@ -127,7 +127,7 @@ class CmaEs:
         return None if np.any(self._cube.spacing() > 0) else self.config.evaluations
 
     def ask(self) -> list[Candidate]:
-        """The different candidates of the generation; the same ones until they are told."""
+        """The different candidates of the generation; the same ones until they are evaluated."""
         return list(self._asked)
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
@@ -138,7 +138,7 @@ class CmaEs:
         ValueError
             When a fitness is NaN or infinite, or the results are not those of the candidates asked.
         """
-        check_told(evaluated, self._asked)
+        validate_results(evaluated, self._asked)
         self._take([result.fitness for result in evaluated])
 
     def stop(self) -> str | None:
@@ -152,10 +152,10 @@ class CmaEs:
         return None
 
     def state(self) -> dict[str, Any]:
-        """What was told so far, and the generator before the first draw, as JSON values."""
+        """What was observed so far, and the generator before the first draw, as JSON values."""
         return {
             "rng": self._first_rng_state,
-            "told": [list(fitness) for fitness in self._told],
+            "observed": [list(fitness) for fitness in self._observed],
             "asked": [list(candidate.genes) for candidate in self._asked],
         }
 
@@ -169,7 +169,7 @@ class CmaEs:
         """
         self._rng.bit_generator.state = state["rng"]
         self._begin()
-        for fitness in state["told"]:
+        for fitness in state["observed"]:
             self._take(fitness)
         if [list(candidate.genes) for candidate in self._asked] != state["asked"]:
             raise ValueError(
@@ -180,7 +180,7 @@ class CmaEs:
     # one generation ---------------------------------------------------------------------------------------
 
     def _take(self, fitness: Sequence[float | None]) -> None:
-        self._told.append(list(fitness))
+        self._observed.append(list(fitness))
         known = dict(zip((candidate.key for candidate in self._asked), fitness, strict=True))
         self._barren = 0 if known.keys() - self._seen else self._barren + 1
         self._seen |= known.keys()

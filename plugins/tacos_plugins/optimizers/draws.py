@@ -43,7 +43,7 @@ class Draws(ABC):
         return self._evaluations
 
     def ask(self) -> list[Candidate]:
-        """The next batch; the same one until it is told."""
+        """The next batch; the same one until it is evaluated."""
         return list(self._asked)
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
@@ -52,7 +52,7 @@ class Draws(ABC):
         self._asked = self._next()
 
     def stop(self) -> str | None:
-        """A reason once all evaluations are told."""
+        """A reason once all evaluations are observed."""
         if self._evaluated < self._evaluations:
             return None
         return f"all {self._evaluations} candidates were evaluated"

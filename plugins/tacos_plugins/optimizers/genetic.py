@@ -39,9 +39,9 @@ class Genetic:
     ... )
     >>> search, best = Genetic(config, space=space, rng=np.random.default_rng(1)), -np.inf
     >>> while not (reason := search.stop()):
-    ...     told = [Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()]
-    ...     best = max(best, *(result.fitness for result in told))
-    ...     search.tell(told)
+    ...     observed = [Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()]
+    ...     best = max(best, *(result.fitness for result in observed))
+    ...     search.tell(observed)
     >>> reason, bool(best > -0.1)
     ('all 40 generations were evaluated', True)
 
@@ -105,7 +105,7 @@ class Genetic:
         self._space = space
         self._rng = rng
         self._add = _offset_per_gene(config.add, space.genes)
-        self._told = 0
+        self._generations_observed = 0
         self._population = self._first_generation()
 
     @property
@@ -114,7 +114,7 @@ class Genetic:
         return self.config.population * self.config.generations
 
     def ask(self) -> list[Candidate]:
-        """The generation to evaluate, elites first; the same one until it is told."""
+        """The generation to evaluate, elites first; the same one until it is evaluated."""
         return list(self._population)
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
@@ -133,27 +133,27 @@ class Genetic:
                 raise ValueError(f"the fitness of candidate {result.candidate.key} is not a number")
             fitness.setdefault(result.candidate, result.fitness)
         ranked = sorted(fitness, key=lambda candidate: -fitness[candidate])
-        self._told += 1
+        self._generations_observed += 1
         if self.stop() is None:
             self._population = self._next_generation(ranked)
 
     def stop(self) -> str | None:
-        """A reason once the last generation is told."""
-        if self._told < self.config.generations:
+        """A reason once the last generation is observed."""
+        if self._generations_observed < self.config.generations:
             return None
         return f"all {self.config.generations} generations were evaluated"
 
     def state(self) -> dict[str, Any]:
         """Progress, the generation in flight and the generator, as JSON values."""
         return {
-            "told": self._told,
+            "generations_observed": self._generations_observed,
             "population": [list(candidate.genes) for candidate in self._population],
             "rng": self._rng.bit_generator.state,
         }
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a `state`."""
-        self._told = state["told"]
+        self._generations_observed = state["generations_observed"]
         self._population = [self._space.decode(genes) for genes in state["population"]]
         self._rng.bit_generator.state = state["rng"]
 

@@ -14,7 +14,7 @@ from tacos_framework.contracts import Evaluated
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, Categorical, DesignSpace
-from tacos_plugins.optimizers.told import check_told
+from tacos_plugins.optimizers.observed_results import validate_results
 
 if TYPE_CHECKING:
     import optuna
@@ -27,10 +27,10 @@ class OptunaSearch:
     Gaussian process, and takes the candidate of the largest log expected improvement. A Gaussian process
     needs few evaluations but some tenths of a second of thought for each, so it suits those that cost more.
 
-    Candidates that failed count as the worst fitness told so far: where they lie is worth avoiding.
+    Candidates that failed count as the worst fitness observed so far: where they lie is worth avoiding.
 
-    Each round draws with a sampler of its own, seeded from the study's generator. What is told is then all
-    there is to remember, and a resumed search goes on exactly as an unbroken one, without thinking it all
+    Each round draws with a sampler of its own, seeded from the study's generator. What is observed is then
+    all there is to remember, and a resumed search goes on exactly as an unbroken one, without thinking it all
     through again.
 
     Examples
@@ -40,9 +40,9 @@ class OptunaSearch:
     >>> config = OptunaSearch.Config(evaluations=40)
     >>> search, best = OptunaSearch(config, space=space, rng=np.random.default_rng(1)), -np.inf
     >>> while not (reason := search.stop()):
-    ...     told = [Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()]
-    ...     best = max(best, *(result.fitness for result in told))
-    ...     search.tell(told)
+    ...     observed = [Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()]
+    ...     best = max(best, *(result.fitness for result in observed))
+    ...     search.tell(observed)
     >>> reason, bool(best > -0.1)
     ('all 40 candidates were evaluated', True)
 
@@ -77,21 +77,21 @@ class OptunaSearch:
         self._distributions = _distributions_of(space)
         self._begin([])
 
-    def _begin(self, told: Sequence[Mapping[str, Any]]) -> None:
+    def _begin(self, observed: Sequence[Mapping[str, Any]]) -> None:
         import optuna
 
         with _quiet():
             self._study = optuna.create_study(direction="maximize")
-        self._told: list[Mapping[str, Any]] = []
+        self._observed: list[Mapping[str, Any]] = []
         self._trials: list[optuna.trial.Trial] = []
         self._asked: list[Candidate] = []
-        for entry in told:
+        for entry in observed:
             self._study.add_trial(
                 optuna.trial.create_trial(
                     params=dict(entry["genes"]), distributions=self._distributions, **self._outcome(entry)
                 )
             )
-            self._told.append(entry)
+            self._observed.append(entry)
         self._next_round()
 
     def _next_round(self) -> None:
@@ -104,9 +104,9 @@ class OptunaSearch:
         return self.config.evaluations
 
     def ask(self) -> list[Candidate]:
-        """The next batch; the same one until it is told."""
+        """The next batch; the same one until it is evaluated."""
         if not self._asked:
-            count = min(self.config.batch, self.config.evaluations - len(self._told))
+            count = min(self.config.batch, self.config.evaluations - len(self._observed))
             with _quiet():
                 self._study.sampler = self._sampler()
                 self._trials = [self._study.ask(self._distributions) for _ in range(count)]
@@ -124,32 +124,32 @@ class OptunaSearch:
         ValueError
             When a fitness is NaN or infinite, or the results are not those of the candidates asked.
         """
-        check_told(evaluated, self._asked)
+        validate_results(evaluated, self._asked)
         for trial, result in zip(self._trials, evaluated, strict=True):
             entry = {"genes": trial.params, "fitness": result.fitness}
             outcome = self._outcome(entry)
             with _quiet():
                 self._study.tell(trial, outcome.get("value"), state=outcome["state"])
-            self._told.append(entry)
+            self._observed.append(entry)
         self._next_round()
 
     def stop(self) -> str | None:
-        """A reason once all evaluations are told."""
-        if len(self._told) < self.config.evaluations:
+        """A reason once all evaluations are observed."""
+        if len(self._observed) < self.config.evaluations:
             return None
         return f"all {self.config.evaluations} candidates were evaluated"
 
     def state(self) -> dict[str, Any]:
-        """What was told, the seed of the round in flight and the generator, as JSON values."""
+        """What was observed, the seed of the round in flight and the generator, as JSON values."""
         return {
-            "told": list(self._told),
+            "observed": list(self._observed),
             "round_seed": self._round_seed,
             "rng": self._rng.bit_generator.state,
         }
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a `state`."""
-        self._begin(state["told"])
+        self._begin(state["observed"])
         self._round_seed = state["round_seed"]
         self._rng.bit_generator.state = state["rng"]
 
@@ -157,7 +157,7 @@ class OptunaSearch:
         """How a result enters the model: what failed counts as the worst so far, or not at all."""
         from optuna.trial import TrialState
 
-        known = [e["fitness"] for e in (*self._told, entry) if e["fitness"] is not None]
+        known = [e["fitness"] for e in (*self._observed, entry) if e["fitness"] is not None]
         if not known:
             return {"state": TrialState.FAIL}
         value = min(known) if entry["fitness"] is None else entry["fitness"]
@@ -179,7 +179,7 @@ class OptunaSearch:
 
 
 def _distributions_of(space: DesignSpace) -> dict[str, Any]:
-    """Optuna's description of each gene; values without an order are told as such."""
+    """Optuna's description of each gene; values without an order are described as such."""
     from optuna.distributions import CategoricalDistribution, FloatDistribution, IntDistribution
 
     unordered = {variable.name for variable in space.variables if isinstance(variable, Categorical)}

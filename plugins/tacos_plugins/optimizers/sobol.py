@@ -51,7 +51,7 @@ class Sobol(Draws):
         self._sequence = qmc.Sobol(max(self._cube.dimension, 1), seed=np.random.default_rng(scrambling))
 
     def state(self) -> dict[str, Any]:
-        """The scrambling and how far the sequence was told, as JSON values."""
+        """The scrambling and how far the sequence was evaluated, as JSON values."""
         return {"scrambling": self._scrambling, "evaluated": self._evaluated}
 
     def restore(self, state: dict[str, Any]) -> None:

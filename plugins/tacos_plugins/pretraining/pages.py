@@ -14,7 +14,7 @@ from tacos_framework.report.palette import camera_colour
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class PretrainingOutcome:
     """What came out.
 
     Parameters
@@ -66,7 +66,7 @@ class Outcome:
         }
 
 
-def summary(outcome: Outcome) -> str:
+def summary(outcome: PretrainingOutcome) -> str:
     """The finding in a few lines."""
     return (
         f"{_finding(outcome)}\n"
@@ -74,7 +74,7 @@ def summary(outcome: Outcome) -> str:
     )
 
 
-def page(outcome: Outcome) -> Page:
+def page(outcome: PretrainingOutcome) -> Page:
     """The page."""
     rows = tuple((name, f"{value:.3f}") for name, value in outcome.scores.items())
     return Page(
@@ -100,7 +100,7 @@ def page(outcome: Outcome) -> Page:
     )
 
 
-def _finding(outcome: Outcome) -> str:
+def _finding(outcome: PretrainingOutcome) -> str:
     scores = list(outcome.scores.items())
     found = (
         f"{scores[0][0]} {scores[0][1]:.3f} on held-out worlds" if scores else "No score on held-out worlds"

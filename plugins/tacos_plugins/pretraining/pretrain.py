@@ -27,7 +27,7 @@ from tacos_framework.simulation import Evaluator
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import FrameBatch, Rig
 from tacos_plugins.pretraining.kept_frames import read_frames
-from tacos_plugins.pretraining.pages import Outcome, page, summary
+from tacos_plugins.pretraining.pages import PretrainingOutcome, page, summary
 from tacos_plugins.pretraining.shots import Shooting, shots_of_worlds
 
 LOG = "epochs.jsonl"
@@ -93,7 +93,7 @@ class Pretrain:
         results.write_state(self.config.file, self._weights(state), about)
         results.keep_weights([self.config.file])
         size_bytes = (out / "weights" / f"{self.config.file}.safetensors").stat().st_size
-        outcome = Outcome(
+        outcome = PretrainingOutcome(
             node=node,
             use=plan.nodes[node].use,
             file=f"weights/{self.config.file}.safetensors",
@@ -119,7 +119,7 @@ class Pretrain:
                     Fault(
                         "seed",
                         f"{seed} is also the {key} of {self.config.problem}",
-                        "a seed of its own, so that no study meets worlds its weights have seen",
+                        "a seed that no study uses, as its weights must not have seen a study's worlds",
                         "Set another seed.",
                     )
                 )

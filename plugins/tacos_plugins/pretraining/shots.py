@@ -21,7 +21,7 @@ MOST_TRIES = 1000
 
 
 @dataclass(frozen=True)
-class Shot:
+class TrainingShot:
     """A camera's part of a trip through a world.
 
     Parameters
@@ -48,7 +48,7 @@ class Shooting:
     """All shots of a world, as a job: frames that are not there yet are rendered and kept."""
 
     task: str
-    shots: tuple[Shot, ...]
+    shots: tuple[TrainingShot, ...]
     folder: str
 
     def run(self, simulation: Simulation) -> int:
@@ -73,7 +73,7 @@ class Shooting:
 
 def shots_of_worlds(
     plan: Plan, *, seed: int, purpose: str, images: int, images_per_world: int, cameras_per_world: int
-) -> Iterator[tuple[Shot, ...]]:
+) -> Iterator[tuple[TrainingShot, ...]]:
     """For each world its shots, `images` in all: every camera another one, drawn from the design space.
 
     Raises
@@ -85,7 +85,7 @@ def shots_of_worlds(
         frames = min(images_per_world, images - world * images_per_world)
         cameras = min(cameras_per_world, frames)
         yield tuple(
-            Shot(
+            TrainingShot(
                 _camera(plan, seed, purpose, world, camera),
                 EpisodeSpec(seed, (purpose, world), frames, (camera, cameras)),
                 f"{purpose}_{world:04d}_{camera:02d}",

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ConfigDict, model_validator
 
 from tacos_framework.camera.geometry import agent_from_camera
-from tacos_framework.catalog.parts import Part
+from tacos_framework.catalog.parts import CatalogPart
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Electrons
 
@@ -37,7 +37,7 @@ class SensorPart(Settings):
     @model_validator(mode="before")
     @classmethod
     def _from_catalog(cls, given: Any) -> Any:
-        return given.as_dict() if isinstance(given, Part) else given
+        return given.as_dict() if isinstance(given, CatalogPart) else given
 
     @property
     def width_mm(self) -> float:

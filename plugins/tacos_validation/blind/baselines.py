@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
-from tacos_gap.captures import Capture
+from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.findings import Diagnosis
 from tacos_gap.fit import Fitted
 from tacos_gap.formation import simulate
-from tacos_gap.parameters import Term, starts_of
-from tacos_gap.problem import Problem, bent
+from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
+from tacos_gap.problem import Problem, robust
 
 WAYS = ("pixel-MSE greedy", "BIC without held-out", "leave-one-out", "no nuisance refit")
 LEAST_GAIN = 0.02
@@ -43,7 +43,7 @@ def simpler_answers(found: Diagnosis, effects: Mapping[str, type[Any]]) -> dict[
 
 def by_pixels(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
     """The effect whose simulation comes nearest in mean squared pixel error, on one capture of each kind."""
-    captures: dict[str, Capture] = {}
+    captures: dict[str, RealCapture] = {}
     for evidence in problem.evidence:
         if isinstance(evidence, ImageEvidence):
             captures.setdefault(evidence.capture.kind, evidence.capture)
@@ -53,8 +53,8 @@ def by_pixels(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
     plain = _pixel_error(chosen, ())
     best: tuple[float, str] = (plain * (1 - LEAST_GAIN), "")
     for name, cls in effects.items():
-        for start in starts_of(name, cls):
-            effect = start.placed()
+        for guess in initial_guesses_of(name, cls):
+            effect = guess.placed()
             if effect is None:
                 continue
             error = _pixel_error(chosen, (effect,))
@@ -62,7 +62,7 @@ def by_pixels(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
     return [best[1]] if best[1] else []
 
 
-def _pixel_error(captures: Sequence[Capture], effects: Sequence[PlacedEffect]) -> float:
+def _pixel_error(captures: Sequence[RealCapture], effects: Sequence[PlacedEffect]) -> float:
     total = 0.0
     for capture in captures:
         frames = simulate(capture, effects, EpisodeDraws(0, ("pixels", capture.id)), frames=1)
@@ -76,19 +76,19 @@ def by_bic(problem: Problem, fits: Sequence[Fitted]) -> list[str]:
 
     def criterion(fitted: Fitted) -> float:
         parameters = sum(len(term.free) for term in fitted.hypothesis)
-        return float(np.sum(bent(fitted.z) ** 2)) + parameters * float(np.log(count))
+        return float(np.sum(robust(fitted.z) ** 2)) + parameters * float(np.log(count))
 
     return list(min(fits, key=criterion).names)
 
 
 def by_leaving_one_out(problem: Problem, fits: Sequence[Fitted]) -> list[str]:
-    """The single effect that best predicts each capture from the fit to all others; no sets, no price."""
+    """The effect that best predicts each capture from the fit to all others; no sets, no penalty."""
     singles = [fitted for fitted in fits if len(fitted.hypothesis) <= 1]
     return list(min(singles, key=lambda fitted: _left_out(problem, fitted)).names)
 
 
 def _left_out(problem: Problem, fitted: Fitted) -> float:
-    straight, jacobian = bent(fitted.z), fitted.jacobian
+    straight, jacobian = robust(fitted.z), fitted.jacobian
     if not jacobian.shape[1]:
         return float(np.sum(straight**2))
     total = 0.0
@@ -105,18 +105,18 @@ def by_starts(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
     """The effect that leaves least at one of the severities its search begins with, nothing fitted."""
     best: tuple[float, str] = (_cost(problem.null), "")
     for name, cls in effects.items():
-        for start in starts_of(name, cls):
-            best = min([best, *_scaled_costs(problem, start)])
+        for guess in initial_guesses_of(name, cls):
+            best = min([best, *_scaled_costs(problem, guess)])
     return [best[1]] if best[1] else []
 
 
-def _scaled_costs(problem: Problem, start: Term) -> list[tuple[float, str]]:
-    z = problem.residual((start,))
+def _scaled_costs(problem: Problem, guess: HypothesisTerm) -> list[tuple[float, str]]:
+    z = problem.residual((guess,))
     if z is None:
         return []
     change: NDArray[np.float64] = z - problem.null
-    return [(_cost(problem.null + scale * change), start.name) for scale in (0.3, 1.0, 2.0)]
+    return [(_cost(problem.null + scale * change), guess.name) for scale in (0.3, 1.0, 2.0)]
 
 
 def _cost(z: NDArray[np.float64]) -> float:
-    return float(np.sum(bent(z) ** 2))
+    return float(np.sum(robust(z) ** 2))

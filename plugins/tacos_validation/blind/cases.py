@@ -36,10 +36,10 @@ class Case:
     tier
         ``T0`` to ``T6``.
     truth
-        What was sealed.
+        What was withheld, as committed to.
     answer
         ``diagnosis.json`` and more; or ``error`` alone.
-    judged
+    fresh_gaps
         Gaps on captures that were kept back; None where none were.
     """
 
@@ -47,7 +47,7 @@ class Case:
     tier: str
     truth: Mapping[str, Any]
     answer: Mapping[str, Any]
-    judged: Mapping[str, Any] | None = None
+    fresh_gaps: Mapping[str, Any] | None = None
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -56,13 +56,13 @@ class Case:
 
     @property
     def units(self) -> float:
-        """Severity of the strongest effect as it came out [floor]."""
+        """Severity of the strongest effect as it came out [noise floor]."""
         return max((float(each["units"] or 0) for each in self.truth["withheld"]), default=0.0)
 
     @property
     def captures(self) -> str:
         """Name of its set of captures."""
-        return str(self.truth["order"]["captures"])
+        return str(self.truth["specification"]["captures"])
 
     @property
     def failed(self) -> bool:
@@ -100,7 +100,7 @@ class Case:
         if self.tier == "T5":
             return real_right(self.truth["expects"], self)
         if self.tier == "T6":
-            split = self.truth["order"]["notes"]["split"]
+            split = self.truth["specification"]["notes"]["split"]
             return self.first == self.effects[0] if split else len(self.cause_set) > 1
         return self.first in self.effects
 
@@ -145,13 +145,13 @@ class Case:
             "right": self.right,
             "truth": dict(self.truth),
             "answer": dict(self.answer),
-            "judged": self.judged,
+            "fresh_gaps": self.fresh_gaps,
         }
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> Case:
         """From a line of ``cases.jsonl``."""
-        return cls(data["case"], data["tier"], data["truth"], data["answer"], data["judged"])
+        return cls(data["case"], data["tier"], data["truth"], data["answer"], data["fresh_gaps"])
 
 
 def real_right(expects: Mapping[str, Any], case: Case) -> bool:

@@ -11,39 +11,40 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.contracts import Executor
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_gap.candidates import candidates
 from tacos_validation.blind.cases import Case
-from tacos_validation.blind.generators.orders import (
+from tacos_validation.blind.generators.specifications import (
     CAPTURES,
     KEPT_BACK,
-    Order,
-    Seal,
-    make_sealed,
-    opened,
-    sealed,
+    CaseSpecification,
+    Commitment,
+    commit,
+    make_and_commit,
+    reveal,
 )
 from tacos_validation.blind.pages import page
 from tacos_validation.blind.real_cases import RealCase, real_cases
 from tacos_validation.blind.scoring import Figure, baselines, figures
-from tacos_validation.blind.solving import Diagnosing, Judging, Worker
-from tacos_validation.blind.tiers import Counts, orders
+from tacos_validation.blind.solving import Diagnosing, FreshGaps, Worker
+from tacos_validation.blind.tiers import Counts, case_specifications
 
 COMPARED = ("T0", "T1", "T2")
 """Tiers on which simpler ways are tried too."""
 
-CASES, SEALS = "cases.jsonl", "seals.jsonl"
+CASES, COMMITMENTS = "cases.jsonl", "commitments.jsonl"
 
 
 class GapBlindCheck:
     """Makes cases with withheld effects, diagnoses them, opens the truth, and keeps score.
 
     Cases go batch by batch: a batch is made in processes of the generator, which writes each truth with a
-    salt and hands back its SHA-256; the digests are written to ``seals.jsonl`` before the diagnosis of the
-    batch begins, in the executor's processes. The truth is opened, and held against its digest, when all
+    salt and hands back its SHA-256; the digests are written to ``commitments.jsonl`` before the diagnosis of
+    the batch begins, in the executor's processes. The truth is opened, and held against its digest, when all
     answers of the batch are there. Every case ends in ``cases.jsonl``. A broken run goes on with
     ``--resume``.
     """
@@ -69,27 +70,29 @@ class GapBlindCheck:
     def run(
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
-        """Check; leaves ``report.html``, ``cases.jsonl`` and ``seals.jsonl``."""
+        """Check; leaves ``report.html``, ``cases.jsonl`` and ``commitments.jsonl``."""
         config = self.config
         notes: list[str] = []
-        wanted = orders(config.counts, seed, (config.width_px, config.height_px), config.captures)
+        wanted = case_specifications(
+            config.counts, seed, (config.width_px, config.height_px), config.captures
+        )
         cases = list(_read_cases(out / CASES)) if resume else []
         done = {case.name for case in cases}
-        wanted = [order for order in wanted if order.case not in done]
+        wanted = [spec for spec in wanted if spec.case not in done]
         real = [case for case in self._real(notes) if case.name not in done]
         worker = Worker(candidates(plugins).effects)
         progress.phase("Diagnosing withheld effects", len(wanted) + len(real))
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(config.makers, mp_context=context) as makers:
-            timed = [order for order in wanted if order.tier == "speed"]
-            others = [order for order in wanted if order.tier != "speed"]
+            timed = [spec for spec in wanted if spec.tier == "speed"]
+            others = [spec for spec in wanted if spec.tier != "speed"]
             for batch in (  # what is timed goes alone
                 *_batches(timed, 1),
                 *_batches(others, config.batch),
                 *_batches(real, config.batch),
             ):
-                seals = self._make(batch, out, makers)
-                found = self._solve(batch, seals, out, worker, executor)
+                commitments = self._make(batch, out, makers)
+                found = self._solve(batch, commitments, out, worker, executor)
                 _append(out / CASES, [case.as_data() for case in found])
                 for case in found:
                     progress.step(_line(case))
@@ -110,34 +113,41 @@ class GapBlindCheck:
             return []
         return list(real_cases(folder))
 
-    def _make(self, batch: Sequence[Order | RealCase], out: Path, makers: ProcessPoolExecutor) -> list[Seal]:
-        """Make a batch and seal its truth before anything else is done with it."""
+    def _make(
+        self, batch: Sequence[CaseSpecification | RealCase], out: Path, makers: ProcessPoolExecutor
+    ) -> list[Commitment]:
+        """Make a batch and commit to its truth before anything else is done with it."""
         made, truths = out / "made", out / "truths"
         pending = []
         for each in batch:
-            if isinstance(each, Order):
-                pending.append(makers.submit(make_sealed, each, made, truths))
-        seals = [future.result() for future in pending]
+            if isinstance(each, CaseSpecification):
+                pending.append(makers.submit(make_and_commit, each, made, truths))
+        commitments = [future.result() for future in pending]
         for each in batch:
             if isinstance(each, RealCase):
                 each.write(made / each.name)
-                seals.append(sealed(each.name, _real_truth(each), truths / f"{each.name}.json"))
-        _append(out / SEALS, [{"case": seal.case, "sha256": seal.digest} for seal in seals])
-        return seals
+                commitments.append(commit(each.name, _real_truth(each), truths / f"{each.name}.json"))
+        _append(
+            out / COMMITMENTS,
+            [{"case": commitment.case, "sha256": commitment.digest} for commitment in commitments],
+        )
+        return commitments
 
     def _solve(
         self,
-        batch: Sequence[Order | RealCase],
-        seals: Sequence[Seal],
+        batch: Sequence[CaseSpecification | RealCase],
+        commitments: Sequence[Commitment],
         out: Path,
         worker: Worker,
         executor: Executor,
     ) -> list[Case]:
         """Answers first, all of them; then the truth; then how the answers fare on fresh captures."""
         made = out / "made"
-        removed = {each.case: each.removed for each in batch if isinstance(each, Order)}
-        timed = {each.case for each in batch if isinstance(each, Order) and each.tier == "speed"}
-        compared = {each.case for each in batch if isinstance(each, Order) and each.tier in COMPARED}
+        removed = {each.case: each.removed for each in batch if isinstance(each, CaseSpecification)}
+        timed = {each.case for each in batch if isinstance(each, CaseSpecification) and each.tier == "speed"}
+        compared = {
+            each.case for each in batch if isinstance(each, CaseSpecification) and each.tier in COMPARED
+        }
         jobs = [
             Diagnosing(
                 s.case,
@@ -146,35 +156,43 @@ class GapBlindCheck:
                 self.config.baselines and s.case in compared,
                 threads=2 if s.case in timed else 1,
             )
-            for s in seals
+            for s in commitments
         ]
-        answers = dict(zip([s.case for s in seals], executor.map(worker, jobs), strict=True))
-        truths = {s.case: opened(s, out / "truths" / f"{s.case}.json") for s in seals}
-        judging = [
+        answers = dict(zip([s.case for s in commitments], executor.map(worker, jobs), strict=True))
+        truths = {s.case: reveal(s, out / "truths" / f"{s.case}.json") for s in commitments}
+        fresh = [
             job
-            for s in seals
-            if (job := _judging(s.case, made / s.case / KEPT_BACK, answers[s.case], truths[s.case]))
+            for s in commitments
+            if (job := _fresh_gaps_job(s.case, made / s.case / KEPT_BACK, answers[s.case], truths[s.case]))
         ]
-        judged = dict(zip([job.case for job in judging], executor.map(worker, judging), strict=True))
+        fresh_gaps = dict(zip([job.case for job in fresh], executor.map(worker, fresh), strict=True))
         return [
-            Case(s.case, truths[s.case]["order"]["tier"], truths[s.case], answers[s.case], judged.get(s.case))
-            for s in seals
+            Case(
+                s.case,
+                truths[s.case]["specification"]["tier"],
+                truths[s.case],
+                answers[s.case],
+                fresh_gaps.get(s.case),
+            )
+            for s in commitments
         ]
 
 
-def _judging(case: str, folder: Path, answer: Mapping[str, Any], truth: Mapping[str, Any]) -> Judging | None:
+def _fresh_gaps_job(
+    case: str, folder: Path, answer: Mapping[str, Any], truth: Mapping[str, Any]
+) -> FreshGaps | None:
     if not folder.is_dir() or "error" in answer:
         return None
     withheld = truth["withheld"]
     known = all(each["parameters"] for each in withheld)
     settings = [{"use": each["effect"], **each["parameters"]} for each in withheld] if known else []
-    return Judging(case, folder, answer["patch"], settings)
+    return FreshGaps(case, folder, answer["patch"], settings)
 
 
 def _real_truth(case: RealCase) -> dict[str, Any]:
     first = case.expects.get("first", ())
     return {
-        "order": {"tier": "T5", "captures": "real", "severity": None, "notes": {}, "variants": {}},
+        "specification": {"tier": "T5", "captures": "real", "severity": None, "notes": {}, "variants": {}},
         "withheld": [{"effect": name, "parameters": {}, "units": None} for name in first[:1]],
         "expects": {key: list(value) for key, value in case.expects.items()},
     }
@@ -192,14 +210,30 @@ def _append(file: Path, lines: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _read_cases(file: Path) -> Iterator[Case]:
-    """Cases of a broken run; a last line that was cut off counts for nothing."""
+    """Cases of a broken run; a last line that was cut off counts for nothing.
+
+    Raises
+    ------
+    UserError
+        When another version wrote them.
+    """
     if not file.is_file():
         return
     for line in file.read_text("utf-8").splitlines():
         try:
-            yield Case.of(json.loads(line))
+            data = json.loads(line)
         except json.JSONDecodeError:
             return
+        if "fresh_gaps" not in data:
+            raise UserError(
+                Fault(
+                    str(file),
+                    "an older version of tacos-framework wrote these cases",
+                    "cases of this version",
+                    "Go on with that version, or start anew without --resume.",
+                )
+            )
+        yield Case.of(data)
 
 
 def _line(case: Case) -> str:

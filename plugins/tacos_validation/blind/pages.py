@@ -132,7 +132,7 @@ def _ladder(cases: Sequence[Case]) -> Drawing:
         axes.set_xscale("log", base=2)
         axes.set_xticks(at, [f"{value:g}" for value in at])
         axes.set_ylim(0, 1.02)
-        axes.set_xlabel("severity [floor]")
+        axes.set_xlabel("severity [noise floor]")
         axes.set_ylabel("first cause right")
         light_grid(axes, "y")
 
@@ -161,9 +161,9 @@ def _failures(cases: Sequence[Case]) -> Table | Paragraph:
 
 
 def _failure(case: Case) -> tuple[str, ...]:
-    order: Mapping[str, object] = case.truth["order"]
+    specification: Mapping[str, object] = case.truth["specification"]
     withheld = ", ".join(case.effects) or "nothing"
-    makers = ", ".join(dict(order.get("variants") or {}).values())  # type: ignore[call-overload]
+    makers = ", ".join(dict(specification.get("variants") or {}).values())  # type: ignore[call-overload]
     answer = case.answer
     if case.failed:
         said, gap = str(answer["error"]), ""

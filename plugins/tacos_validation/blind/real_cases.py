@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from tacos_validation.blind.generators.orders import CAPTURES
+from tacos_validation.blind.generators.specifications import CAPTURES
 
 FLEA3 = {
     "width_px": 408,

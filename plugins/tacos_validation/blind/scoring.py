@@ -13,7 +13,7 @@ from tacos_validation.blind.baselines import WAYS
 from tacos_validation.blind.cases import Case
 
 STRONG = 3.6
-"""Severity from which a cause must be found: 4, less what the search for an amplitude leaves [floor]."""
+"""Severity from which a cause must be found: 4, less the tolerance of the amplitude search [noise floor]."""
 
 
 @dataclass(frozen=True)
@@ -145,8 +145,8 @@ def _fourth(fourth: Sequence[Case], charts: Sequence[Case]) -> list[Figure]:
 
 
 def _fifth_and_sixth(real: Sequence[Case], pairs: Sequence[Case]) -> list[Figure]:
-    split = [case for case in pairs if case.truth["order"]["notes"]["split"]]
-    few = [case for case in pairs if not case.truth["order"]["notes"]["split"]]
+    split = [case for case in pairs if case.truth["specification"]["notes"]["split"]]
+    few = [case for case in pairs if not case.truth["specification"]["notes"]["split"]]
     return [
         share("T5 real cases right", [c.right for c in real], ">= 16 of 18", at_least(16 / 18)),
         share("T5 confident and wrong", [c.confident_and_wrong for c in real], "none", at_most(0.0)),
@@ -178,7 +178,7 @@ def _calibration(charts: Sequence[Case], natural: Sequence[Case], second: Sequen
 def _closures(cases: Sequence[Case]) -> list[Figure]:
     ratios, differences = [], []
     for case in cases:
-        gaps = case.judged
+        gaps = case.fresh_gaps
         if not gaps or "error" in gaps or not case.causes or gaps["found"] is None:
             continue
         realised = closed(gaps["before"], gaps["found"])
@@ -187,16 +187,18 @@ def _closures(cases: Sequence[Case]) -> list[Figure]:
             differences.append(abs(predicted - realised))
         if gaps["truth"] is not None and (oracle := closed(gaps["before"], gaps["truth"])) > 0.2:
             ratios.append(realised / oracle)
-    placebo = [c.answer["placebo"]["closure"] for c in cases if c.answer.get("placebo")]
+    negative_control = [
+        c.answer["negative_control"]["closure"] for c in cases if c.answer.get("negative_control")
+    ]
     return [
         middle("Realised over oracle closure, fresh captures", ratios, ">= 0.9", lambda v: v >= 0.9, ""),
         middle("Predicted less realised closure", differences, "within 5 points", lambda v: v <= 0.05),
-        middle("Placebo closure", placebo, "<= 5 points", lambda v: v <= 0.05),
+        middle("Closure of the negative control", negative_control, "<= 5 points", lambda v: v <= 0.05),
     ]
 
 
 def closed(before: float, after: float) -> float:
-    """Share of the gap above the floor that is gone."""
+    """Share of the gap above the noise floor that is gone."""
     return 0.0 if before <= 1 else float(np.clip((before - after) / (before - 1), -1, 1))
 
 
@@ -231,8 +233,8 @@ def ladder(cases: Sequence[Case]) -> list[tuple[float, Figure]]:
     """T1 with charts: share right at each severity that was asked for."""
     found = []
     charts = [case for case in cases if case.tier == "T1" and case.captures != "natural"]
-    asked = {case.truth["order"]["severity"] for case in charts}
+    asked = {case.truth["specification"]["severity"] for case in charts}
     for severity in sorted(value for value in asked if value is not None):
-        right = [case.right for case in charts if case.truth["order"]["severity"] == severity]
+        right = [case.right for case in charts if case.truth["specification"]["severity"] == severity]
         found.append((severity, share(f"{severity:g}", right)))
     return found

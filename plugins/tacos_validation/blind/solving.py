@@ -1,4 +1,4 @@
-"""What workers do: diagnose a case they know nothing of, and later judge the answer on fresh captures."""
+"""What workers do: diagnose a case blind, and later measure what the answer leaves on fresh captures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from tacos_gap.captures import read_captures
 from tacos_gap.diagnosis import diagnose, gather
-from tacos_gap.parameters import Term
+from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
 from tacos_validation.blind.baselines import simpler_answers
 
@@ -62,7 +62,7 @@ class Diagnosing:
 
 
 @dataclass(frozen=True)
-class Judging:
+class FreshGaps:
     """See how an answer fares on captures that were kept back, and how the truth would.
 
     Parameters
@@ -83,7 +83,7 @@ class Judging:
     truth: Sequence[Mapping[str, Any]]
 
     def work(self, effects: Effects) -> dict[str, Any]:
-        """Gaps before, with what was found, and with the truth [floor]."""
+        """Gaps before, with what was found, and with the truth [noise floor]."""
         evidence, _ = gather(read_captures(self.folder), seed=1)
         problem = Problem(evidence)
         gaps: dict[str, Any] = {"before": problem.gap(problem.null)}
@@ -94,10 +94,10 @@ class Judging:
         return gaps
 
 
-def _term(described: Mapping[str, Any], effects: Effects) -> Term:
+def _term(described: Mapping[str, Any], effects: Effects) -> HypothesisTerm:
     values = {key: value for key, value in described.items() if key != "use"}
     name = str(described["use"]).removeprefix("effect.")
-    return Term(name, effects[name], values, {})
+    return HypothesisTerm(name, effects[name], values, {})
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Worker:
 
     effects: Effects
 
-    def __call__(self, job: Diagnosing | Judging) -> dict[str, Any]:
+    def __call__(self, job: Diagnosing | FreshGaps) -> dict[str, Any]:
         """The job's outcome, or the error as text."""
         try:
             return job.work(self.effects)
@@ -114,6 +114,6 @@ class Worker:
             last = traceback.extract_tb(error.__traceback__)[-1]
             return {"error": f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"}
 
-    def lost(self, job: Diagnosing | Judging, reason: str) -> dict[str, Any]:
+    def lost(self, job: Diagnosing | FreshGaps, reason: str) -> dict[str, Any]:
         """The outcome of a job whose worker died."""
         return {"error": reason}

@@ -11,7 +11,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_validation.blind.generators.catalogue import CATALOGUE
 from tacos_validation.blind.generators.confounders import PAIRS
 from tacos_validation.blind.generators.independent import VARIANTS, available
-from tacos_validation.blind.generators.orders import Order
+from tacos_validation.blind.generators.specifications import CaseSpecification
 
 APART = (
     frozenset({"vignetting", "illumination-gradient", "lens-shading-correction"}),
@@ -41,7 +41,9 @@ class Counts(Settings):
     effects: tuple[str, ...] = setting((), help="Effects to withhold; all of the catalogue if empty.")
 
 
-def orders(counts: Counts, seed: int, size_px: tuple[int, int], full_set: str = "charts") -> list[Order]:
+def case_specifications(
+    counts: Counts, seed: int, size_px: tuple[int, int], full_set: str = "charts"
+) -> list[CaseSpecification]:
     """All cases, in random order and with random names, so that neither tells what is in them.
 
     Parameters
@@ -62,7 +64,9 @@ def orders(counts: Counts, seed: int, size_px: tuple[int, int], full_set: str = 
         name = rng.bytes(6).hex()
         width, height = draft.get("notes", {}).get("size_px", size_px)
         named.append(
-            Order(case=name, seed=int(rng.integers(2**62)), width_px=width, height_px=height, **draft)
+            CaseSpecification(
+                case=name, seed=int(rng.integers(2**62)), width_px=width, height_px=height, **draft
+            )
         )
     return [named[i] for i in rng.permutation(len(named))]
 
@@ -78,7 +82,7 @@ def _drafts(counts: Counts, rng: np.random.Generator, full_set: str) -> Iterator
     for name in effects:
         for severity in counts.ladder:
             for _ in range(counts.charts):
-                asked = {"severity": severity, "judged": severity == strongest}
+                asked = {"severity": severity, "scored_on_fresh": severity == strongest}
                 yield {"tier": "T1", "effects": (name,), "captures": full_set, **asked}
         for _ in range(counts.field):
             yield {"tier": "T1", "effects": (name,), "severity": None, "captures": full_set}
@@ -88,7 +92,7 @@ def _drafts(counts: Counts, rng: np.random.Generator, full_set: str) -> Iterator
             yield {"tier": "T3", "effects": (name,), "removed": (name,), **full}
     for _ in range(counts.t2):
         mixed = _mixture(effects, rng)
-        yield {"tier": "T2", "effects": mixed, "judged": True, **full}
+        yield {"tier": "T2", "effects": mixed, "scored_on_fresh": True, **full}
     for maker in available():
         effect = VARIANTS[maker].effect
         for _ in range(counts.t4 if effect in effects else 0):

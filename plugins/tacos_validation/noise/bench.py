@@ -31,7 +31,7 @@ class CameraSetting(Settings):
         return f"{self.exposure_ms:g} ms, {self.gain_db:g} dB"
 
 
-class Bench(Settings):
+class NoiseBench(Settings):
     """A target, its light, and how many frames are taken of it."""
 
     scene: Use = setting(Use(use="scene.grey-bars"), help="The target.")
@@ -47,7 +47,7 @@ class SimulatedCamera(Settings):
     sensor: Use = setting(help="The sensor model.")
 
 
-def capture_of(bench: Bench, rig: Rig, exposure: Exposure, plugins: Plugins) -> Capture:
+def capture_of(bench: NoiseBench, rig: Rig, exposure: Exposure, plugins: Plugins) -> Capture:
     """The light of one frame of the target."""
     scene = build(bench.scene, "scene", plugins)
     episode = episode_of(scene, rng=np.random.default_rng(0), illumination_lux=bench.illumination_lux)

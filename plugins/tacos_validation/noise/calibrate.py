@@ -18,8 +18,8 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.study.progress import Progress
 from tacos_validation.noise.bench import (
-    Bench,
     CameraSetting,
+    NoiseBench,
     SimulatedCamera,
     capture_of,
     take_frames,
@@ -55,7 +55,7 @@ class Rendering(SimulatedCamera):
     """A simulated camera that takes the frames."""
 
     exposure: CameraSetting = setting(help="How the target is exposed.")
-    bench: Bench = setting(Bench(), help="Target, light and number of frames.")
+    bench: NoiseBench = setting(NoiseBench(), help="Target, light and number of frames.")
 
 
 class CalibrateNoise:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
-from tacos_framework.report.page import Picture, image_uri
+from tacos_framework.report.page import PagePicture, image_uri
 from tacos_validation.noise.frame_files import FrameStack
 
 _WIDEST_PX = 900
@@ -27,10 +27,14 @@ def shown(value: float, interval: Sequence[float] | None = None) -> str:
     return text if interval is None else f"{text} ({interval[0]:#.3g} to {interval[1]:#.3g})"
 
 
-def frame_picture(stack: FrameStack, black_level_dn: float, white_level_dn: float, caption: str) -> Picture:
+def frame_picture(
+    stack: FrameStack, black_level_dn: float, white_level_dn: float, caption: str
+) -> PagePicture:
     """The first frame, encoded for a display and not above a width that a page needs."""
     image: NDArray[Any] = stack.picture
     every = -(-image.shape[1] // _WIDEST_PX)
     shrunk = image[::every, ::every]
     display = display_image(np.maximum(shrunk, black_level_dn), black_level_dn, white_level_dn)
-    return Picture(image_uri(np.repeat(display, 3, axis=-1) if display.shape[-1] == 1 else display), caption)
+    return PagePicture(
+        image_uri(np.repeat(display, 3, axis=-1) if display.shape[-1] == 1 else display), caption
+    )

@@ -19,8 +19,8 @@ from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_validation.noise.bench import (
-    Bench,
     CameraSetting,
+    NoiseBench,
     SimulatedCamera,
     capture_of,
     take_frames,
@@ -110,7 +110,7 @@ class ValidateNoise:
     class Config(Settings):
         """Settings of the procedure."""
 
-        bench: Bench = setting(Bench(), help="Target, light and number of frames.")
+        bench: NoiseBench = setting(NoiseBench(), help="Target, light and number of frames.")
         cameras: tuple[CheckedCamera, ...] = setting(help="What is checked.", min_length=1)
         levels: int = setting(
             64, help="Into how many levels of brightness pixels are gathered.", ge=5, le=4096

@@ -51,7 +51,7 @@ class CompareOptimizers:
     nothing, nor do candidates a run has had before. The rig's constraints, its renderer and its tasks are
     those of the problem's recipe; only its optimizer and the scheme of its catalogs change.
 
-    A broken run goes on with ``--resume``: evaluations are kept as they come, and the optimizers are told
+    A broken run goes on with ``--resume``: evaluations are kept as they come, and the optimizers observe
     them again.
     """
 
@@ -121,7 +121,7 @@ class CompareOptimizers:
 
     # what is compared -------------------------------------------------------------------------------------
 
-    def _problem(self, plugins: Plugins) -> Problem:
+    def _problem(self, plugins: Plugins) -> BenchmarkProblem:
         """The problem under each scheme."""
         plans: dict[str, Plan] = {}
         recipe: Any = None
@@ -145,7 +145,7 @@ class CompareOptimizers:
                         "a problem whose tasks do not learn",
                     )
                 )
-        return Problem(recipe, plans)
+        return BenchmarkProblem(recipe, plans)
 
     def _optimizers(self, plugins: Plugins) -> tuple[dict[str, tuple[type[Any], Settings]], list[str]]:
         """Class and settings of each optimizer, and notes on those left out; all faults at once."""
@@ -172,7 +172,9 @@ class CompareOptimizers:
             raise UserError(faults)
         return found, notes
 
-    def _images_per_evaluation(self, problem: Problem, ledger: Ledger, workers: int, seed: int) -> int:
+    def _images_per_evaluation(
+        self, problem: BenchmarkProblem, ledger: Ledger, workers: int, seed: int
+    ) -> int:
         """What a candidate that keeps the constraints costs; every worker has its worlds afterwards."""
         rng = generator(seed, "warm up")
         space = problem.plans[self.config.schemes[0]].space
@@ -190,7 +192,7 @@ class CompareOptimizers:
 
     def _runs(
         self,
-        problem: Problem,
+        problem: BenchmarkProblem,
         optimizers: Mapping[str, tuple[type[Any], Settings]],
         per_evaluation: int,
         seed: int,
@@ -277,7 +279,7 @@ class CompareOptimizers:
 
 
 @dataclass(frozen=True)
-class Problem:
+class BenchmarkProblem:
     """The recipe, which simulates a candidate whatever the scheme, and its plan under each scheme."""
 
     recipe: Recipe

@@ -88,11 +88,11 @@ class Run:
     def tell(self, ledger: Ledger) -> None:
         """Take in the candidates last asked."""
         self._rounds += 1
-        told = []
+        observed = []
         for candidate in self._asked:
             values = candidate.as_dict()
             entry = ledger[values]
-            told.append(Evaluated(candidate, entry.fitness))
+            observed.append(Evaluated(candidate, entry.fitness))
             self._count += 1
             if candidate.key not in self._known:
                 self._known.add(candidate.key)
@@ -101,7 +101,7 @@ class Run:
             if entry.fitness is not None and self._spent <= self.images:
                 self._note(values, entry.fitness)
         began = time.perf_counter()
-        self.optimizer.tell(told)
+        self.optimizer.tell(observed)
         self._think(began)
         self.stopped = self._stop()
 

@@ -41,7 +41,7 @@ def middle(values: Sequence[float]) -> Middle:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class RegretCurve:
     """Median regret of an optimizer over its runs, with the interval of `middle`.
 
     Parameters
@@ -65,7 +65,7 @@ def curve(
     *,
     best_known: float,
     worst_known: float,
-) -> Curve:
+) -> RegretCurve:
     """Regret of the runs once they had spent so much.
 
     Before its first scored candidate a run stands at the worst fitness known.
@@ -74,7 +74,9 @@ def curve(
         [[best_known - best_after(run, spent, cost, worst_known) for spent in at] for run in runs]
     )
     middles = [middle(column) for column in regret.T.tolist()]
-    return Curve(at, *(np.array([getattr(m, name) for m in middles]) for name in ("median", "low", "high")))
+    return RegretCurve(
+        at, *(np.array([getattr(m, name) for m in middles]) for name in ("median", "low", "high"))
+    )
 
 
 def best_after(run: Run, spent: float, cost: Callable[[Moment], float], otherwise: float) -> float:

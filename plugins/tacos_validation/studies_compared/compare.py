@@ -19,8 +19,8 @@ from tacos_framework.results import Results
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_validation.kept_studies import result_of
-from tacos_validation.studies_compared.pages import Compared, lines, page, summary
-from tacos_validation.studies_compared.pairs import Outcome
+from tacos_validation.studies_compared.pages import StudiesComparison, lines, page, summary
+from tacos_validation.studies_compared.pairs import StudyOutcome
 
 DESIGNED = "designed"
 
@@ -28,7 +28,7 @@ DESIGNED = "designed"
 class CompareStudies:
     """Runs a study in several variants and with several seeds, and sets their designs side by side.
 
-    Studies of a seed see the same worlds and are judged on the same unseen scenes; each seed has unseen
+    Studies of a seed see the same worlds and are tested on the same unseen scenes; each seed has unseen
     scenes of its own. What is compared is what is designed, on those scenes. Every study is left whole under
     ``studies/``, with its report. A broken run goes on with ``--resume``; studies that are done are kept.
     """
@@ -78,7 +78,7 @@ class CompareStudies:
             outcomes.append(outcome)
             progress.step(f"{variant}, seed {seed}: {outcome.scores['fitness']:.3f}")
         counted = tuple(dict.fromkeys(term.score for _, _, recipe in studies for term in recipe.fitness))
-        compared = Compared(self.config.study, self.config.reference, tuple(outcomes), counted)
+        compared = StudiesComparison(self.config.study, self.config.reference, tuple(outcomes), counted)
         write_page(out / "report.html", page(compared))
         Results(out).write_text("studies.csv", lines(outcomes))
         return {**compared.as_data(), "summary": summary(compared)}
@@ -105,7 +105,7 @@ class CompareStudies:
         if not isinstance(recipe, Recipe):
             raise UserError(Fault("study", f"{self.config.study} is no study", "a recipe that designs"))
         if recipe.test is None:
-            raise UserError(Fault("study", f"{self.config.study} has no test:", "scenes to be judged on"))
+            raise UserError(Fault("study", f"{self.config.study} has no test:", "scenes to be tested on"))
         test = recipe.test.model_copy(update={"seed": recipe.test.seed + number})
         return recipe.model_copy(update={"test": test})
 
@@ -118,8 +118,8 @@ def _with_design(result: Mapping[str, Any], out: Path) -> Mapping[str, Any]:
     return result
 
 
-def _outcome(variant: str, seed: int, result: Mapping[str, Any]) -> Outcome:
-    return Outcome(
+def _outcome(variant: str, seed: int, result: Mapping[str, Any]) -> StudyOutcome:
+    return StudyOutcome(
         variant,
         seed,
         scores=result["test"][DESIGNED],

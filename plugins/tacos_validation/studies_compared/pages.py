@@ -14,9 +14,9 @@ from tacos_framework.report.palette import MUTED, camera_colour
 from tacos_framework.report.quantities import number, words
 from tacos_validation.studies_compared.pairs import (
     FITNESS,
-    Difference,
-    Outcome,
     Spread,
+    StudyOutcome,
+    VariantDifference,
     difference,
     scores_of,
     spread,
@@ -27,12 +27,12 @@ MOST_DRAWN = 5
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
+class StudiesComparison:
     """Everything the report tells."""
 
     study: str
     reference: str
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[StudyOutcome, ...]
     counted: tuple[str, ...]
     """Scores that a fitness takes."""
 
@@ -53,7 +53,7 @@ class Compared:
         return list(dict.fromkeys(outcome.variant for outcome in self.outcomes))
 
     @property
-    def differences(self) -> list[Difference]:
+    def differences(self) -> list[VariantDifference]:
         """Of every other variant and score to the reference."""
         return [
             difference(self.outcomes, variant, self.reference, score)
@@ -62,7 +62,7 @@ class Compared:
             for score in self.scores
         ]
 
-    def of(self, variant: str) -> list[Outcome]:
+    def of(self, variant: str) -> list[StudyOutcome]:
         """The studies of a variant."""
         return [outcome for outcome in self.outcomes if outcome.variant == variant]
 
@@ -76,19 +76,19 @@ class Compared:
         }
 
 
-def summary(compared: Compared) -> str:
+def summary(compared: StudiesComparison) -> str:
     """The finding in a line for each variant."""
     return "\n".join(_sentence(each) for each in compared.differences if each.score == FITNESS)
 
 
-def _sentence(found: Difference) -> str:
+def _sentence(found: VariantDifference) -> str:
     return (
         f"{found.variant} is better in {found.better} of {found.by.seeds} seeds, "
         f"by {_plus_minus(found.by, sign=True)} in fitness on unseen scenes"
     )
 
 
-def page(compared: Compared) -> Page:
+def page(compared: StudiesComparison) -> Page:
     """The page."""
     seeds = sorted({outcome.seed for outcome in compared.outcomes})
     hours = sum(outcome.seconds for outcome in compared.outcomes) / 3600
@@ -98,7 +98,7 @@ def page(compared: Compared) -> Page:
         lead=(
             f"The study {compared.study} as {', '.join(compared.variants)}, each with seeds "
             f"{', '.join(map(str, seeds))}: {len(compared.outcomes)} studies, {hours:.1f} hours. Studies "
-            f"of a seed see the same worlds and are judged on the same unseen scenes, so differences are "
+            f"of a seed see the same worlds and are tested on the same unseen scenes, so differences are "
             f"taken seed by seed. ± is the standard error over seeds."
         ),
         sections=(
@@ -109,7 +109,7 @@ def page(compared: Compared) -> Page:
     )
 
 
-def _drawing(compared: Compared) -> Drawing:
+def _drawing(compared: StudiesComparison) -> Drawing:
     scores = compared.headline_scores[:MOST_DRAWN]
     variants = compared.variants
 
@@ -133,7 +133,7 @@ def _drawing(compared: Compared) -> Drawing:
     return Drawing(draw("studies", (9.2, 3.6), described, paint), "A line for each seed.")
 
 
-def _means(compared: Compared) -> Table:
+def _means(compared: StudiesComparison) -> Table:
     scores = compared.headline_scores
     rows = tuple(
         (variant, *(_plus_minus(spread([o.scores[score] for o in compared.of(variant)])) for score in scores))
@@ -142,7 +142,7 @@ def _means(compared: Compared) -> Table:
     return Table(("Variant", *map(words, scores)), rows, "Means over seeds.")
 
 
-def _differences(compared: Compared) -> Table:
+def _differences(compared: StudiesComparison) -> Table:
     rows = tuple(
         (
             each.variant,
@@ -155,7 +155,7 @@ def _differences(compared: Compared) -> Table:
     return Table(("Variant", "Score", "Difference", "Seeds in which it is higher"), rows)
 
 
-def _every(compared: Compared) -> Table:
+def _every(compared: StudiesComparison) -> Table:
     scores = compared.headline_scores
     rows = tuple(
         (
@@ -170,7 +170,7 @@ def _every(compared: Compared) -> Table:
     return Table(("Variant", "Seed", *map(words, scores), "Designed camera", "Time"), rows)
 
 
-def _camera(outcome: Outcome) -> str:
+def _camera(outcome: StudyOutcome) -> str:
     shown = (
         f"{name} {value.get('name', '')}" if isinstance(value, dict) else f"{name} {_short(value)}"
         for name, value in outcome.camera.items()
@@ -187,7 +187,7 @@ def _plus_minus(found: Spread, *, sign: bool = False) -> str:
     return mean if found.standard_error is None else f"{mean} ± {found.standard_error:.3f}"
 
 
-def lines(outcomes: Sequence[Outcome]) -> str:
+def lines(outcomes: Sequence[StudyOutcome]) -> str:
     """The studies as rows of text separated by commas, for ``studies.csv``."""
     scores = scores_of(outcomes)
     rows = [

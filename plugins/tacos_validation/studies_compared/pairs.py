@@ -12,7 +12,7 @@ FITNESS = "fitness"
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class StudyOutcome:
     """A study that was run.
 
     Parameters
@@ -61,7 +61,7 @@ def spread(values: Sequence[float]) -> Spread:
 
 
 @dataclass(frozen=True)
-class Difference:
+class VariantDifference:
     """How a variant did against the reference on one score, each seed against its own twin.
 
     Parameters
@@ -78,17 +78,19 @@ class Difference:
     by: Spread
 
 
-def scores_of(outcomes: Sequence[Outcome]) -> list[str]:
+def scores_of(outcomes: Sequence[StudyOutcome]) -> list[str]:
     """The scores that every study reports; the fitness first."""
     common = [name for name in outcomes[0].scores if all(name in each.scores for each in outcomes)]
     return sorted(common, key=lambda name: name != FITNESS)
 
 
-def difference(outcomes: Sequence[Outcome], variant: str, reference: str, score: str) -> Difference:
+def difference(
+    outcomes: Sequence[StudyOutcome], variant: str, reference: str, score: str
+) -> VariantDifference:
     """The difference of a variant to the reference, over the seeds both were run with."""
     of = {
         name: {o.seed: o.scores[score] for o in outcomes if o.variant == name}
         for name in (variant, reference)
     }
     by = [of[variant][seed] - of[reference][seed] for seed in of[variant] if seed in of[reference]]
-    return Difference(variant, score, sum(each > 0 for each in by), spread(by))
+    return VariantDifference(variant, score, sum(each > 0 for each in by), spread(by))

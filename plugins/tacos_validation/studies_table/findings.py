@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from tacos_validation.studies_table.settings import Column, TableRow
+from tacos_validation.studies_table.settings import SummaryColumn, TableRow
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class StudyRun:
 
 
 @dataclass(frozen=True)
-class Cell:
+class SummaryCell:
     """A figure of the table over the seeds, or a word where it is none.
 
     Parameters
@@ -67,7 +67,7 @@ class Cell:
 
 
 @dataclass(frozen=True, eq=False)
-class Finding:
+class RowResult:
     """A row of the table.
 
     Parameters
@@ -81,7 +81,7 @@ class Finding:
     """
 
     title: str
-    cells: tuple[Cell, ...]
+    cells: tuple[SummaryCell, ...]
     runs: int
 
 
@@ -91,7 +91,7 @@ def look_up(result: Mapping[str, Any], camera: str, value: str) -> float | str |
     Parameters
     ----------
     value
-        As `Column.value`: a group and a name, which may go on inside a part of a catalog.
+        As `SummaryColumn.value`: a group and a name, which may go on inside a part of a catalog.
 
     Examples
     --------
@@ -112,8 +112,8 @@ def look_up(result: Mapping[str, Any], camera: str, value: str) -> float | str |
 
 
 def findings(
-    rows: Sequence[TableRow], columns: Sequence[Column], runs: Sequence[StudyRun]
-) -> tuple[Finding, ...]:
+    rows: Sequence[TableRow], columns: Sequence[SummaryColumn], runs: Sequence[StudyRun]
+) -> tuple[RowResult, ...]:
     """The rows of the table; those of studies that were left out are missing."""
     found = []
     for row in rows:
@@ -124,12 +124,12 @@ def findings(
         for column in columns:
             values = (look_up(run.result, row.camera, column.value) for run in of_row)
             known = tuple(value for value in values if value is not None)
-            cells.append(Cell(known, row.published.get(column.head)))
-        found.append(Finding(row.title, tuple(cells), len(of_row)))
+            cells.append(SummaryCell(known, row.published.get(column.head)))
+        found.append(RowResult(row.title, tuple(cells), len(of_row)))
     return _with_best(found, columns)
 
 
-def _with_best(found: Sequence[Finding], columns: Sequence[Column]) -> tuple[Finding, ...]:
+def _with_best(found: Sequence[RowResult], columns: Sequence[SummaryColumn]) -> tuple[RowResult, ...]:
     """The rows with the best figure of each column marked."""
     marked = [list(row.cells) for row in found]
     for number, column in enumerate(columns):
@@ -140,5 +140,7 @@ def _with_best(found: Sequence[Finding], columns: Sequence[Column]) -> tuple[Fin
         best = min(known) if column.better == "lower" else max(known)
         for cells, value in zip(marked, middles, strict=True):
             if value == best:
-                cells[number] = Cell(cells[number].values, cells[number].published, best=True)
-    return tuple(Finding(row.title, tuple(cells), row.runs) for row, cells in zip(found, marked, strict=True))
+                cells[number] = SummaryCell(cells[number].values, cells[number].published, best=True)
+    return tuple(
+        RowResult(row.title, tuple(cells), row.runs) for row, cells in zip(found, marked, strict=True)
+    )

@@ -13,16 +13,16 @@ from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.page import Detailed, Drawing, Page, Paragraph, Section, Table, Warnings
 from tacos_framework.report.palette import MUTED, camera_colour
 from tacos_framework.report.quantities import duration, number
-from tacos_validation.studies_table.findings import Cell, Finding, StudyRun
-from tacos_validation.studies_table.settings import Column, StudiesConfig
+from tacos_validation.studies_table.findings import RowResult, StudyRun, SummaryCell
+from tacos_validation.studies_table.settings import StudiesConfig, SummaryColumn
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class TableOutcome:
     """Everything the report tells."""
 
     config: StudiesConfig
-    rows: tuple[Finding, ...]
+    rows: tuple[RowResult, ...]
     runs: tuple[StudyRun, ...]
     notes: tuple[str, ...]
 
@@ -63,7 +63,7 @@ def folder_of(study: str, seed: int) -> str:
     return f"studies/{study}_{seed}"
 
 
-def page(outcome: Outcome) -> Page:
+def page(outcome: TableOutcome) -> Page:
     """The page."""
     config = outcome.config
     seeds = len({run.seed for run in outcome.runs})
@@ -74,7 +74,7 @@ def page(outcome: Outcome) -> Page:
         eyebrow="Studies compared",
         title=summary(outcome).splitlines()[0],
         lead=(
-            f"{len(outcome.runs)} studies of the problem {config.problem}, judged on unseen scenes. "
+            f"{len(outcome.runs)} studies of the problem {config.problem}, tested on unseen scenes. "
             f"{middle}Each study's own report lies in its folder under studies/."
         ),
         sections=(
@@ -84,7 +84,7 @@ def page(outcome: Outcome) -> Page:
     )
 
 
-def summary(outcome: Outcome) -> str:
+def summary(outcome: TableOutcome) -> str:
     """The finding in a few lines."""
     lines = [_headline(outcome)]
     for row in outcome.rows:
@@ -96,7 +96,7 @@ def summary(outcome: Outcome) -> str:
     return "\n".join(lines)
 
 
-def table_csv(outcome: Outcome) -> str:
+def table_csv(outcome: TableOutcome) -> str:
     """The table for other programs: a line per row and column."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -112,7 +112,7 @@ def table_csv(outcome: Outcome) -> str:
     return text.getvalue()
 
 
-def shown(cell: Cell, column: Column) -> str:
+def shown(cell: SummaryCell, column: SummaryColumn) -> str:
     """A figure as the table shows it."""
     if not cell.values:
         return "not known"
@@ -125,13 +125,13 @@ def shown(cell: Cell, column: Column) -> str:
     return middle
 
 
-def _plain(cell: Cell) -> float | str | None:
+def _plain(cell: SummaryCell) -> float | str | None:
     if cell.middle is not None:
         return cell.middle
     return str(cell.values[0]) if cell.values else None
 
 
-def _headline(outcome: Outcome) -> str:
+def _headline(outcome: TableOutcome) -> str:
     """Which row is best, by the first column in which one alone is."""
     for number_, column in enumerate(outcome.config.columns):
         best = [row for row in outcome.rows if row.cells[number_].best]
@@ -141,7 +141,7 @@ def _headline(outcome: Outcome) -> str:
     return f"{len(outcome.rows)} cameras side by side"
 
 
-def _table(outcome: Outcome) -> Table:
+def _table(outcome: TableOutcome) -> Table:
     columns = outcome.config.columns
     marks = {"lower": " ↓", "higher": " ↑", None: ""}
     heads = [f"{c.head}{f' [{c.unit}]' if c.unit else ''}{marks[c.better]}" for c in columns]
@@ -154,21 +154,21 @@ def _table(outcome: Outcome) -> Table:
     return Table(("Camera", *heads), rows, f"Cameras on unseen scenes.{below}")
 
 
-def _cell(cell: Cell, column: Column) -> str | Detailed:
+def _cell(cell: SummaryCell, column: SummaryColumn) -> str | Detailed:
     text = f"{shown(cell, column)}{' (best)' if cell.best else ''}"
     return text if cell.published is None else Detailed(text, _published(cell.published, column))
 
 
-def _published(value: float | str, column: Column) -> str:
+def _published(value: float | str, column: SummaryColumn) -> str:
     return value if isinstance(value, str) else number(value, column.digits)
 
 
-def _differences(outcome: Outcome) -> list[Paragraph | Warnings]:
+def _differences(outcome: TableOutcome) -> list[Paragraph | Warnings]:
     notes = (*outcome.config.differs, *outcome.notes)
     return [Warnings("What to know before comparing with published figures", notes)] if notes else []
 
 
-def _curves(outcome: Outcome) -> Drawing:
+def _curves(outcome: TableOutcome) -> Drawing:
     names = list(dict.fromkeys(run.study for run in outcome.runs))
 
     def paint(figure: Figure) -> None:
@@ -197,7 +197,7 @@ def _curves(outcome: Outcome) -> Drawing:
     return Drawing(draw("curves", (9.2, 4.2), described, paint), caption)
 
 
-def _costs(outcome: Outcome) -> Table:
+def _costs(outcome: TableOutcome) -> Table:
     rows = tuple(
         (
             run.study,

@@ -28,7 +28,7 @@ class StudyChange(Settings):
     )
 
 
-class Column(Settings):
+class SummaryColumn(Settings):
     """A column of the table."""
 
     head: str = setting(help="Its heading.", min_length=1)
@@ -38,7 +38,7 @@ class Column(Settings):
     )
     unit: str = setting("", help="Its unit.")
     better: Literal["lower", "higher"] | None = setting(
-        None, help="Which figures are better, for the best one to stand out; neither for parameters."
+        None, help="Which figures are better, for the best one to be marked; neither for parameters."
     )
     digits: int = setting(3, help="Digits shown.", ge=1, le=9)
 
@@ -64,7 +64,7 @@ class StudiesConfig(Settings):
         (), help="Studies to leave out, with a note, where the packages they need are not installed."
     )
     seeds: int = setting(1, help="Runs of each study, with the seed of the problem and those after it.", ge=1)
-    columns: tuple[Column, ...] = setting(help="The columns of the table.", min_length=1)
+    columns: tuple[SummaryColumn, ...] = setting(help="The columns of the table.", min_length=1)
     rows: tuple[TableRow, ...] = setting(help="The rows of the table.", min_length=1)
     published_in: str = setting("", help="Where the published figures stand, e.g. the paper, Table 1.")
     differs: tuple[str, ...] = setting(

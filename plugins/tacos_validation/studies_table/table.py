@@ -20,7 +20,7 @@ from tacos_framework.results import Results
 from tacos_framework.study.progress import Progress
 from tacos_validation.kept_studies import result_of
 from tacos_validation.studies_table.findings import StudyRun, findings
-from tacos_validation.studies_table.pages import Outcome, folder_of, page, summary, table_csv
+from tacos_validation.studies_table.pages import TableOutcome, folder_of, page, summary, table_csv
 from tacos_validation.studies_table.settings import DESIGNED, StudiesConfig
 
 log = logging.getLogger(__name__)
@@ -39,8 +39,8 @@ class StudiesTable:
     """Runs studies that differ in a few keys, and sets what they find beside published figures.
 
     Joint or frozen weights, one optimizer or another, day or night: each is the same recipe with some keys
-    changed. Every study leaves its full results folder under ``studies/``; all are judged on the test scenes
-    of the problem, and a table in the shape one asks for collects their cameras.
+    changed. Every study leaves its full results folder under ``studies/``; all are compared on the test
+    scenes of the problem, and a table in the shape one asks for collects their cameras.
 
     A broken run goes on with ``--resume``: studies that were finished are read, the broken one goes on.
 
@@ -61,7 +61,7 @@ class StudiesTable:
         planned, notes = self.plan(plugins)
         runs = tuple(self._runs(planned, out, plugins, executor, progress, resume))
         rows = findings(self.config.rows, self.config.columns, runs)
-        outcome = Outcome(self.config, rows, runs, tuple(notes))
+        outcome = TableOutcome(self.config, rows, runs, tuple(notes))
         write_page(out / "report.html", page(outcome))
         Results(out).write_text("table.csv", table_csv(outcome))
         return {**outcome.as_data(), "summary": summary(outcome)}

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_validation.task_validation.acquisition import Taken
 from tacos_validation.task_validation.agreement import (
     Agreement,
     OverSeeds,
@@ -17,11 +18,10 @@ from tacos_validation.task_validation.agreement import (
     separations,
     within,
 )
-from tacos_validation.task_validation.taking import Taken
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
+class ValidationFindings:
     """Scores and rankings.
 
     Parameters

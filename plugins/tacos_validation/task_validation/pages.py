@@ -14,18 +14,18 @@ from tacos_framework.report.page import (
     Drawing,
     Heading,
     Page,
+    PagePicture,
     Paragraph,
-    Picture,
-    Row,
     Section,
+    SideBySide,
     Table,
     image_uri,
 )
 from tacos_framework.report.palette import INK, MUTED, camera_colour
 from tacos_framework.values import FrameBatch
+from tacos_validation.task_validation.acquisition import Taken
 from tacos_validation.task_validation.agreement import INTERVAL
-from tacos_validation.task_validation.findings import Findings
-from tacos_validation.task_validation.taking import Taken
+from tacos_validation.task_validation.findings import ValidationFindings
 
 _MARGIN = 0.15
 """Of the target's extent, shown around it."""
@@ -33,7 +33,7 @@ _MARGIN = 0.15
 _WIDEST_PX = 700
 
 
-def summary(findings: Findings) -> str:
+def summary(findings: ValidationFindings) -> str:
     """The finding in a few lines."""
     lines = [title(findings)]
     for setting, words in enumerate(findings.exposures):
@@ -47,7 +47,7 @@ def summary(findings: Findings) -> str:
     return "\n".join(lines)
 
 
-def title(findings: Findings) -> str:
+def title(findings: ValidationFindings) -> str:
     """The finding in a sentence."""
     settings = range(len(findings.exposures))
     alike = sum(findings.same_order(setting) for setting in settings)
@@ -57,7 +57,7 @@ def title(findings: Findings) -> str:
     return f"The simulators rank the cameras alike under {alike} of {len(settings)} exposures"
 
 
-def page(simulator: str, reference: str, findings: Findings) -> Page:
+def page(simulator: str, reference: str, findings: ValidationFindings) -> Page:
     """The page."""
     seeds = findings.scores(findings.reference).shape[1]
     every, floor = findings.everything, findings.everything_floor
@@ -67,7 +67,7 @@ def page(simulator: str, reference: str, findings: Findings) -> Page:
         lead=(
             f"{len(findings.cameras)} cameras before one target, at {findings.places} places along a line: "
             f"in {simulator}, and in {reference}, which stands for reality; {seeds} frames of every place "
-            f"with noise of their own. Intervals hold 95 % of the seeds. Every camera under every exposure, "
+            f"with independent noise. Intervals hold 95 % of the seeds. Every camera under every exposure, "
             f"ranked all against all: rank correlation {every.tau} (Kendall), and {floor.tau} for the "
             f"reference with itself under other noise, which is as much as noise allows."
         ),
@@ -79,7 +79,7 @@ def page(simulator: str, reference: str, findings: Findings) -> Page:
     )
 
 
-def _section(findings: Findings, setting: int) -> Section:
+def _section(findings: ValidationFindings, setting: int) -> Section:
     better, worse, apart = findings.nearest(setting)
     overall = findings.overall(setting)
     return Section(
@@ -105,7 +105,7 @@ def _apart(deviations: float) -> str:
     return f"{deviations:.1f} standard deviations apart from seed to seed"
 
 
-def _figure(findings: Findings, setting: int) -> Drawing:
+def _figure(findings: ValidationFindings, setting: int) -> Drawing:
     names = list(findings.reference[0].scores)
 
     def paint(figure: Figure) -> None:
@@ -129,7 +129,7 @@ def _figure(findings: Findings, setting: int) -> Drawing:
     )
 
 
-def _paint(axes: Axes, findings: Findings, setting: int, name: str) -> None:
+def _paint(axes: Axes, findings: ValidationFindings, setting: int, name: str) -> None:
     pairs = np.arange(1, findings.places)
     for taken, style in ((findings.simulated, "-"), (findings.reference, "--")):
         scores = findings.scores(taken, name)[setting]
@@ -144,7 +144,7 @@ def _paint(axes: Axes, findings: Findings, setting: int, name: str) -> None:
     light_grid(axes, "y")
 
 
-def _levels(findings: Findings, setting: int) -> Table:
+def _levels(findings: ValidationFindings, setting: int) -> Table:
     ranks = [
         {camera: place + 1 for place, camera in enumerate(findings.order(taken, setting))}
         for taken in (findings.simulated, findings.reference)
@@ -174,7 +174,7 @@ def _levels(findings: Findings, setting: int) -> Table:
     return Table(heads, rows, f"Means over all places. Ranked by {findings.score.replace('_', ' ')}.")
 
 
-def _pairs(findings: Findings, setting: int) -> Table:
+def _pairs(findings: ValidationFindings, setting: int) -> Table:
     rows = tuple(
         (
             f"{pair + 1} to {pair + 2}",
@@ -195,13 +195,13 @@ def _pairs(findings: Findings, setting: int) -> Table:
     return Table(heads, rows, caption)
 
 
-def _frames(findings: Findings, simulator: str, reference: str) -> list[Heading | Row]:
-    blocks: list[Heading | Row] = []
+def _frames(findings: ValidationFindings, simulator: str, reference: str) -> list[Heading | SideBySide]:
+    blocks: list[Heading | SideBySide] = []
     for camera, words in enumerate(findings.titles):
         blocks.append(Heading(words))
         for setting in sorted({0, len(findings.exposures) - 1}):
             blocks.append(
-                Row(
+                SideBySide(
                     tuple(
                         _frame(taken[camera], setting, f"{who} at {findings.exposures[setting]}")
                         for taken, who in ((findings.simulated, simulator), (findings.reference, reference))
@@ -211,14 +211,14 @@ def _frames(findings: Findings, simulator: str, reference: str) -> list[Heading 
     return blocks
 
 
-def _frame(taken: Taken, setting: int, caption: str) -> Picture:
+def _frame(taken: Taken, setting: int, caption: str) -> PagePicture:
     batch = taken.samples[setting]
     image = around_target(batch)
     every = -(-image.shape[1] // _WIDEST_PX)
     shown = np.maximum(image[::every, ::every], batch.black_level_dn)
     display = display_image(shown, batch.black_level_dn, batch.white_level_dn)
     colour = np.repeat(display, 3, axis=-1) if display.shape[-1] == 1 else display
-    return Picture(image_uri(colour), caption, enlarged=True)
+    return PagePicture(image_uri(colour), caption, enlarged=True)
 
 
 def around_target(batch: FrameBatch) -> NDArray[np.uint8] | NDArray[np.uint16]:
@@ -234,7 +234,7 @@ def around_target(batch: FrameBatch) -> NDArray[np.uint8] | NDArray[np.uint16]:
     ]
 
 
-def _limits(findings: Findings) -> Section:
+def _limits(findings: ValidationFindings) -> Section:
     ratios = ", ".join(
         f"{words} {ours.luminance_cd_m2 / theirs.luminance_cd_m2:.3f}"
         for words, ours, theirs in zip(findings.titles, findings.simulated, findings.reference, strict=True)
@@ -250,7 +250,7 @@ def _limits(findings: Findings) -> Section:
                 "better. It says nothing of lenses, printing or real sensors, which need real captures."
             ),
             Paragraph(
-                "A path tracer has noise of its own, which lies under the sensor's in every frame of the "
+                "A path tracer adds its own noise, which lies under the sensor's in every frame of the "
                 "reference: it costs matches there, as printing did in the paper."
             ),
             Paragraph(f"Mean luminance of the target, simulator over reference: {ratios}."),

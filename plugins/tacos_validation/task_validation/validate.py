@@ -20,9 +20,9 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import Episode, Rig
 from tacos_validation.noise.bench import CameraSetting
-from tacos_validation.task_validation.findings import Findings
+from tacos_validation.task_validation.acquisition import Taken, take
+from tacos_validation.task_validation.findings import ValidationFindings
 from tacos_validation.task_validation.pages import page, summary
-from tacos_validation.task_validation.taking import Taken, take
 
 SIMULATORS = ("simulator", "reference")
 
@@ -69,7 +69,7 @@ class ValidateTask:
         exposures: tuple[CameraSetting, ...] = setting(
             (CameraSetting(exposure_ms=30, gain_db=15),), help="How the target is exposed.", min_length=1
         )
-        seeds: int = setting(20, help="Frames with noise of their own, of each place.", ge=2, le=10_000)
+        seeds: int = setting(20, help="Frames with independent noise, of each place.", ge=2, le=10_000)
 
         @model_validator(mode="after")
         def _differ(self) -> ValidateTask.Config:
@@ -97,7 +97,7 @@ class ValidateTask:
             ]
             for simulator in SIMULATORS
         }
-        findings = Findings(
+        findings = ValidationFindings(
             cameras=tuple(camera.name for camera in cameras),
             titles=tuple(camera.title for camera in cameras),
             score=config.score,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Material, Part, Trajectory
+from tacos_framework.values import Episode, Material, MeshPart, Trajectory
 from tacos_worlds.bench.stand import FRAME_INTERVAL_S, bench_world, matte, standing
 from tacos_worlds.bench.textured_target import dead_leaves
 
@@ -103,13 +103,13 @@ class ReliefTarget:
         way = Trajectory(np.array([0.0, last_s]), poses)
         return Episode(still.world, way, still.time_s, still.walk)
 
-    def _wall(self) -> Part:
+    def _wall(self) -> MeshPart:
         config = self.config
         x = config.distance_m + config.relief_m + config.wall_behind_m
         half = np.array([0.0, 0.0, config.wall_m / 2]), np.array([0.0, config.wall_m / 2, 0.0])
         return rectangle(np.array([x, 0.0, 0.0]), *half, WALL, BACKGROUND_ID, WALL_MESH_M)
 
-    def _blocks(self, heights_m: NDArray[np.float64]) -> Iterator[Part]:
+    def _blocks(self, heights_m: NDArray[np.float64]) -> Iterator[MeshPart]:
         """Front and sides of every block, rows from the top; sides where a block stands above the back."""
         config = self.config
         back = config.distance_m + config.relief_m
@@ -137,7 +137,7 @@ def rectangle(
     mesh_m: float,
     *,
     flipped: bool = False,
-) -> Part:
+) -> MeshPart:
     """A rectangle cut into small triangles, which faces along u x v, or against it where `flipped`.
 
     Parameters
@@ -158,7 +158,7 @@ def rectangle(
     normal = np.cross(half_u_m, half_v_m)
     normal /= np.linalg.norm(normal) * (-1 if flipped else 1)
     along = [int(np.argmax(np.abs(half))) for half in (half_u_m, half_v_m)]
-    return Part(
+    return MeshPart(
         vertices_m=vertices.astype(np.float32),
         normals=np.tile(normal.astype(np.float32), (len(vertices), 1)),
         uv_m=vertices[:, along].astype(np.float32),

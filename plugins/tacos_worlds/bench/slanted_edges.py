@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Part
+from tacos_framework.values import Episode, MeshPart
 from tacos_worlds.bench.stand import facing, matte, standing, tent_world
 
 IN_FRONT_M = 1e-4
@@ -62,7 +62,7 @@ class SlantedEdges:
         )
         return standing(world, config.frames)
 
-    def _squares(self) -> Part:
+    def _squares(self) -> MeshPart:
         """All squares as one mesh."""
         config = self.config
         reach = int(config.size_m / 2 / config.pitch_m - 0.5)
@@ -76,7 +76,7 @@ class SlantedEdges:
             [np.full(len(corners), config.distance_m - IN_FRONT_M), -corners[:, 0], corners[:, 1]]
         )
         firsts = 4 * np.arange(len(corners) // 4)[:, None]
-        return Part(
+        return MeshPart(
             vertices_m=vertices.astype(np.float32),
             normals=np.tile(np.array([-1, 0, 0], np.float32), (len(corners), 1)),
             uv_m=corners.astype(np.float32),

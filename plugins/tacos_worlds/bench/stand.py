@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Episode, Light, Material, Object, Part, Trajectory, World
+from tacos_framework.values import Episode, Light, Material, MeshPart, Object, Trajectory, World
 from tacos_plugins.lighting.calibration import scale_light
 from tacos_plugins.lighting.emitters import photopic
 from tacos_plugins.lighting.transport import LightTransport
@@ -47,7 +47,7 @@ def facing(
     top_m: float,
     material: int,
     object_id: int = 1,
-) -> Part:
+) -> MeshPart:
     """A rectangle in the plane x = distance that faces the camera.
 
     Parameters
@@ -64,7 +64,7 @@ def facing(
         (distance_m, -right_m, bottom_m),
     ]
     vertices = np.array(corners, np.float32)
-    return Part(
+    return MeshPart(
         vertices_m=vertices,
         normals=np.tile(np.array([-1, 0, 0], np.float32), (4, 1)),
         uv_m=vertices[:, 1:],
@@ -90,7 +90,7 @@ def panel(distance_m: float) -> Light:
 
 def bench_world(
     key: str,
-    parts: Sequence[Part],
+    parts: Sequence[MeshPart],
     materials: Sequence[Material],
     *,
     illumination_lux: float,
@@ -133,7 +133,7 @@ def bench_world(
 
 def tent_world(
     key: str,
-    parts: Sequence[Part],
+    parts: Sequence[MeshPart],
     materials: Sequence[Material],
     *,
     illumination_lux: float,
@@ -160,7 +160,7 @@ def tent_world(
     )
 
 
-def turned(part: Part, distance_m: float, *, tilt_deg: float = 0.0, turn_deg: float = 0.0) -> Part:
+def turned(part: MeshPart, distance_m: float, *, tilt_deg: float = 0.0, turn_deg: float = 0.0) -> MeshPart:
     """A part of a target, turned with it about the target's middle.
 
     Parameters

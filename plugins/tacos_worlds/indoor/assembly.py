@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Object, Part, World
+from tacos_framework.values import MeshPart, Object, World
 from tacos_plugins.lighting import with_illuminance
 from tacos_worlds.indoor.building import Building
 from tacos_worlds.indoor.finishes import Finish, TextureLibrary, materials_of
@@ -66,8 +66,8 @@ def _named(things: Sequence[Piece]) -> list[Object]:
     return named
 
 
-def _part(mesh: Mesh, material: int, object_id: int) -> Part:
-    return Part(
+def _part(mesh: Mesh, material: int, object_id: int) -> MeshPart:
+    return MeshPart(
         vertices_m=mesh.vertices_m.astype(np.float32),
         normals=mesh.normals.astype(np.float32),
         uv_m=mesh.uv_m.astype(np.float32),

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.cache import content_key
-from tacos_framework.values import Object, Part, World
+from tacos_framework.values import MeshPart, Object, World
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_worlds.indoor.finishes import Finish, materials_of
 from tacos_worlds.indoor.mesh import Mesh, merged
 from tacos_worlds.street.city import CARRIAGEWAY_M, PAVEMENT_M, Town
 from tacos_worlds.street.finishes import StreetTextures
 from tacos_worlds.street.sky import Daylight
-from tacos_worlds.street.streetscape import Placed
+from tacos_worlds.street.streetscape import PlacedPiece
 
 CLASS_NAMES = (
     "background",
@@ -48,7 +48,7 @@ _LIGHT_RAYS = 32
 
 def assemble(
     town: Town,
-    placed: Sequence[Placed],
+    placed: Sequence[PlacedPiece],
     textures: StreetTextures,
     daylight: Daylight,
     illumination_lux: float,
@@ -79,8 +79,8 @@ def assemble(
     return _lit(unlit, illumination_lux, measuring_plane(town))
 
 
-def _part(mesh: Mesh, material: int, object_id: int, light_detail: float) -> Part:
-    return Part(
+def _part(mesh: Mesh, material: int, object_id: int, light_detail: float) -> MeshPart:
+    return MeshPart(
         vertices_m=mesh.vertices_m.astype(np.float32),
         normals=mesh.normals.astype(np.float32),
         uv_m=mesh.uv_m.astype(np.float32),

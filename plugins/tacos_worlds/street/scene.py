@@ -87,7 +87,7 @@ class StreetScene:
         from tacos_worlds.street.drive import draw_way, drive
         from tacos_worlds.street.finishes import StreetTextures
         from tacos_worlds.street.sky import draw_daylight
-        from tacos_worlds.street.streetscape import Placed, furnish_town
+        from tacos_worlds.street.streetscape import PlacedPiece, furnish_town
         from tacos_worlds.street.traffic import draw_traffic
 
         if not illumination_lux > 0:
@@ -106,7 +106,7 @@ class StreetScene:
         way = draw_way(drive_rng, town, config.speed_m_s * duration_s + 20.0)
         trajectory = drive(way, config.speed_m_s, config.camera_height_m)
         drivers = draw_traffic(traffic_rng, town, trajectory, duration_s, config.driving_cars)
-        moving = [Placed(driver.piece, moves=True) for driver in drivers]
+        moving = [PlacedPiece(driver.piece, moves=True) for driver in drivers]
         world = assemble(
             town,
             [*placed, *moving],

@@ -45,7 +45,7 @@ _FOOTBRIDGES = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedPiece:
     """A piece at its place, how finely the light on it has to be known, and whether it moves."""
 
     piece: Piece
@@ -55,7 +55,7 @@ class Placed:
 
 def furnish_town(
     rng: np.random.Generator, town: Town, *, greenery: float, parked_share: float
-) -> list[Placed]:
+) -> list[PlacedPiece]:
     """All that stands still in a town.
 
     Parameters
@@ -66,30 +66,33 @@ def furnish_town(
         Share of the parking lots that are taken [1].
     """
     block_rng, kerb_rng, park_rng = rng.spawn(3)
-    placed = [Placed(piece) for piece in roads(town)]
+    placed = [PlacedPiece(piece) for piece in roads(town)]
     inner = town.inner_blocks()
     park = int(park_rng.integers(len(inner))) if len(inner) > 1 else -1
     for number, (block, stream) in enumerate(zip(inner, block_rng.spawn(len(inner)), strict=True)):
-        placed += [Placed(pavement(block)), Placed(yard(block), 1.0 if number == park else FAR_DETAIL)]
+        placed += [
+            PlacedPiece(pavement(block)),
+            PlacedPiece(yard(block), 1.0 if number == park else FAR_DETAIL),
+        ]
         pieces = _park(park_rng, block) if number == park else inner_block(stream, block)
-        placed += [Placed(piece) for piece in pieces]
+        placed += [PlacedPiece(piece) for piece in pieces]
     for block in town.outer_blocks():
-        placed += [Placed(piece, FAR_DETAIL) for piece in (pavement(block), yard(block))]
-        placed += [Placed(piece, FAR_DETAIL) for piece in outer_block(block_rng, block, town)]
-    placed += [Placed(piece, FAR_DETAIL) for piece in street_ends(block_rng, town)]
+        placed += [PlacedPiece(piece, FAR_DETAIL) for piece in (pavement(block), yard(block))]
+        placed += [PlacedPiece(piece, FAR_DETAIL) for piece in outer_block(block_rng, block, town)]
+    placed += [PlacedPiece(piece, FAR_DETAIL) for piece in street_ends(block_rng, town)]
 
     all_kerbs = kerbs(town)
     inner_kerbs = [k for k in all_kerbs if k.inner and k.length_m > 40]
     bridged = set(kerb_rng.choice(len(inner_kerbs) // 2, _FOOTBRIDGES, replace=False).tolist())
     bridges = [inner_kerbs[2 * number] for number in sorted(bridged)]
     bridges_m = [_middle(kerb) for kerb in bridges]
-    placed += [Placed(kerb.place(footbridge(), kerb.length_m / 2, 0.0)) for kerb in bridges]
+    placed += [PlacedPiece(kerb.place(footbridge(), kerb.length_m / 2, 0.0)) for kerb in bridges]
     for kerb, stream in zip(all_kerbs, kerb_rng.spawn(len(all_kerbs)), strict=True):
         under_bridge = any(np.linalg.norm(_middle(kerb) - at) < CARRIAGEWAY_M + 1 for at in bridges_m)
         if kerb.inner:
-            placed += [Placed(p) for p in _line_kerb(stream, kerb, under_bridge, greenery, parked_share)]
+            placed += [PlacedPiece(p) for p in _line_kerb(stream, kerb, under_bridge, greenery, parked_share)]
         else:
-            placed += [Placed(p, FAR_DETAIL) for p in _line_far_kerb(stream, kerb)]
+            placed += [PlacedPiece(p, FAR_DETAIL) for p in _line_far_kerb(stream, kerb)]
     return placed
 
 

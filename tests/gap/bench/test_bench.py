@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
-from tacos_gap.bench import Bench, BenchSettings, recipe_renderer
+from tacos_gap.bench import BenchSettings, CaptureBench, recipe_renderer
 from tacos_gap.captures import read_captures, write_captures
 from tacos_plugins.effects.radial import even_polynomial
 
@@ -44,7 +44,7 @@ def settings(*captures: dict[str, Any], **changes: Any) -> BenchSettings:
 
 
 def taken(plugins: Plugins, *captures: dict[str, Any], **changes: Any):
-    return {c.id: c for c in Bench(settings(*captures, **changes), plugins, seed=3).captures()}
+    return {c.id: c for c in CaptureBench(settings(*captures, **changes), plugins, seed=3).captures()}
 
 
 # series ---------------------------------------------------------------------------------------------------
@@ -112,7 +112,7 @@ def test_without_effects_frames_scatter_about_what_is_expected_as_the_noise_says
 def test_the_noise_is_that_of_the_sensor(plugins):
     from tacos_plugins.sensors.affine_noise import AffineNoise
 
-    bench = Bench(settings({"id": "dark", "kind": "dark"}), plugins)
+    bench = CaptureBench(settings({"id": "dark", "kind": "dark"}), plugins)
     noise = next(bench.captures()).noise
     levels = AffineNoise(AffineNoise.Config(black_level_dn=16)).noise_levels(bench._camera, gain_db=24)
     assert noise.photon_dn == pytest.approx(levels.photon_dn, rel=0.01)
@@ -156,7 +156,7 @@ def test_the_same_seed_gives_the_same_captures(plugins):
     entry = {"id": "t", "kind": "scene", "scene": {"use": "scene.textured-target", "texture_px": 128}}
     first, again = (taken(plugins, entry)["t"] for _ in range(2))
     np.testing.assert_array_equal(first.real_dn, again.real_dn)
-    other = next(Bench(settings(entry), plugins, seed=4).captures())
+    other = next(CaptureBench(settings(entry), plugins, seed=4).captures())
     assert (other.expected_dn != first.expected_dn).any()
 
 
@@ -212,7 +212,7 @@ def test_the_patches_of_a_chart_lie_inside_them(plugins):
 
 
 def test_a_folder_reads_back_without_a_limitation_but_for_what_saturates(plugins, tmp_path):
-    bench = Bench(
+    bench = CaptureBench(
         settings(
             {"id": "dark", "kind": "dark", "frames": 2},
             {"id": "flat", "kind": "flat", "scene": BOX, "level": [0.3, 0.8], "frames": 2},
@@ -247,7 +247,7 @@ captures:
 
 def test_a_capture_that_names_a_recipe_is_rendered_from_it(plugins, tmp_path):
     (tmp_path / "bench.yaml").write_text(BENCH)
-    bench = Bench(
+    bench = CaptureBench(
         settings({"id": "flat", "kind": "flat", "scene": BOX, "level": 0.5, "frames": 2}), plugins, 3
     )
     path = write_captures(tmp_path, bench.captures())
@@ -284,6 +284,8 @@ def test_a_recipe_with_one_capture_serves_any_id(plugins, tmp_path):
 def test_use_of_another_rig_camera_is_the_first(plugins):
     rig = {"use": "rig.stereo", "baseline_m": 0.1, "hfov_deg": 60.0, "sensor": RIG["sensor"]}
     assert (
-        Bench(settings({"id": "dark", "kind": "dark"}, rig=Use(**rig)), plugins)._rig.cameras[0].width_px
+        CaptureBench(settings({"id": "dark", "kind": "dark"}, rig=Use(**rig)), plugins)
+        ._rig.cameras[0]
+        .width_px
         == WIDTH
     )

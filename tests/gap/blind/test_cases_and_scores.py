@@ -1,4 +1,4 @@
-"""Severity, sealing, tiers, and figures on made-up answers."""
+"""Severity, commitments, tiers, and figures on made-up answers."""
 
 from __future__ import annotations
 
@@ -10,53 +10,61 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tacos_framework.errors import UserError
 from tacos_gap.captures import read_captures
 from tacos_validation.blind.cases import Case
+from tacos_validation.blind.check import GapBlindCheck
+from tacos_validation.blind.generators.acquisitions import new_camera, smallest
 from tacos_validation.blind.generators.catalogue import CATALOGUE
 from tacos_validation.blind.generators.confounders import PAIRS
-from tacos_validation.blind.generators.light_flaws import OtherExposure
-from tacos_validation.blind.generators.orders import CAPTURES, KEPT_BACK, Order, make_sealed, opened
-from tacos_validation.blind.generators.severity import Floor, calibrated
-from tacos_validation.blind.generators.takings import new_camera, smallest
+from tacos_validation.blind.generators.light_effects import InjectedExposureError
+from tacos_validation.blind.generators.severity import NoiseFloor, calibrated
+from tacos_validation.blind.generators.specifications import (
+    CAPTURES,
+    KEPT_BACK,
+    CaseSpecification,
+    make_and_commit,
+    reveal,
+)
 from tacos_validation.blind.pages import page
 from tacos_validation.blind.scoring import Figure, figures, interval, ladder
-from tacos_validation.blind.tiers import Counts, orders
+from tacos_validation.blind.tiers import Counts, case_specifications
 
 
 @pytest.fixture(scope="module")
-def floor() -> Floor:
+def floor() -> NoiseFloor:
     rng = np.random.default_rng(0)
     camera = new_camera(rng, 96, 72, 1)
-    return Floor(smallest(camera, rng), camera, 1)
+    return NoiseFloor(smallest(camera, rng), camera, 1)
 
 
-def test_nothing_wrong_has_no_severity(floor: Floor) -> None:
+def test_nothing_wrong_has_no_severity(floor: NoiseFloor) -> None:
     assert floor.severity([]) == 0
 
 
-def test_severity_grows_with_the_flaw(floor: Floor) -> None:
-    found = [floor.severity([OtherExposure(scale)]) for scale in (1.01, 1.05, 1.2)]
+def test_severity_grows_with_the_effect(floor: NoiseFloor) -> None:
+    found = [floor.severity([InjectedExposureError(scale)]) for scale in (1.01, 1.05, 1.2)]
     assert found == sorted(found)
     assert found[0] < 2 < found[2]
 
 
 @pytest.mark.parametrize("wanted", [1.0, 8.0])
-def test_amplitudes_are_found_that_have_the_wanted_severity(floor: Floor, wanted: float) -> None:
-    flaw, units = calibrated(lambda a: OtherExposure(1 + a), wanted, floor, usual=0.3, largest=1.0)
+def test_amplitudes_are_found_that_have_the_wanted_severity(floor: NoiseFloor, wanted: float) -> None:
+    effect, units = calibrated(lambda a: InjectedExposureError(1 + a), wanted, floor, usual=0.3, largest=1.0)
     assert units == pytest.approx(wanted, rel=0.15)
-    assert floor.severity([flaw]) == pytest.approx(units)
+    assert floor.severity([effect]) == pytest.approx(units)
 
 
-def test_no_amplitude_beyond_the_largest(floor: Floor) -> None:
-    flaw, units = calibrated(lambda a: OtherExposure(1 + a), 100.0, floor, usual=0.01, largest=0.02)
+def test_no_amplitude_beyond_the_largest(floor: NoiseFloor) -> None:
+    effect, units = calibrated(lambda a: InjectedExposureError(1 + a), 100.0, floor, usual=0.01, largest=0.02)
     assert units < 5
-    assert flaw.parameters["scale"] <= 1.02
+    assert effect.parameters["scale"] <= 1.02
 
 
-def test_a_case_is_sealed_and_readable(tmp_path: Path) -> None:
-    order = Order("ab12", 5, "T1", ("vignetting",), 8.0, "smallest", 96, 72, judged=True)
-    seal = make_sealed(order, tmp_path / "made", tmp_path / "truths")
-    truth = opened(seal, tmp_path / "truths" / "ab12.json")
+def test_a_case_is_committed_to_and_readable(tmp_path: Path) -> None:
+    spec = CaseSpecification("ab12", 5, "T1", ("vignetting",), 8.0, "smallest", 96, 72, scored_on_fresh=True)
+    commitment = make_and_commit(spec, tmp_path / "made", tmp_path / "truths")
+    truth = reveal(commitment, tmp_path / "truths" / "ab12.json")
     assert truth["withheld"][0]["effect"] == "vignetting"
     for part in (CAPTURES, KEPT_BACK):
         folder = read_captures(tmp_path / "made" / "ab12" / part)
@@ -66,27 +74,43 @@ def test_a_case_is_sealed_and_readable(tmp_path: Path) -> None:
 
 
 def test_a_changed_truth_is_noticed(tmp_path: Path) -> None:
-    seal = make_sealed(
-        Order("ab12", 5, "T0", captures="smallest", width_px=96, height_px=72), tmp_path, tmp_path
+    commitment = make_and_commit(
+        CaseSpecification("ab12", 5, "T0", captures="smallest", width_px=96, height_px=72), tmp_path, tmp_path
     )
     file = tmp_path / "ab12.json"
     file.write_text(file.read_text().replace("T0", "T1"))
-    with pytest.raises(ValueError, match="not the one that was sealed"):
-        opened(seal, file)
+    with pytest.raises(ValueError, match="not the one that was committed to"):
+        reveal(commitment, file)
 
 
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("split", [False, True])
 def test_pairs_make_folders_that_can_be_read(pair: str, split: bool, tmp_path: Path) -> None:
     truth, notes = PAIRS[pair].truth, {"pair": pair, "split": split}
-    order = Order("p", 3, "T6", (truth,), 4.0, "charts", 128, 96, notes=notes)
-    make_sealed(order, tmp_path, tmp_path / "truths")
+    spec = CaseSpecification("p", 3, "T6", (truth,), 4.0, "charts", 128, 96, notes=notes)
+    make_and_commit(spec, tmp_path, tmp_path / "truths")
     read_captures(tmp_path / "p" / CAPTURES)
 
 
-def test_tiers_hold_what_they_promise() -> None:
-    made = orders(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
-    assert len({order.case for order in made}) == len(made)
+def test_cases_of_an_older_version_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "cases.jsonl").write_text(
+        '{"case": "c", "tier": "T0", "truth": {}, "answer": {}, "judged": null}'
+    )
+    check = GapBlindCheck(GapBlindCheck.Config())
+    with pytest.raises(UserError, match="an older version of tacos-framework wrote these cases"):
+        check.run(
+            out=tmp_path,
+            seed=1,
+            plugins=None,
+            executor=None,
+            progress=None,
+            resume=True,
+        )
+
+
+def test_tiers_hold_what_they_are_asked_for() -> None:
+    made = case_specifications(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
+    assert len({spec.case for spec in made}) == len(made)
     count = {tier: [o for o in made if o.tier == tier] for tier in ("T0", "T1", "T2", "T3", "T6")}
     assert len(count["T0"]) == 3
     assert len([o for o in count["T1"] if o.captures == "charts"]) == 2 * 32
@@ -94,7 +118,7 @@ def test_tiers_hold_what_they_promise() -> None:
     assert all(o.removed == o.effects for o in count["T3"])
     assert all(2 <= len(set(o.effects)) <= 3 for o in count["T2"])
     assert len(count["T6"]) == 2 * len(PAIRS)
-    again = orders(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
+    again = case_specifications(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
     assert made == again
 
 
@@ -111,18 +135,24 @@ def case(tier: str, *withheld: str, named: tuple[str, ...] = (), **more: Any) ->
         ],
         "cause_set": list(more.pop("cause_set", named)),
         "gap": {"before": 9.0, "after": 1.8},
-        "placebo": {"effect": "x", "closure": 0.02},
+        "negative_control": {"effect": "x", "closure": 0.02},
         "seconds": 30.0,
         "captures": 12,
         "patch": [],
     }
-    order = {"captures": "charts", "severity": 8.0, "notes": {}, "variants": {}, **more.pop("order", {})}
+    specification = {
+        "captures": "charts",
+        "severity": 8.0,
+        "notes": {},
+        "variants": {},
+        **more.pop("specification", {}),
+    }
     truth = {
-        "order": order,
+        "specification": specification,
         "withheld": [{"effect": n, "parameters": {"scale": 1.2}, "units": 8.0} for n in withheld],
         **more.pop("truth", {}),
     }
-    return Case("c", tier, truth, answer, more.pop("judged", None))
+    return Case("c", tier, truth, answer, more.pop("fresh_gaps", None))
 
 
 def figure(name: str, *cases: Case) -> Figure:
@@ -150,7 +180,7 @@ def test_the_first_cause_counts_and_weak_cases_do_not() -> None:
 
 
 def test_natural_scenes_are_counted_apart() -> None:
-    natural = case("T1", "prnu", named=("prnu",), order={"captures": "natural"})
+    natural = case("T1", "prnu", named=("prnu",), specification={"captures": "natural"})
     assert figure("T1 first cause right, natural", natural).count == 1
     assert figure("T1 first cause right, charts", natural).count == 0
 
@@ -177,11 +207,11 @@ def test_independent_makers_are_held_against_the_same_effects() -> None:
 def test_pairs_need_a_set_until_they_are_split() -> None:
     few = {"notes": {"pair": "x", "split": False}}
     split = {"notes": {"pair": "x", "split": True}}
-    told = case("T6", "prnu", named=("prnu",), cause_set=("prnu", "dsnu"), order=few)
-    confident = case("T6", "prnu", named=("prnu",), order=few)
-    found = case("T6", "prnu", named=("prnu",), order=split)
-    assert figure("T6 a set, without the splitting capture", told, confident, found).value == 0.5
-    assert figure("T6 right with the splitting capture", told, confident, found).value == 1
+    as_set = case("T6", "prnu", named=("prnu",), cause_set=("prnu", "dsnu"), specification=few)
+    confident = case("T6", "prnu", named=("prnu",), specification=few)
+    found = case("T6", "prnu", named=("prnu",), specification=split)
+    assert figure("T6 a set, without the splitting capture", as_set, confident, found).value == 0.5
+    assert figure("T6 right with the splitting capture", as_set, confident, found).value == 1
 
 
 def test_real_cases_know_what_may_be_said() -> None:
@@ -202,8 +232,8 @@ def test_parameters_are_measured_from_neutral() -> None:
 
 
 def test_closures_on_fresh_captures() -> None:
-    judged = {"before": 11.0, "found": 2.0, "truth": 1.0}
-    cases = [case("T1", "prnu", named=("prnu",), judged=judged)]
+    fresh_gaps = {"before": 11.0, "found": 2.0, "truth": 1.0}
+    cases = [case("T1", "prnu", named=("prnu",), fresh_gaps=fresh_gaps)]
     assert figure("Realised over oracle closure, fresh captures", *cases).value == pytest.approx(0.9)
     assert figure("Predicted less realised closure", *cases).value == pytest.approx(abs(0.9 - 0.9))
 

@@ -38,15 +38,15 @@ def test_it_reports_every_case(checked: tuple[Path, dict]) -> None:
     assert lines[0]["truth"]["withheld"][0]["effect"] == "black-level"
     assert "error" not in lines[0]["answer"]
     assert set(lines[0]["answer"]["baselines"]) == set(result["baselines"]) - {"the diagnosis"}
-    assert lines[0]["judged"]["before"] > lines[0]["judged"]["truth"]
+    assert lines[0]["fresh_gaps"]["before"] > lines[0]["fresh_gaps"]["truth"]
 
 
-def test_truths_are_those_that_were_sealed(checked: tuple[Path, dict]) -> None:
+def test_truths_are_those_that_were_committed_to(checked: tuple[Path, dict]) -> None:
     out, _ = checked
-    for line in (out / "seals.jsonl").read_text().splitlines():
-        seal = json.loads(line)
-        content = (out / "truths" / f"{seal['case']}.json").read_bytes()
-        assert hashlib.sha256(content).hexdigest() == seal["sha256"]
+    for line in (out / "commitments.jsonl").read_text().splitlines():
+        commitment = json.loads(line)
+        content = (out / "truths" / f"{commitment['case']}.json").read_bytes()
+        assert hashlib.sha256(content).hexdigest() == commitment["sha256"]
         assert len(json.loads(content)["salt"]) == 32
 
 

@@ -10,13 +10,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.captures import Board, Capture, Noise, read_captures, write_captures
+from tacos_gap.captures import Board, Noise, RealCapture, read_captures, write_captures
 
 WIDTH, HEIGHT = 16, 12
 NOISE = Noise((0.2,), (1.5,))
 
 
-def capture(name: str = "flat", channels: int = 1, frames: int = 2, white: float = 255, **changes) -> Capture:
+def capture(
+    name: str = "flat", channels: int = 1, frames: int = 2, white: float = 255, **changes
+) -> RealCapture:
     rng = np.random.default_rng(len(name))
     shape = (frames, HEIGHT, WIDTH, channels)
     values = {
@@ -30,7 +32,7 @@ def capture(name: str = "flat", channels: int = 1, frames: int = 2, white: float
         "noise": NOISE,
         **changes,
     }
-    return Capture(**values)
+    return RealCapture(**values)
 
 
 def same(first, second) -> bool:
@@ -46,7 +48,9 @@ def same(first, second) -> bool:
 def assert_round_trip(folder, *captures) -> None:
     write_captures(folder, captures)
     for written, read in zip(captures, read_captures(folder).captures, strict=True):
-        wrong = [f.name for f in fields(Capture) if not same(getattr(written, f.name), getattr(read, f.name))]
+        wrong = [
+            f.name for f in fields(RealCapture) if not same(getattr(written, f.name), getattr(read, f.name))
+        ]
         assert wrong == [], f"{written.id}: {wrong}"
 
 

@@ -45,7 +45,7 @@ def found(verdict: str, *causes: Cause, **changes: Any) -> Diagnosis:
         unknown=NOTHING_LEFT,
         next_capture=None,
         below_floor=(),
-        placebo=None,
+        negative_control=None,
         limitations=(),
         problem=NOT_ASKED,
         attribution=NOT_ASKED,
@@ -91,7 +91,7 @@ def test_the_headline_says_the_verdict(diagnosis: Diagnosis, said: str) -> None:
 
 def test_the_lead_gives_the_figures() -> None:
     lead = words.lead(found("explained", cause("vignetting")), captures=1)
-    assert lead.startswith("One capture differs from its simulation by 14.2 times the floor")
+    assert lead.startswith("One capture differs from its simulation by 14.2 times the noise floor")
     assert "1.1 are left (90 % interval 0.9 to 1.3)" in lead
 
 

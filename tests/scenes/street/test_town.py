@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tacos_worlds.street.assembly import CLASS_NAMES
 from tacos_worlds.street.city import CARRIAGEWAY_M, LANE_M, PARKING_M, Town, draw_town, kerbs
 from tacos_worlds.street.ground import pavement
-from tacos_worlds.street.streetscape import Placed, furnish_town
+from tacos_worlds.street.streetscape import PlacedPiece, furnish_town
 from tacos_worlds.street.things.vehicles import BODIES, car, draw_car
 
 
@@ -18,14 +18,14 @@ def town(seed: int, blocks: int = 3) -> Town:
     return draw_town(np.random.default_rng(seed), blocks=blocks, reach_m=160.0)
 
 
-def furnished(seed: int, blocks: int = 3) -> tuple[Town, list[Placed]]:
+def furnished(seed: int, blocks: int = 3) -> tuple[Town, list[PlacedPiece]]:
     place = town(seed, blocks)
     rng = np.random.default_rng(seed)
     return place, furnish_town(rng, place, greenery=0.3, parked_share=0.15)
 
 
 @pytest.fixture(scope="module")
-def full() -> tuple[Town, list[Placed]]:
+def full() -> tuple[Town, list[PlacedPiece]]:
     return furnished(3)
 
 
@@ -52,13 +52,13 @@ def test_towns_of_different_seeds_have_different_streets() -> None:
     assert len(layouts) == 5
 
 
-def test_triangles_stay_within_their_budget(full: tuple[Town, list[Placed]]) -> None:
+def test_triangles_stay_within_their_budget(full: tuple[Town, list[PlacedPiece]]) -> None:
     _, placed = full
     triangles = sum(len(mesh.triangles) for thing in placed for mesh, _ in thing.piece.parts)
     assert 60_000 < triangles < 110_000
 
 
-def test_the_driving_lanes_are_free(full: tuple[Town, list[Placed]]) -> None:
+def test_the_driving_lanes_are_free(full: tuple[Town, list[PlacedPiece]]) -> None:
     place, placed = full
     for thing in placed:
         piece = thing.piece
@@ -69,7 +69,7 @@ def test_the_driving_lanes_are_free(full: tuple[Town, list[Placed]]) -> None:
         assert to_nearest_street_m(place, low).min() > LANE_M - 0.2, piece.class_name
 
 
-def test_parked_cars_stand_in_their_bays_and_do_not_touch(full: tuple[Town, list[Placed]]) -> None:
+def test_parked_cars_stand_in_their_bays_and_do_not_touch(full: tuple[Town, list[PlacedPiece]]) -> None:
     place, placed = full
     boxes = []
     for thing in placed:
@@ -86,7 +86,7 @@ def test_parked_cars_stand_in_their_bays_and_do_not_touch(full: tuple[Town, list
 
 
 def test_buildings_stand_behind_the_pavement_and_close_every_street(
-    full: tuple[Town, list[Placed]],
+    full: tuple[Town, list[PlacedPiece]],
 ) -> None:
     place, placed = full
     heights = []
@@ -104,7 +104,7 @@ def test_buildings_stand_behind_the_pavement_and_close_every_street(
     assert max(heights) > 30
 
 
-def test_everything_has_a_known_class(full: tuple[Town, list[Placed]]) -> None:
+def test_everything_has_a_known_class(full: tuple[Town, list[PlacedPiece]]) -> None:
     classes = {thing.piece.class_name for thing in full[1]}
     assert classes <= set(CLASS_NAMES)
     assert {"road", "pavement", "building", "car", "tree", "footbridge", "lamp post", "sign"} <= classes

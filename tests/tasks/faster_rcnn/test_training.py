@@ -42,8 +42,8 @@ def first_state(task, seed=1):
     return task.initial_state(rng=np.random.default_rng(seed))
 
 
-def fitted(task, state, batches, epochs=1, seed=2, told=None, **settings):
-    budget = Budget(epochs, settings, told)
+def fitted(task, state, batches, epochs=1, seed=2, on_step=None, **settings):
+    budget = Budget(epochs, settings, on_step)
     return task.fit(batches, state=state, budget=budget, rng=np.random.default_rng(seed))
 
 
@@ -93,7 +93,7 @@ def test_it_learns_to_find_squares():
     batches = [squares(16, seed) for seed in range(4)]
     for epoch in range(6):
         state = fitted(
-            task, state, batches, seed=epoch, told=losses.append, learning_rate=2e-3, decay_every=100
+            task, state, batches, seed=epoch, on_step=losses.append, learning_rate=2e-3, decay_every=100
         )
     assert np.mean([each["loss"] for each in losses[-8:]]) < 0.5 * losses[0]["loss"]
     assert {"loss", "loss_classifier", "loss_objectness"} <= losses[0].keys()
@@ -295,18 +295,18 @@ def test_a_batch_in_parts_is_one_step(monkeypatch):
     seen = []
     finite = training_module.finite
     monkeypatch.setattr(
-        training_module, "finite", lambda loss, **told: seen.append(told["step"]) or finite(loss, **told)
+        training_module, "finite", lambda loss, **facts: seen.append(facts["step"]) or finite(loss, **facts)
     )
     task = detector(batch_norm="frozen")
     state = first_state(task)
-    told = []
-    after = fitted(task, state, [squares(4)], batch_size=4, frames_at_once=1, told=told.append)
+    losses_seen = []
+    after = fitted(task, state, [squares(4)], batch_size=4, frames_at_once=1, on_step=losses_seen.append)
     assert seen == [0, 0, 0, 0]
-    assert len(told) == 1
+    assert len(losses_seen) == 1
     assert set(after["adam.step"]) == {1.0}
     together = []
-    fitted(task, state, [squares(4)], batch_size=4, told=together.append)
-    assert told[0]["loss"] == pytest.approx(together[0]["loss"], rel=0.1)  # other regions were drawn
+    fitted(task, state, [squares(4)], batch_size=4, on_step=together.append)
+    assert losses_seen[0]["loss"] == pytest.approx(together[0]["loss"], rel=0.1)  # other regions were drawn
 
 
 @pytest.mark.parametrize(("weights", "moves"), [("none", True), ("detector_indoor_narrow", False)])

@@ -37,8 +37,8 @@ def start(task=None, seed: int = 1):
     return (task or make()).initial_state(rng=np.random.default_rng(seed))
 
 
-def fit(state, batches, *, task=None, epochs=1, seed=2, told=None, **settings):
-    budget = Budget(epochs=epochs, settings=settings, told=told)
+def fit(state, batches, *, task=None, epochs=1, seed=2, on_step=None, **settings):
+    budget = Budget(epochs=epochs, settings=settings, on_step=on_step)
     return (task or make()).fit(batches, state=state, budget=budget, rng=np.random.default_rng(seed))
 
 
@@ -70,7 +70,9 @@ def test_it_learns_depth():
     losses: list[float] = []
     state = start()
     taught = [frames(8)]
-    fitted = fit(state, taught, epochs=12, told=lambda loss: losses.append(loss["loss"]), learning_rate=5e-3)
+    fitted = fit(
+        state, taught, epochs=12, on_step=lambda loss: losses.append(loss["loss"]), learning_rate=5e-3
+    )
     assert len(losses) == 24
     assert np.mean(losses[-4:]) < 0.5 * np.mean(losses[:4])
     unseen = frames(4, seed=77)
@@ -248,7 +250,7 @@ def test_half_precision_trains_about_as_well(monkeypatch):
             monkeypatch.setattr(
                 training_module, "mixed_precision", lambda device: torch.autocast("cpu", torch.bfloat16)
             )
-        state = fit(start(), [frames(8)], epochs=6, told=lambda loss, kept=kept: kept.append(loss["loss"]))
+        state = fit(start(), [frames(8)], epochs=6, on_step=lambda loss, kept=kept: kept.append(loss["loss"]))
         assert state["model.dres0.0.0.weight"].dtype == np.float32
     assert losses["half"] != losses["single"]
     np.testing.assert_allclose(losses["half"], losses["single"], rtol=0.1)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from tacos_plugins.executors.worker import Held
+from tacos_plugins.executors.worker import WorkerState
 
 
-class Evaluator:
+class EvaluatorActor:
     """A process of its own on some node, which holds one function and what that keeps.
 
     Parameters
@@ -20,11 +20,11 @@ class Evaluator:
         import cv2
 
         cv2.setNumThreads(threads)
-        self._held = Held(payload)
+        self._state = WorkerState(payload)
 
     def ready(self) -> None:
         """Answers once the process has started."""
 
     def answer(self, message: bytes) -> bytes:
         """The pickled `tacos_plugins.executors.worker.Answer` to a pickled job."""
-        return self._held.answer(message)
+        return self._state.answer(message)

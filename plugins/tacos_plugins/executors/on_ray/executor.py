@@ -10,8 +10,8 @@ from multiprocessing.reduction import ForkingPickler
 from typing import TypeVar
 
 from tacos_framework.settings import Settings, setting
+from tacos_plugins.executors.on_ray.actor_pool import ActorPool
 from tacos_plugins.executors.on_ray.cluster import LOCAL, Cluster, Needs
-from tacos_plugins.executors.on_ray.crew import Crew
 from tacos_plugins.executors.outcomes import results
 from tacos_plugins.executors.process import THREAD_LIMITS
 
@@ -82,7 +82,7 @@ class RayExecutor:
         self.config = config
         self._needs = Needs(config.cpus_per_worker, config.gpus_per_worker)
         self._cluster: Cluster | None = None
-        self._crew: Crew | None = None
+        self._pool: ActorPool | None = None
         self._workers = config.workers or 0
 
     @property
@@ -112,17 +112,17 @@ class RayExecutor:
         if not jobs:
             return
         try:
-            yield from results(evaluate, jobs, self._crew_for(evaluate).outcomes(jobs))
+            yield from results(evaluate, jobs, self._pool_for(evaluate).outcomes(jobs))
         except KeyboardInterrupt:
             self.close()
             raise
 
     def close(self) -> None:
         """End all workers at once, and the cluster if it is our own."""
-        crew, self._crew = self._crew, None
+        pool, self._pool = self._pool, None
         cluster, self._cluster = self._cluster, None
-        if crew is not None:
-            crew.close()
+        if pool is not None:
+            pool.close()
         if cluster is not None:
             cluster.leave()
 
@@ -139,16 +139,16 @@ class RayExecutor:
             self._cluster, self._workers = cluster, self.config.workers or room
         return self._cluster
 
-    def _crew_for(self, evaluate: Callable[[Job], Result]) -> Crew:
-        """The crew that holds this very function, as told by its pickled bytes."""
+    def _pool_for(self, evaluate: Callable[[Job], Result]) -> ActorPool:
+        """The pool that holds this very function, as told by its pickled bytes."""
         payload = bytes(ForkingPickler.dumps(evaluate))
-        if self._crew is not None and self._crew.payload != payload:
-            self._crew.close()
-            self._crew = None
-        if self._crew is None:
+        if self._pool is not None and self._pool.payload != payload:
+            self._pool.close()
+            self._pool = None
+        if self._pool is None:
             config = self.config
             threads = config.threads or math.ceil(config.cpus_per_worker)
-            self._crew = Crew(
+            self._pool = ActorPool(
                 self._joined(),
                 payload,
                 workers=self.workers,
@@ -158,7 +158,7 @@ class RayExecutor:
                 job_s=config.timeout_s,
                 environment={**dict.fromkeys(THREAD_LIMITS, str(threads)), **self._import_paths()},
             )
-        return self._crew
+        return self._pool
 
     def _import_paths(self) -> dict[str, str]:
         """Workers of our own cluster import from where this process does; other nodes have theirs."""

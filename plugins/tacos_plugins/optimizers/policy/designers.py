@@ -62,7 +62,7 @@ class Designers:
 
 
 class RewardScale:
-    """Running mean and spread of what was told, so that rewards are of the order of one.
+    """Running mean and spread of what was observed, so that rewards are of the order of one.
 
     Notes
     -----

@@ -11,8 +11,8 @@ from tacos_framework.contracts import Evaluated
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_plugins.optimizers.observed_results import validate_results
 from tacos_plugins.optimizers.policy.designers import Designers, RewardScale
-from tacos_plugins.optimizers.told import check_told
 from tacos_plugins.optimizers.unit_cube import UnitCube
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class Ppo:
         return self.config.evaluations
 
     def ask(self) -> list[Candidate]:
-        """The cameras after their next change; the same ones until they are told."""
+        """The cameras after their next change; the same ones until they are evaluated."""
         return list(self._asked)
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
@@ -113,7 +113,7 @@ class Ppo:
         ValueError
             When a fitness is NaN or infinite, or the results are not those of the candidates asked.
         """
-        check_told(evaluated, self._asked)
+        validate_results(evaluated, self._asked)
         self._evaluated += len(evaluated)
         rewards = self._rewards([result.fitness for result in evaluated])
         if self.stop() is not None:
@@ -128,7 +128,7 @@ class Ppo:
         self._draw()
 
     def stop(self) -> str | None:
-        """A reason once all evaluations are told."""
+        """A reason once all evaluations are observed."""
         if self._evaluated < self.config.evaluations:
             return None
         return f"all {self.config.evaluations} candidates were evaluated"
@@ -198,13 +198,13 @@ class Ppo:
         left = self.config.evaluations - self._evaluated
         self._asked = [self._cube.candidate(point) for point in self._reached[:left]]
 
-    def _rewards(self, told: Sequence[float | None]) -> np.ndarray[Any, np.dtype[np.float32]]:
+    def _rewards(self, observed: Sequence[float | None]) -> np.ndarray[Any, np.dtype[np.float32]]:
         """(count,) float32 rewards of a round."""
-        for value in told:
+        for value in observed:
             if value is not None:
                 self._scale.learn(value)
         worst = 0.0 if self._scale.worst is None else self._scale.worst
-        fitness = [worst if value is None else value for value in told]
+        fitness = [worst if value is None else value for value in observed]
         if self.config.reward == "fitness":
             rewards = [self._scale.scaled(value) for value in fitness]
         else:

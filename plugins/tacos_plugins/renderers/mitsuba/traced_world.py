@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.geometry import pixel_rays
-from tacos_framework.values import Camera, Material, Part, World
+from tacos_framework.values import Camera, Material, MeshPart, World
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.renderers.mitsuba.light_sources import (
     area_emitter,
@@ -77,7 +77,7 @@ def scene_description(mitsuba: ModuleType, world: World) -> dict[str, Any]:
     return scene
 
 
-def _mesh(mitsuba: ModuleType, part: Part, material: Material, surface: Any) -> Any:
+def _mesh(mitsuba: ModuleType, part: MeshPart, material: Material, surface: Any) -> Any:
     properties = mitsuba.Properties()
     properties["bsdf"] = surface
     if material.emission_cd_m2.any():
@@ -99,7 +99,7 @@ def _mesh(mitsuba: ModuleType, part: Part, material: Material, surface: Any) -> 
     return mesh
 
 
-def _area_m2(part: Part) -> float:
+def _area_m2(part: MeshPart) -> float:
     corners = part.vertices_m[part.triangles].astype(np.float64)
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return float(np.linalg.norm(doubled, axis=1).sum()) / 2

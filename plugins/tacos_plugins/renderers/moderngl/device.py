@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Camera, World
+from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, light_world
 from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
-from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh, light_world
 from tacos_plugins.renderers.moderngl.painter import Painter, Programs
 from tacos_plugins.renderers.moderngl.panorama import FaceStore
-from tacos_plugins.renderers.moderngl.pictures import Multisampling
 from tacos_plugins.renderers.moderngl.probes import look_around, nearest_visible, probe_places
+from tacos_plugins.renderers.moderngl.rendered_views import Multisampling
 from tacos_plugins.renderers.moderngl.targets import TargetPool
 
 log = logging.getLogger(__name__)
@@ -73,7 +73,7 @@ class Device:
             self._add_probes(painter, world, lit)
         return painter
 
-    def _add_probes(self, painter: Painter, world: World, lit: LitMesh) -> None:
+    def _add_probes(self, painter: Painter, world: World, lit: BakedMesh) -> None:
         """Let glossy surfaces mirror what is around them; metals would be black otherwise."""
 
         def view(

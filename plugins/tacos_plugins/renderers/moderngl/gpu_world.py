@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import World
+from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh
 from tacos_plugins.renderers.moderngl.culling import Culling
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
-from tacos_plugins.renderers.moderngl.lit_mesh import LitMesh
 from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
 from tacos_plugins.renderers.moderngl.probes import Probe
 from tacos_plugins.renderers.moderngl.textures import (
@@ -35,7 +35,7 @@ SURFACE_VERTEX = np.dtype(
 GLOSS_VERTEX = np.dtype(
     [("in_normal", "f4", 3), ("in_tangent", "f4", 4), ("in_share", "f4"), ("in_gloss", "i4", 2)]
 )
-TRUTH_VERTEX = np.dtype([("in_position", "f4", 3), ("in_surface", "i4")])
+GEOMETRY_VERTEX = np.dtype([("in_position", "f4", 3), ("in_surface", "i4")])
 
 BRIGHTEST = float(np.finfo(np.float16).max)
 """What textures of light hold at most; the skin of a lamp may be brighter, and would turn to infinity."""
@@ -52,7 +52,7 @@ class GpuWorld:
         The world and its light.
     """
 
-    def __init__(self, context: moderngl.Context, world: World, lit: LitMesh):
+    def __init__(self, context: moderngl.Context, world: World, lit: BakedMesh):
         self._context = context
         self.culling = Culling(lit.chunks, lit.mesh.triangles, lit.surface)
         self.object_of_surface = np.zeros(int(lit.surface.max(initial=0)) + 1, np.int32)
@@ -66,7 +66,7 @@ class GpuWorld:
         self.kinds = [SurfaceKind(bits) for bits in np.unique(lit.chunks.kind).tolist()]
         self.surface = _buffer(context, _surface_vertices(world, lit))
         self.gloss = _buffer(context, _gloss_vertices(lit, self._probe_of_vertex))
-        self.truth = _buffer(context, _truth_vertices(lit))
+        self.geometry = _buffer(context, _geometry_vertices(lit))
         self.indices = _buffer(context, lit.mesh.triangles)
         self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
         self.textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
@@ -102,9 +102,9 @@ class GpuWorld:
         """Vertex array that feeds a surface program."""
         return self._arrays(program, (self.surface, SURFACE_VERTEX), (self.gloss, GLOSS_VERTEX))
 
-    def truth_arrays(self, program: moderngl.Program) -> moderngl.VertexArray:
-        """Vertex array that feeds the truth program."""
-        return self._arrays(program, (self.truth, TRUTH_VERTEX))
+    def geometry_arrays(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """Vertex array that feeds the geometry-buffer program."""
+        return self._arrays(program, (self.geometry, GEOMETRY_VERTEX))
 
     def far_m(self, eye_m: NDArray[np.float64]) -> float:
         """A depth beyond everything that can be seen from an optical centre [m]."""
@@ -113,7 +113,7 @@ class GpuWorld:
 
     def release(self) -> None:
         """Give all memory of the GPU back."""
-        buffers = (self.surface, self.gloss, self.truth, self.indices, self.commands)
+        buffers = (self.surface, self.gloss, self.geometry, self.indices, self.commands)
         for held in (*buffers, *self.textures.values()):
             held.release()
 
@@ -140,7 +140,7 @@ def _format(layout: np.dtype[np.void], program: moderngl.Program) -> str:
     return " ".join(words)
 
 
-def _surface_vertices(world: World, lit: LitMesh) -> NDArray[np.void]:
+def _surface_vertices(world: World, lit: BakedMesh) -> NDArray[np.void]:
     mesh = lit.mesh
     vertices = np.zeros(len(mesh.position_m), SURFACE_VERTEX)
     vertices["in_position"] = mesh.position_m
@@ -152,7 +152,7 @@ def _surface_vertices(world: World, lit: LitMesh) -> NDArray[np.void]:
     return vertices
 
 
-def _gloss_vertices(lit: LitMesh, probe_of_vertex: NDArray[np.int32]) -> NDArray[np.void]:
+def _gloss_vertices(lit: BakedMesh, probe_of_vertex: NDArray[np.int32]) -> NDArray[np.void]:
     mesh = lit.mesh
     tangent, bitangent = lit.frames[:, 0], lit.frames[:, 1]
     side = np.einsum("ij,ij->i", np.cross(mesh.normal, tangent), bitangent)
@@ -165,8 +165,8 @@ def _gloss_vertices(lit: LitMesh, probe_of_vertex: NDArray[np.int32]) -> NDArray
     return vertices
 
 
-def _truth_vertices(lit: LitMesh) -> NDArray[np.void]:
-    vertices = np.zeros(len(lit.mesh.position_m), TRUTH_VERTEX)
+def _geometry_vertices(lit: BakedMesh) -> NDArray[np.void]:
+    vertices = np.zeros(len(lit.mesh.position_m), GEOMETRY_VERTEX)
     vertices["in_position"] = lit.mesh.position_m
     vertices["in_surface"] = lit.surface
     return vertices

@@ -1,4 +1,4 @@
-"""Draws one world for one camera pose: the colour pass and the truth pass."""
+"""Draws one world for one camera pose: the colour pass and the geometry buffer (ids, depth)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
 from tacos_plugins.renderers.moderngl.programs import compile_program
-from tacos_plugins.renderers.moderngl.targets import Target
+from tacos_plugins.renderers.moderngl.targets import RenderTarget
 
 _UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_boxes", "probes")
 
@@ -28,8 +28,8 @@ class Programs:
     def __init__(self, context: moderngl.Context):
         filters = not describe_gl().is_software and context.max_anisotropy > 1
         self._extra = ("FILTER_IN_HARDWARE",) if filters else ()
-        self.truth = compile_program(context, "truth.vert", "truth.frag", ("DEPTH",))
-        self.surfaces = compile_program(context, "truth.vert", "truth.frag")
+        self.geometry = compile_program(context, "geometry_buffer.vert", "geometry_buffer.frag", ("DEPTH",))
+        self.surfaces = compile_program(context, "geometry_buffer.vert", "geometry_buffer.frag")
         self.sky = compile_program(context, "sky.vert", "sky.frag")
         self.context = context
         self._surface: dict[SurfaceKind, moderngl.Program] = {}
@@ -86,8 +86,8 @@ class Painter:
         self.world = world
         self._context, self._programs = programs.context, programs
         self._shaded = {kind: world.surface_arrays(programs.surface(kind)) for kind in world.kinds}
-        self._truth = world.truth_arrays(programs.truth)
-        self._surfaces = world.truth_arrays(programs.surfaces)
+        self._geometry = world.geometry_arrays(programs.geometry)
+        self._surfaces = world.geometry_arrays(programs.surfaces)
         self._sky = programs.context.vertex_array(programs.sky, [])
         self._moved: Mapping[int, NDArray[np.float64]] = {}
 
@@ -105,20 +105,21 @@ class Painter:
         """Those chunks that hold any of the surfaces in an image of surface numbers."""
         return self.world.culling.with_surfaces(chunks, seen)
 
-    def truth(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
+    def geometry(self, view: Viewpoint, target: RenderTarget, chunks: NDArray[np.intp]) -> None:
         """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
         self._clear(target, (np.inf, 0.0, 0.0, 0.0))
-        self._draw_alike(self._programs.truth, self._truth, view, chunks)
+        self._draw_alike(self._programs.geometry, self._geometry, view, chunks)
 
-    def surfaces(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
+    def surfaces(self, view: Viewpoint, target: RenderTarget, chunks: NDArray[np.intp]) -> None:
         """Draw the surface number into a target of 1 channel; 0 for nothing."""
         self._clear(target, (0.0, 0.0, 0.0, 0.0))
         self._draw_alike(self._programs.surfaces, self._surfaces, view, chunks)
 
-    def colour(self, view: Viewpoint, target: Target, chunks: NDArray[np.intp]) -> None:
+    def colour(self, view: Viewpoint, target: RenderTarget, chunks: NDArray[np.intp]) -> None:
         """Draw luminance into a target of 4 channels [cd/m2].
 
-        Over the depth buffer of a target that holds the truth of the same view, only what is seen is shaded.
+        Over the depth buffer of a target that holds the geometry buffer of the same view, only what is seen
+        is shaded.
         """
         world = self.world
         red, green, blue = map(float, world.ambient_cd_m2)
@@ -151,11 +152,11 @@ class Painter:
 
     def release(self) -> None:
         """Give the world and all that belongs to it back."""
-        for arrays in (*self._shaded.values(), self._truth, self._surfaces, self._sky):
+        for arrays in (*self._shaded.values(), self._geometry, self._surfaces, self._sky):
             arrays.release()
         self.world.release()
 
-    def _clear(self, target: Target, colour: tuple[float, float, float, float]) -> None:
+    def _clear(self, target: RenderTarget, colour: tuple[float, float, float, float]) -> None:
         target.framebuffer.use()
         target.framebuffer.clear(color=colour, depth=1.0)
 

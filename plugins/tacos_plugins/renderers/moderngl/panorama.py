@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
-from tacos_plugins.renderers.moderngl.pictures import Picture
+from tacos_plugins.renderers.moderngl.rendered_views import RenderedView
 
 LEVELS = 3
 """Resolutions of a face's luminance, each half of the one before."""
@@ -48,7 +48,7 @@ class Face:
         return sum(held.nbytes for held in (*self.luminance_cd_m2, self.nearness, self.surface))
 
 
-def face_of(picture: Picture) -> Face:
+def face_of(picture: RenderedView) -> Face:
     """The face that a picture through `cube_camera` shows."""
     levels = [picture.luminance_cd_m2.copy()]
     for _ in range(LEVELS - 1):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from tacos_framework.values import Material
-from tacos_plugins.renderers.moderngl.nearby import around
+from tacos_plugins.renderers.moderngl.ambient_visibility import around
 from tacos_plugins.renderers.moderngl.probes import FACE_PX, Probe, face_camera, face_rotations
 
 LAYER_PX = 96

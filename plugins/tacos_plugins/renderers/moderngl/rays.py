@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class Hits:
+class RayHits:
     """Where rays first meet the mesh.
 
     Parameters
@@ -57,11 +57,13 @@ class RayTracer:
         )
         return hit != -1
 
-    def first_hits(self, origin_m: NDArray[np.float32], direction: NDArray[np.float32], reach: float) -> Hits:
+    def first_hits(
+        self, origin_m: NDArray[np.float32], direction: NDArray[np.float32], reach: float
+    ) -> RayHits:
         """What (N, 3) rays meet first, no farther than `reach` lengths of their direction."""
         count = len(origin_m)
         if self._empty or count == 0:
-            return Hits(
+            return RayHits(
                 triangle=np.full(count, -1, np.int32),
                 distance=np.full(count, reach, np.float32),
                 barycentric=np.zeros((count, 2), np.float32),
@@ -73,7 +75,7 @@ class RayTracer:
             dists=np.full(count, reach, np.float32),
             output=1,
         )
-        return Hits(
+        return RayHits(
             triangle=found["primID"],
             distance=found["tfar"],
             barycentric=np.column_stack([found["u"], found["v"]]),

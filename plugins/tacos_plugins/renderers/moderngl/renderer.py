@@ -14,7 +14,12 @@ from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View
 from tacos_plugins.renderers.moderngl.device import Device, device
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import cube_camera
-from tacos_plugins.renderers.moderngl.pictures import EdgeBlending, Multisampling, Photographer, Picture
+from tacos_plugins.renderers.moderngl.rendered_views import (
+    EdgeBlending,
+    Multisampling,
+    Photographer,
+    RenderedView,
+)
 from tacos_plugins.renderers.moderngl.resample import Resampling
 
 Shot = tuple[Painter, NDArray[np.float64]]
@@ -113,7 +118,9 @@ class ModernglRenderer:
         poses = np.array([pose for _, pose in shots]).reshape(-1, 4, 4)
         return View(camera, poses, luminance, depth, object_id)
 
-    def _pictures(self, used: Device, photographer: Photographer, shots: Sequence[Shot]) -> Iterator[Picture]:
+    def _pictures(
+        self, used: Device, photographer: Photographer, shots: Sequence[Shot]
+    ) -> Iterator[RenderedView]:
         """Pictures one after the other, read while the next is drawn where that is faster."""
         way = self._config.read_back
         ahead = way == "buffered" or (way == "auto" and not used.is_software)

@@ -17,8 +17,8 @@ from tacos_plugins.renderers.moderngl.panorama import (
     FaceStore,
     face_of,
 )
-from tacos_plugins.renderers.moderngl.pictures import Photographer, Picture
 from tacos_plugins.renderers.moderngl.probes import face_rotations
+from tacos_plugins.renderers.moderngl.rendered_views import Photographer, RenderedView
 
 _SAME_PLANE = np.float32(
     0.02
@@ -61,14 +61,14 @@ class Resampling:
         self._x = ((np.arange(camera.width_px) - camera.centre_px[0]) * step).astype(np.float32)
         self._y = ((np.arange(camera.height_px) - camera.centre_px[1]) * step).astype(np.float32)
 
-    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
         finer = fineness(self._camera, world_from_camera[:3, :3], self._edge_px)
         if finer.min() < 1:
             return self._direct.take(painter, world_from_camera)
         level = int(np.clip(np.floor(np.log2(np.median(finer))), 0, LEVELS - 1))
         size = (self._camera.height_px, self._camera.width_px)
-        picture = Picture(
+        picture = RenderedView(
             np.zeros((*size, 3), np.float32), np.full(size, np.inf, np.float32), np.zeros(size, np.float32)
         )
         eye_m = world_from_camera[:3, 3]
@@ -105,7 +105,12 @@ class Resampling:
         return x, y, z
 
     def _fill(
-        self, picture: Picture, face: Face, level: int, turn: NDArray[np.float32], part: tuple[slice, slice]
+        self,
+        picture: RenderedView,
+        face: Face,
+        level: int,
+        turn: NDArray[np.float32],
+        part: tuple[slice, slice],
     ) -> None:
         x, y, z = self._in_face(turn, part)
         inside = _inside(x, y, z)

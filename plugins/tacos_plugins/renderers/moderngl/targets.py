@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 _SIZES_KEPT = 8
 
 
-class Target:
+class RenderTarget:
     """What one size of image is rendered into: floats with depth test, one or several samples a pixel.
 
     Parameters
@@ -79,11 +79,11 @@ class TargetPool:
 
     def __init__(self, context: moderngl.Context):
         self._context = context
-        self._targets: OrderedDict[tuple[int, int], dict[tuple[int, int, int], Target]] = OrderedDict()
+        self._targets: OrderedDict[tuple[int, int], dict[tuple[int, int, int], RenderTarget]] = OrderedDict()
 
     def get(
         self, size: tuple[int, int], channels: int, samples: int = 1, depth_of: int | None = None
-    ) -> Target:
+    ) -> RenderTarget:
         """The target, made on first use.
 
         Parameters
@@ -101,5 +101,5 @@ class TargetPool:
         key = (channels, samples, depth_of or 0)
         if key not in of_size:
             depth = None if depth_of is None else self.get(size, depth_of, samples).depth
-            of_size[key] = Target(self._context, size, channels, samples, depth)
+            of_size[key] = RenderTarget(self._context, size, channels, samples, depth)
         return of_size[key]

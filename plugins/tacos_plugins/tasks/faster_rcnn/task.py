@@ -178,7 +178,7 @@ class FasterRcnn:
                 encode=self._encodes,
                 norms=self._moves_norms,
                 rng=rng,
-                told=budget.told,
+                on_step=budget.on_step,
             )
         return state_of(model, adam, schedule_steps=passes)
 

@@ -64,7 +64,7 @@ def train(
     encode: bool,
     norms: bool,
     rng: np.random.Generator,
-    told: Callable[[Mapping[str, float]], None] | None,
+    on_step: Callable[[Mapping[str, float]], None] | None,
 ) -> int:
     """Train a model in place.
 
@@ -78,7 +78,7 @@ def train(
         Passes it was trained for before.
     norms
         Whether batch normalisation learns too.
-    told
+    on_step
         Called with the losses of each step.
 
     Returns
@@ -111,8 +111,8 @@ def train(
             at_once = training.frames_at_once or batch_size
             losses = _step(model, adam, batch, at_once, training.gradient_limit, encode, step)
             step += 1
-            if told is not None:
-                told(losses)
+            if on_step is not None:
+                on_step(losses)
         passes += 1
     return passes
 

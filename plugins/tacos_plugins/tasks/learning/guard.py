@@ -21,8 +21,8 @@ Fitted = TypeVar("Fitted")
 class TrainingDiverged(CandidateFailed):
     """The loss is no longer a number.
 
-    The candidate is told as failed; the study goes on from the weights before it, which training leaves as
-    they were.
+    The optimizer observes that the candidate failed; the study goes on from the weights before it, which
+    training leaves as they were.
     """
 
 

@@ -130,7 +130,7 @@ class PsmnetDepth:
             max_depth_m=self.config.max_depth_m,
             encode=self.config.encoding == "srgb",
             rng=np.random.default_rng(seed),
-            told=budget.told,
+            on_step=budget.on_step,
         )
         return state_of(network, adam)
 

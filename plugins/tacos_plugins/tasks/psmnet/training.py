@@ -58,7 +58,7 @@ def train(
     max_depth_m: float,
     encode: bool,
     rng: np.random.Generator,
-    told: Callable[[Mapping[str, float]], None] | None,
+    on_step: Callable[[Mapping[str, float]], None] | None,
 ) -> None:
     """Train a network in place.
 
@@ -71,7 +71,7 @@ def train(
         Gives the training pairs anew for each pass.
     epochs
         Passes to train for.
-    told
+    on_step
         Called with the loss of each step.
 
     Raises
@@ -85,8 +85,8 @@ def train(
     def look_at_the_last() -> None:
         if losses:
             value = finite(losses[-1], step=len(losses), where=WHERE)
-            if told is not None:
-                told({"loss": value})
+            if on_step is not None:
+                on_step({"loss": value})
 
     passed_over = 0
     for _ in range(epochs):

@@ -15,8 +15,8 @@ PAD_PX = 24
 
 
 @dataclass(frozen=True)
-class Camera:
-    """A camera without flaws.
+class IdealCamera:
+    """A camera without effects.
 
     Parameters
     ----------
@@ -67,17 +67,17 @@ class Camera:
 
 
 Look = Callable[[Image, Image, int], Image]
-"""Light in directions given as pixels of the flawless camera: (x, y, channel) to DN above the pedestal."""
+"""Light in directions given as pixels of the ideal camera: (x, y, channel) to DN above the pedestal."""
 
 
 @dataclass(frozen=True)
-class Shot:
-    """One taking of a picture.
+class IdealShot:
+    """One exposure of a view.
 
     Parameters
     ----------
     camera
-        The flawless camera.
+        The ideal camera.
     look
         What is before it, at the exposure of the shot.
     exposure_ms
@@ -90,7 +90,7 @@ class Shot:
         Whether the simulator claims to know the pose; of a board it does not.
     """
 
-    camera: Camera
+    camera: IdealCamera
     look: Look
     exposure_ms: float
     velocity_px_s: tuple[float, float] = (0.0, 0.0)

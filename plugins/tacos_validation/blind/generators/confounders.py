@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_validation.blind.generators import takings as t
-from tacos_validation.blind.generators.camera import Camera
-from tacos_validation.blind.generators.takings import Taking
+from tacos_validation.blind.generators import acquisitions as t
+from tacos_validation.blind.generators.acquisitions import Acquisition
+from tacos_validation.blind.generators.camera import IdealCamera
 
-Make = Callable[[Camera, np.random.Generator], list[Taking]]
+Make = Callable[[IdealCamera, np.random.Generator], list[Acquisition]]
 
 
 @dataclass(frozen=True)
@@ -36,17 +36,17 @@ class Pair:
     split: Make
 
 
-def _one_scene(camera: Camera, rng: np.random.Generator) -> list[Taking]:
+def _one_scene(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:
     return list(t.scenes(camera, rng, 1))
 
 
-def _one_flat(camera: Camera, rng: np.random.Generator) -> list[Taking]:
+def _one_flat(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:
     return list(t.flats(camera, rng, (0.6,), frames=1))
 
 
-def _flat_stacks(camera: Camera, rng: np.random.Generator) -> list[Taking]:
+def _flat_stacks(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:
     return [
-        Taking(f"stack_{i}", each.kind, each.shots, 4)
+        Acquisition(f"stack_{i}", each.kind, each.shots, 4)
         for i, each in enumerate(t.flats(camera, rng, (0.2, 0.6)))
     ]
 
@@ -65,7 +65,7 @@ PAIRS: Mapping[str, Pair] = {
         "dsnu",
         "read-noise",
         lambda c, r: list(t.darks(c, (10.0,), frames=1)),
-        lambda c, r: [Taking("stack_0", "dark", each.shots, 4) for each in t.darks(c, (20.0,))],
+        lambda c, r: [Acquisition("stack_0", "dark", each.shots, 4) for each in t.darks(c, (20.0,))],
     ),
     "glare or pedestal": Pair(
         "black-level",
@@ -78,7 +78,7 @@ PAIRS: Mapping[str, Pair] = {
         "pose-error",
         lambda c, r: list(t.boards(c, r, 1, tilt_deg=0.0)),
         lambda c, r: [
-            Taking(f"tilted_{i}", each.kind, each.shots, 1, board=each.board)
+            Acquisition(f"tilted_{i}", each.kind, each.shots, 1, board=each.board)
             for i, each in enumerate(t.boards(c, r, 4))
         ],
     ),
@@ -87,7 +87,7 @@ PAIRS: Mapping[str, Pair] = {
         "pose-error",
         lambda c, r: list(t.boards(c, r, 1)),
         lambda c, r: [
-            Taking(f"further_{i}", each.kind, each.shots, 1, board=each.board)
+            Acquisition(f"further_{i}", each.kind, each.shots, 1, board=each.board)
             for i, each in enumerate(t.boards(c, r, 4))
         ],
     ),
@@ -95,11 +95,11 @@ PAIRS: Mapping[str, Pair] = {
 """The pairs, by name."""
 
 
-def takings_of(pair: str, with_split: bool) -> Make:
+def acquisitions_of(pair: str, with_split: bool) -> Make:
     """The captures of a pair, with or without those that split it."""
     chosen = PAIRS[pair]
 
-    def made(camera: Camera, rng: np.random.Generator) -> list[Taking]:
+    def made(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:
         few = chosen.few(camera, rng)
         return [*few, *chosen.split(camera, rng)] if with_split else few
 

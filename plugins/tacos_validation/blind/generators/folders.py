@@ -11,24 +11,26 @@ import numpy as np
 import yaml
 from PIL import Image as Pillow
 
-from tacos_validation.blind.generators.camera import Camera, Image
-from tacos_validation.blind.generators.flaw import Flaw
-from tacos_validation.blind.generators.pictures import Chart, Even
-from tacos_validation.blind.generators.taking import expected, take
-from tacos_validation.blind.generators.takings import FRAME_INTERVAL_MS, Taking
+from tacos_validation.blind.generators.acquisitions import FRAME_INTERVAL_MS, Acquisition
+from tacos_validation.blind.generators.camera import IdealCamera, Image
+from tacos_validation.blind.generators.flat_scenes import Chart, Even
+from tacos_validation.blind.generators.image_formation import expected, take
+from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
 def write_folder(
     folder: Path,
-    camera: Camera,
-    takings: Sequence[Taking],
-    flaws: Sequence[Flaw],
+    camera: IdealCamera,
+    acquisitions: Sequence[Acquisition],
+    effects: Sequence[InjectedEffect],
     rng: np.random.Generator,
     sensor_seed: int,
 ) -> None:
-    """Take all pictures with the flawed camera and write them beside what the simulator expects."""
+    """Take all pictures with the camera with its effects and write them beside what the simulator expects."""
     folder.mkdir(parents=True)
-    captures = [_capture(folder, camera, taking, flaws, rng, sensor_seed) for taking in takings]
+    captures = [
+        _capture(folder, camera, acquisition, effects, rng, sensor_seed) for acquisition in acquisitions
+    ]
     data = {
         "tacos_captures": 1,
         "camera": {
@@ -50,51 +52,51 @@ def write_folder(
 
 def _capture(
     folder: Path,
-    camera: Camera,
-    taking: Taking,
-    flaws: Sequence[Flaw],
+    camera: IdealCamera,
+    acquisition: Acquisition,
+    effects: Sequence[InjectedEffect],
     rng: np.random.Generator,
     sensor_seed: int,
 ) -> dict[str, Any]:
     names: list[str] = []
-    for shot in taking.shots:
-        for frame in take(shot, flaws, taking.frames, rng, sensor_seed):
-            names.append(f"{taking.id}_{len(names)}.png")
+    for shot in acquisition.shots:
+        for frame in take(shot, effects, acquisition.frames, rng, sensor_seed):
+            names.append(f"{acquisition.id}_{len(names)}.png")
             _write_png(folder / names[-1], frame)
-    shot = taking.shots[0]
+    shot = acquisition.shots[0]
     entry: dict[str, Any] = {
-        "id": taking.id,
-        "kind": taking.kind,
+        "id": acquisition.id,
+        "kind": acquisition.kind,
         "real": names,
         "exposure_ms": shot.exposure_ms,
     }
-    if taking.kind not in ("dark", "board"):
-        entry["simulated"] = _simulated(folder, camera, taking)
-    if taking.group:
-        entry["group"] = taking.group
-    if taking.board:
-        board = taking.board
+    if acquisition.kind not in ("dark", "board"):
+        entry["simulated"] = _simulated(folder, camera, acquisition)
+    if acquisition.group:
+        entry["group"] = acquisition.group
+    if acquisition.board:
+        board = acquisition.board
         entry["board"] = {"inner_corners": [board.columns, board.rows], "square_mm": board.square_mm}
-    if taking.chart:
-        entry["chart"] = {"patches": _write_patches(folder, camera, taking.id, taking.chart)}
-    if taking.kind in ("scene", "bracket", "sequence"):
-        entry["depth"] = f"{taking.id}_depth.npy"
+    if acquisition.chart:
+        entry["chart"] = {"patches": _write_patches(folder, camera, acquisition.id, acquisition.chart)}
+    if acquisition.kind in ("scene", "bracket", "sequence"):
+        entry["depth"] = f"{acquisition.id}_depth.npy"
         depth = np.full((camera.height_px, camera.width_px), shot.depth_m, np.float32)
         np.save(folder / entry["depth"], depth)
-    if taking.kind == "sequence":
+    if acquisition.kind == "sequence":
         entry["velocity_px_s"] = [float(v) for v in shot.velocity_px_s]
         entry["frame_interval_ms"] = FRAME_INTERVAL_MS
     return entry
 
 
-def _simulated(folder: Path, camera: Camera, taking: Taking) -> float | str | list[str]:
+def _simulated(folder: Path, camera: IdealCamera, acquisition: Acquisition) -> float | str | list[str]:
     """A number for an even field, else a file for each shot."""
-    look = taking.shots[0].look
+    look = acquisition.shots[0].look
     if isinstance(look, Even):
         return float(look.light_dn + camera.black_dn)
     names = []
-    for i, shot in enumerate(taking.shots):
-        names.append(f"{taking.id}_expected_{i}.npy")
+    for i, shot in enumerate(acquisition.shots):
+        names.append(f"{acquisition.id}_expected_{i}.npy")
         image = expected(shot).astype(np.float32)
         np.save(folder / names[-1], image[..., 0] if camera.channels == 1 else image)
     return names[0] if len(names) == 1 else names
@@ -105,7 +107,7 @@ def _write_png(path: Path, frame: Image) -> None:
     Pillow.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels).save(path, compress_level=1)
 
 
-def _write_patches(folder: Path, camera: Camera, name: str, chart: Chart) -> str:
+def _write_patches(folder: Path, camera: IdealCamera, name: str, chart: Chart) -> str:
     file = f"{name}_patches.csv"
     with (folder / file).open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from tacos_framework import ProcedureRecipe, run
 from tacos_framework.values import Camera, Exposure, ImageContext, ImageGeometry
-from tacos_gap.captures import Capture, Noise, write_captures
+from tacos_gap.captures import Noise, RealCapture, write_captures
 
 from tacos_example.haze import Haze
 from tacos_example.monochrome import MonochromeSensor
@@ -22,7 +22,7 @@ EXTINCTION_PER_M = 0.04
 SENSOR = MonochromeSensor(MonochromeSensor.Config(full_well_e=2000, read_noise_e=5))
 
 
-def captures(haze: Haze) -> list[Capture]:
+def captures(haze: Haze) -> list[RealCapture]:
     """A dark, flats, and squares on walls at 2 to 20 m, by a camera that stands in hazy air."""
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
     squares = 30 + 140.0 * (((rows + columns // 10) // 12 + (columns - rows // 10) // 12) % 2)
@@ -32,7 +32,7 @@ def captures(haze: Haze) -> list[Capture]:
     return [*shots, _taken("walls", "scene", squares, haze, depth_m)]
 
 
-def _taken(name: str, kind: str, expected: Any, haze: Haze | None = None, depth_m: Any = None) -> Capture:
+def _taken(name: str, kind: str, expected: Any, haze: Haze | None = None, depth_m: Any = None) -> RealCapture:
     context = ImageContext(exposure_s=EXPOSURE.time_s, white_level_dn=255, depth_m=depth_m)
     expected = expected.astype(np.float32)[None, :, :, None]
     rng = np.random.default_rng(len(name))
@@ -40,7 +40,7 @@ def _taken(name: str, kind: str, expected: Any, haze: Haze | None = None, depth_
     if haze is not None:
         seen = haze.on_array(expected, geometry=GEOMETRY, context=context, rng=rng)
     drawn = [SENSOR.draw(seen, camera=CAMERA, exposure=EXPOSURE, rng=rng) for _ in range(3)]
-    return Capture(
+    return RealCapture(
         id=name,
         kind=kind,
         real_dn=np.clip(np.rint(np.concatenate(drawn)), 0, 255).astype(np.float32),

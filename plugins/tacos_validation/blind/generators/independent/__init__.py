@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from tacos_validation.blind.generators.catalogue import Withheld
-from tacos_validation.blind.generators.independent.amplitude import OfOneAmplitude
+from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 from tacos_validation.blind.generators.independent.optics import (
     FisheyeLens,
     FluorescentTube,
@@ -57,7 +57,7 @@ class Variant:
 
 
 def _of(
-    cls: type[OfOneAmplitude],
+    cls: type[SingleAmplitudeEffect],
     low: float,
     high: float,
     largest: float,

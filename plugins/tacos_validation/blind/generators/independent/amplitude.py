@@ -1,16 +1,16 @@
-"""Flaws that one number scales."""
+"""Effects that one number scales."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_validation.blind.generators.flaw import Flaw
+from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
 @dataclass(frozen=True)
-class OfOneAmplitude(Flaw):
-    """A flaw of one amplitude, whose shape the catalogue's parameters do not describe."""
+class SingleAmplitudeEffect(InjectedEffect):
+    """An effect of one amplitude, whose shape the catalogue's parameters do not describe."""
 
     amplitude: float = 0.0
 

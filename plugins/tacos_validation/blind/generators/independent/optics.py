@@ -8,17 +8,17 @@ import cv2
 import numpy as np
 from scipy import fft, ndimage, signal
 
-from tacos_validation.blind.generators.camera import Image, Shot
-from tacos_validation.blind.generators.independent.amplitude import OfOneAmplitude
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class SideLamp(OfOneAmplitude):
+class SideLamp(SingleAmplitudeEffect):
     """A lamp beside the scene: the inverse square of the distance."""
 
     name: ClassVar[str] = "illumination-gradient"
     order: ClassVar[int] = 0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Scaled to 1 in the middle."""
         x, y = shot.camera.grid(pad)
         cx, cy = shot.camera.centre_px
@@ -27,13 +27,13 @@ class SideLamp(OfOneAmplitude):
         return light * ((1 + away**2) / (1 + (away - u) ** 2 + v**2))[..., None]
 
 
-class NaturalFallOff(OfOneAmplitude):
+class NaturalFallOff(SingleAmplitudeEffect):
     """The fourth power of the cosine, and a barrel that cuts off oblique light."""
 
     name: ClassVar[str] = "vignetting"
     order: ClassVar[int] = 4
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Angle of the ray, then a soft rim."""
         r = np.sqrt(shot.camera.squared_radius(pad))
         angle = np.arctan(r * np.sqrt(self.amplitude))
@@ -41,13 +41,13 @@ class NaturalFallOff(OfOneAmplitude):
         return light * (np.cos(angle) ** 4 * np.clip(rim, 0, 1))[..., None]
 
 
-class FisheyeLens(OfOneAmplitude):
+class FisheyeLens(SingleAmplitudeEffect):
     """OpenCV's fisheye model, mixed with a pinhole."""
 
     name: ClassVar[str] = "lens-distortion"
     order: ClassVar[int] = 1
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """Undistort by OpenCV: equidistant at amplitude 1, a pinhole at 0."""
         f, (cx, cy) = shot.camera.focal_px, shot.camera.centre_px
         matrix = np.array([[f, 0, cx], [0, f, cy], [0, 0, 1]])
@@ -57,7 +57,7 @@ class FisheyeLens(OfOneAmplitude):
         return mixed[:, 0].reshape(x.shape), mixed[:, 1].reshape(x.shape)
 
 
-class RealLens(OfOneAmplitude):
+class RealLens(SingleAmplitudeEffect):
     """A lens of the lensfun database; amplitude picks one."""
 
     name: ClassVar[str] = "lens-distortion"
@@ -68,7 +68,7 @@ class RealLens(OfOneAmplitude):
         "Canon EF-S 17-85mm f/4-5.6 IS USM",
     )
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """Where the database says that pixels of a corrected image lie, backwards."""
         import lensfunpy  # type: ignore[import-untyped, import-not-found, unused-ignore]
 
@@ -89,13 +89,13 @@ class RealLens(OfOneAmplitude):
         return x + at[0], y + at[1]
 
 
-class Hexagon(OfOneAmplitude):
+class Hexagon(SingleAmplitudeEffect):
     """The out-of-focus image of a six-bladed aperture."""
 
     name: ClassVar[str] = "defocus"
     order: ClassVar[int] = 1
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Convolve with the polygon, drawn eight times as fine."""
         fine = 8
         size = 2 * int(np.ceil(self.amplitude + 1)) + 1
@@ -109,14 +109,14 @@ class Hexagon(OfOneAmplitude):
         return signal.fftconvolve(light, (kernel / kernel.sum())[..., None], mode="same").clip(0)
 
 
-class HandShake(OfOneAmplitude):
+class HandShake(SingleAmplitudeEffect):
     """A hand that trembles along a line, slower at the turning points."""
 
     name: ClassVar[str] = "motion-blur"
     order: ClassVar[int] = 5
     angle_deg: ClassVar[float] = 25.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Mean over a half swing of a pendulum."""
         height, width = light.shape[:2]
         v, u = fft.fftfreq(height)[:, None], fft.rfftfreq(width)[None, :]
@@ -127,13 +127,13 @@ class HandShake(OfOneAmplitude):
         return np.asarray(fft.irfft2(spectrum, s=(height, width), axes=(0, 1))).clip(0)
 
 
-class WidePsf(OfOneAmplitude):
+class WidePsf(SingleAmplitudeEffect):
     """Stray light that falls off exponentially."""
 
     name: ClassVar[str] = "veiling-glare"
     order: ClassVar[int] = 3
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Convolve with a cone as wide as the image."""
         height, width = light.shape[:2]
         y, x = np.mgrid[-height : height + 1, -width : width + 1]
@@ -143,12 +143,12 @@ class WidePsf(OfOneAmplitude):
         return ((1 - self.amplitude) * light + self.amplitude * total / reach).clip(0)
 
 
-class FluorescentTube(OfOneAmplitude):
+class FluorescentTube(SingleAmplitudeEffect):
     """A tube that follows the rectified mains."""
 
     name: ClassVar[str] = "flicker"
 
-    def frame_light(self, light: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def frame_light(self, light: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """|sin|, about its mean."""
         rows = np.arange(light.shape[0])[:, None, None]
         wave = np.abs(np.sin(np.pi * rows / 90.0 + rng.uniform(0, np.pi)))

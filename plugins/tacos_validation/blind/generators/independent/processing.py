@@ -11,17 +11,17 @@ import numpy as np
 from PIL import Image as Pillow
 from PIL import ImageFilter
 
-from tacos_validation.blind.generators.camera import Image, Shot
-from tacos_validation.blind.generators.independent.amplitude import OfOneAmplitude
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class SrgbMixed(OfOneAmplitude):
+class SrgbMixed(SingleAmplitudeEffect):
     """Part of the way to the sRGB curve, with its straight foot."""
 
     name: ClassVar[str] = "tone-curve"
     order: ClassVar[int] = 60
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Bend what is above the pedestal."""
         camera = shot.camera
         y = (codes - camera.black_dn) / camera.range_dn
@@ -29,13 +29,13 @@ class SrgbMixed(OfOneAmplitude):
         return camera.black_dn + camera.range_dn * (y + self.amplitude * (curve - y))
 
 
-class PillowUnsharp(OfOneAmplitude):
+class PillowUnsharp(SingleAmplitudeEffect):
     """Pillow's unsharp mask, with a threshold."""
 
     name: ClassVar[str] = "sharpening"
     order: ClassVar[int] = 70
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """As in image editors."""
         filtered = ImageFilter.UnsharpMask(
             radius=1.5, percent=max(1, round(100 * self.amplitude)), threshold=1
@@ -46,13 +46,13 @@ class PillowUnsharp(OfOneAmplitude):
         )
 
 
-class NonLocalMeans(OfOneAmplitude):
+class NonLocalMeans(SingleAmplitudeEffect):
     """OpenCV's non-local means."""
 
     name: ClassVar[str] = "denoise"
     order: ClassVar[int] = 40
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Each channel alone."""
         return np.stack(
             [
@@ -63,26 +63,26 @@ class NonLocalMeans(OfOneAmplitude):
         )
 
 
-class TotalVariation(OfOneAmplitude):
+class TotalVariation(SingleAmplitudeEffect):
     """Scikit-image's total variation."""
 
     name: ClassVar[str] = "denoise"
     order: ClassVar[int] = 40
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Chambolle's total variation."""
         from skimage.restoration import denoise_tv_chambolle  # type: ignore[import-untyped, import-not-found, unused-ignore]
 
         return np.asarray(denoise_tv_chambolle(codes, weight=self.amplitude, channel_axis=-1))
 
 
-class Menon(OfOneAmplitude):
+class Menon(SingleAmplitudeEffect):
     """Menon's demosaicing, of colour-demosaicing."""
 
     name: ClassVar[str] = "demosaic"
     order: ClassVar[int] = 30
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Sample red, green, green, blue, and fill in."""
         with warnings.catch_warnings():  # it imports names that SciPy has moved
             warnings.simplefilter("ignore", DeprecationWarning)
@@ -95,13 +95,13 @@ class Menon(OfOneAmplitude):
         return np.asarray(demosaicing_CFA_Bayer_Menon2007(mosaic, "RGGB"), np.float64)
 
 
-class PhotographersJpeg(OfOneAmplitude):
+class PhotographersJpeg(SingleAmplitudeEffect):
     """JPEG with the tables of an image editor rather than those of libjpeg's scale."""
 
     name: ClassVar[str] = "jpeg"
     order: ClassVar[int] = 80
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """There and back."""
         presets = ("web_maximum", "web_very_high", "web_high", "web_medium", "web_low")
         file = io.BytesIO()

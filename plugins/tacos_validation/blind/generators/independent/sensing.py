@@ -7,55 +7,55 @@ from typing import ClassVar
 import numpy as np
 from scipy import signal
 
-from tacos_validation.blind.generators.camera import Image, Shot
-from tacos_validation.blind.generators.independent.amplitude import OfOneAmplitude
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class SoftFullWell(OfOneAmplitude):
+class SoftFullWell(SingleAmplitudeEffect):
     """A response that bends like an exponential."""
 
     name: ClassVar[str] = "nonlinearity"
     order: ClassVar[int] = 2
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """(1 - exp(-a y)) / a."""
         camera = shot.camera
         y = (samples - camera.black_dn) / camera.range_dn
         return camera.black_dn + camera.range_dn * -np.expm1(-self.amplitude * y) / self.amplitude
 
 
-class TelegraphNoise(OfOneAmplitude):
+class TelegraphNoise(SingleAmplitudeEffect):
     """Read noise of a logistic shape, with pixels that jump between levels."""
 
     name: ClassVar[str] = "read-noise"
     order: ClassVar[int] = 3
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Add both."""
         jumps = 4 * self.amplitude * rng.integers(-1, 2, samples.shape) * (rng.random(samples.shape) < 0.005)
         scale = self.amplitude * np.sqrt(3) / np.pi
         return samples + rng.logistic(0.0, scale, size=samples.shape) + jumps
 
 
-class DriftingRows(OfOneAmplitude):
+class DriftingRows(SingleAmplitudeEffect):
     """Row offsets that wander."""
 
     name: ClassVar[str] = "row-noise"
     order: ClassVar[int] = 4
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """A first-order process."""
         drawn = np.asarray(rng.normal(size=samples.shape[0]))
         offsets = signal.lfilter(np.array([np.sqrt(1 - 0.4**2)]), np.array([1.0, -0.4]), drawn)
         return samples + self.amplitude * offsets[:, None, None]
 
 
-class LognormalPixels(OfOneAmplitude):
+class LognormalPixels(SingleAmplitudeEffect):
     """Responses that spread lognormally."""
 
     name: ClassVar[str] = "prnu"
     order: ClassVar[int] = 0
 
-    def charge(self, mean: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Multiply by the pattern."""
         return mean * sensor.lognormal(-(self.amplitude**2) / 2, self.amplitude, size=mean.shape)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Light, Material, Object, Part, Trajectory, World
+from tacos_framework.values import Episode, Light, Material, MeshPart, Object, Trajectory, World
 
 MATERIALS = (("wall", 0.7), ("floor", 0.3), ("white", 0.85), ("black", 0.04))
 """Names and reflectances [1]; parts name them by position."""
@@ -79,11 +79,11 @@ class Corridor:
             half_v_m=np.array([0, 0.05, 0]),
         )
 
-    def _board(self, length_m: float) -> list[Part]:
+    def _board(self, length_m: float) -> list[MeshPart]:
         square, (columns, rows) = self.config.square_m, BOARD_SQUARES
         half = square / 2
 
-        def piece(y: float, z: float, half_y: float, half_z: float, layer: int, material: int) -> Part:
+        def piece(y: float, z: float, half_y: float, half_z: float, layer: int, material: int) -> MeshPart:
             centre = (length_m - layer * LIFT_M, y, self.config.eye_m + z)
             return rectangle(centre, (0, 0, half_z), (0, half_y, 0), material, BOARD_ID)
 
@@ -105,7 +105,7 @@ def rectangle(
     half_v_m: tuple[float, float, float],
     material: int,
     object_id: int = 0,
-) -> Part:
+) -> MeshPart:
     """A rectangle that faces ``half_u x half_v``.
 
     Parameters
@@ -118,7 +118,7 @@ def rectangle(
     centre, u, v = (np.array(vector, np.float64) for vector in (centre_m, half_u_m, half_v_m))
     normal = np.cross(u, v)
     width_m, height_m = 2 * math.dist(u, (0, 0, 0)), 2 * math.dist(v, (0, 0, 0))
-    return Part(
+    return MeshPart(
         vertices_m=np.array([centre - u - v, centre + u - v, centre + u + v, centre - u + v]),
         normals=np.tile(normal / np.linalg.norm(normal), (4, 1)),
         uv_m=np.array([[0, 0], [width_m, 0], [width_m, height_m], [0, height_m]]),

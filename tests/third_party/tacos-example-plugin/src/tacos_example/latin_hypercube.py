@@ -16,7 +16,7 @@ class LatinHypercube:
     """Cuts each gene into as many strata as there are evaluations, and draws once in each.
 
     The strata of the genes are paired at random. All is drawn at the beginning, so that nothing but the
-    number of results told so far has to be remembered beside it.
+    number of results observed so far has to be remembered beside it.
 
     References
     ----------
@@ -33,7 +33,7 @@ class LatinHypercube:
     def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:
         self.config = config
         self._space = space
-        self._told = 0
+        self._n_observed = 0
         shares = latin_hypercube(config.evaluations, len(space.genes), rng)
         self._genes = [
             [value_at(gene, share) for gene, share in zip(space.genes, row, strict=True)] for row in shares
@@ -45,25 +45,25 @@ class LatinHypercube:
         return self.config.evaluations
 
     def ask(self) -> list[Candidate]:
-        """The next batch; the same one until it is told."""
-        batch = self._genes[self._told : self._told + self.config.batch]
+        """The next batch; the same one until it is evaluated."""
+        batch = self._genes[self._n_observed : self._n_observed + self.config.batch]
         return [self._space.decode(genes) for genes in batch]
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
         """Count the results."""
-        self._told += len(evaluated)
+        self._n_observed += len(evaluated)
 
     def stop(self) -> str | None:
-        """A reason once all evaluations are told."""
-        return "every stratum was evaluated" if self._told >= self.config.evaluations else None
+        """A reason once all evaluations are observed."""
+        return "every stratum was evaluated" if self._n_observed >= self.config.evaluations else None
 
     def state(self) -> dict[str, Any]:
         """The whole plan and how far it got, as JSON values."""
-        return {"told": self._told, "genes": self._genes}
+        return {"n_observed": self._n_observed, "genes": self._genes}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a `state`."""
-        self._told, self._genes = state["told"], state["genes"]
+        self._n_observed, self._genes = state["n_observed"], state["genes"]
 
 
 def latin_hypercube(count: int, genes: int, rng: np.random.Generator) -> NDArray[np.float64]:

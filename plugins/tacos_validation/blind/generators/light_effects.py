@@ -1,4 +1,4 @@
-"""Flaws of the light before it is counted: lamps, lens, exposure."""
+"""Effects of the light before it is counted: lamps, lens, exposure."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import ClassVar
 import numpy as np
 from scipy import fft, ndimage, special
 
-from tacos_validation.blind.generators.camera import Image, Shot
-from tacos_validation.blind.generators.flaw import Flaw
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
 @dataclass(frozen=True)
-class UnevenLamp(Flaw):
+class InjectedIlluminationGradient(InjectedEffect):
     """Light that rises over the image."""
 
     name: ClassVar[str] = "illumination-gradient"
@@ -21,7 +21,7 @@ class UnevenLamp(Flaw):
     gx: float = 0.0
     gy: float = 0.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Multiply by a plane."""
         x, y = shot.camera.grid(pad)
         cx, cy = shot.camera.centre_px
@@ -30,14 +30,14 @@ class UnevenLamp(Flaw):
 
 
 @dataclass(frozen=True)
-class OutOfFocus(Flaw):
+class InjectedDefocus(InjectedEffect):
     """Discs in place of points, by their transfer function 2 J1(x) / x."""
 
     name: ClassVar[str] = "defocus"
     order: ClassVar[int] = 1
     radius_px: float = 0.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Filter in the frequency domain."""
         height, width = light.shape[:2]
         v = fft.fftfreq(height)[:, None]
@@ -49,7 +49,7 @@ class OutOfFocus(Flaw):
 
 
 @dataclass(frozen=True)
-class SoftLens(Flaw):
+class InjectedLensBlur(InjectedEffect):
     """A Gaussian that grows with the squared radius: between images blurred more and more."""
 
     name: ClassVar[str] = "lens-blur"
@@ -57,7 +57,7 @@ class SoftLens(Flaw):
     sigma_px: float = 0.0
     growth: float = 0.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Blend of a stack, along variance, in which Gaussians add."""
         wanted = (self.sigma_px * (1 + self.growth * shot.camera.squared_radius(pad))) ** 2
         levels = np.linspace(wanted.min(), wanted.max(), 9 if self.growth else 1)
@@ -80,21 +80,21 @@ def _gaussian(light: Image, sigma_px: float) -> Image:
 
 
 @dataclass(frozen=True)
-class Haze(Flaw):
+class InjectedVeilingGlare(InjectedEffect):
     """A share of the light strays evenly."""
 
     name: ClassVar[str] = "veiling-glare"
     order: ClassVar[int] = 3
     share: float = 0.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Take from each pixel, give to all."""
         inner = light[pad : light.shape[0] - pad, pad : light.shape[1] - pad]
         return light + self.share * (inner.mean(axis=(0, 1)) - light)
 
 
 @dataclass(frozen=True)
-class DarkCorners(Flaw):
+class InjectedVignetting(InjectedEffect):
     """Light that falls off with the radius."""
 
     name: ClassVar[str] = "vignetting"
@@ -103,7 +103,7 @@ class DarkCorners(Flaw):
     k2: float = 0.0
     k3: float = 0.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """By Horner's rule in the squared radius."""
         s = shot.camera.squared_radius(pad)
         fall = 1 + s * (self.k1 + s * (self.k2 + s * self.k3))
@@ -111,7 +111,7 @@ class DarkCorners(Flaw):
 
 
 @dataclass(frozen=True)
-class Smear(Flaw):
+class InjectedMotionBlur(InjectedEffect):
     """The camera shakes along a line while the shutter is open: the mean of many moments."""
 
     name: ClassVar[str] = "motion-blur"
@@ -119,7 +119,7 @@ class Smear(Flaw):
     length_px: float = 0.0
     angle_deg: float = 0.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Sum spectra turned by each moment's shift."""
         height, width = light.shape[:2]
         v = fft.fftfreq(height)[:, None]
@@ -135,27 +135,27 @@ class Smear(Flaw):
 
 
 @dataclass(frozen=True)
-class OtherExposure(Flaw):
+class InjectedExposureError(InjectedEffect):
     """More or less light than believed."""
 
     name: ClassVar[str] = "exposure-error"
     order: ClassVar[int] = 6
     scale: float = 1.0
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Scale."""
         return light * self.scale
 
 
 @dataclass(frozen=True)
-class MainsLight(Flaw):
+class InjectedFlicker(InjectedEffect):
     """Lamps that pulse while rows are read."""
 
     name: ClassVar[str] = "flicker"
     depth: float = 0.0
     period_rows: float = 100.0
 
-    def frame_light(self, light: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def frame_light(self, light: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """A wave over the rows at a phase of each frame's own."""
         phase = rng.uniform(0, 1)
         rows = np.arange(light.shape[0])[:, None, None]

@@ -1,4 +1,4 @@
-"""A few cameras on many episodes: cut into parts, so that no worker idles."""
+"""A few cameras on many episodes: cut into shards, so that no worker idles."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from itertools import islice, pairwise
 
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
-from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, joined
+from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
 
 
-def score_in_parts(
+def score_sharded(
     jobs: Sequence[ScoreJob], fitness: Fitness, executor: Executor, evaluate: Evaluator
 ) -> Iterator[Evaluation]:
-    """Score cameras, each in as many parts as it takes to give every worker something to do.
+    """Score cameras, each in as many shards as it takes to give every worker something to do.
 
     Parameters
     ----------
@@ -31,13 +31,13 @@ def score_in_parts(
     The evaluation of each job, in their order; the same for any number of workers.
     """
     workers = getattr(executor, "workers", 1)
-    parts = [_parts(job, math.ceil(workers / len(jobs))) for job in jobs]
-    results = iter(executor.map(evaluate, [part for of_job in parts for part in of_job]))
-    for of_job in parts:
-        yield joined(list(islice(results, len(of_job))), fitness)
+    shards = [_shards(job, math.ceil(workers / len(jobs))) for job in jobs]
+    results = iter(executor.map(evaluate, [shard for of_job in shards for shard in of_job]))
+    for of_job in shards:
+        yield merged_evaluation(list(islice(results, len(of_job))), fitness)
 
 
-def _parts(job: ScoreJob, count: int) -> list[ScoreJob]:
+def _shards(job: ScoreJob, count: int) -> list[ScoreJob]:
     """The job in at most `count` nearly equal runs of episodes."""
     count = min(count, len(job.episodes))
     ends = [len(job.episodes) * i // count for i in range(count + 1)]

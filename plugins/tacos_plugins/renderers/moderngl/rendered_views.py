@@ -15,11 +15,11 @@ from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import flush
 from tacos_plugins.renderers.moderngl.coverage import find_edges
 from tacos_plugins.renderers.moderngl.painter import Painter
-from tacos_plugins.renderers.moderngl.targets import Target, TargetPool
+from tacos_plugins.renderers.moderngl.targets import RenderTarget, TargetPool
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class RenderedView:
     """What is seen from one pose. The arrays are overwritten by the next picture.
 
     Parameters
@@ -40,7 +40,7 @@ class Picture:
 class Photographer(Protocol):
     """Takes pictures with one camera."""
 
-    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose. Its arrays may be overwritten by the next picture."""
         ...
 
@@ -62,20 +62,20 @@ class Multisampling:
         self._targets, self._camera, self._near_m, self._samples = targets, camera, near_m, samples
         size = (camera.height_px, camera.width_px)
         self._luminance = np.empty((*size, 3), np.float32)
-        self._truth = np.empty((*size, 2), np.float32)
+        self._geometry = np.empty((*size, 2), np.float32)
 
-    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
-        truth, colour = self._draw(painter, world_from_camera)
-        truth.read(self._truth)
+        geometry, colour = self._draw(painter, world_from_camera)
+        geometry.read(self._geometry)
         colour.read(self._luminance)
         return self._picture()
 
     def take_all(
         self, shots: Sequence[tuple[Painter, NDArray[np.float64]]], context: moderngl.Context
-    ) -> Iterator[Picture]:
+    ) -> Iterator[RenderedView]:
         """The pictures of painters from poses, each copied to memory while the next one is drawn."""
-        arrays = (self._truth, self._luminance)
+        arrays = (self._geometry, self._luminance)
         slots = [[context.buffer(reserve=array.nbytes) for array in arrays] for _ in range(2)]
         try:
             for number, (painter, pose) in enumerate(shots):
@@ -91,23 +91,25 @@ class Multisampling:
             for buffer in itertools.chain(*slots):
                 buffer.release()
 
-    def _draw(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> tuple[Target, Target]:
+    def _draw(
+        self, painter: Painter, world_from_camera: NDArray[np.float64]
+    ) -> tuple[RenderTarget, RenderTarget]:
         view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
         size = (self._camera.width_px, self._camera.height_px)
-        truth = self._targets.get(size, channels=2)
+        geometry = self._targets.get(size, channels=2)
         colour = self._targets.get(size, channels=4, samples=self._samples)
         chunks = painter.in_view(view)
-        painter.truth(view, truth, chunks)
+        painter.geometry(view, geometry, chunks)
         painter.colour(view, colour, chunks)
-        return truth, colour
+        return geometry, colour
 
-    def _copied(self, buffers: Sequence[moderngl.Buffer]) -> Picture:
-        for array, buffer in zip((self._truth, self._luminance), buffers, strict=True):
+    def _copied(self, buffers: Sequence[moderngl.Buffer]) -> RenderedView:
+        for array, buffer in zip((self._geometry, self._luminance), buffers, strict=True):
             buffer.read_into(array)
         return self._picture()
 
-    def _picture(self) -> Picture:
-        return Picture(self._luminance, self._truth[..., 0], self._truth[..., 1])
+    def _picture(self) -> RenderedView:
+        return RenderedView(self._luminance, self._geometry[..., 0], self._geometry[..., 1])
 
 
 class EdgeBlending:
@@ -126,23 +128,23 @@ class EdgeBlending:
         self._half_pixels = half_pixel_camera(camera)
         height, width = camera.height_px, camera.width_px
         self._luminance = np.empty((height, width, 3), np.float32)
-        self._truth = np.empty((height, width, 2), np.float32)
+        self._geometry = np.empty((height, width, 2), np.float32)
         self._surface = np.empty((2 * height + 1, 2 * width + 1, 1), np.float32)
 
-    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> Picture:
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
         camera, finer = self._camera, self._half_pixels
         view = painter.viewpoint(camera, world_from_camera, self._near_m)
         fine = painter.viewpoint(finer, world_from_camera, self._near_m)
         size = (camera.width_px, camera.height_px)
-        truth = self._targets.get(size, channels=2)
+        geometry = self._targets.get(size, channels=2)
         coverage = self._targets.get((finer.width_px, finer.height_px), channels=1)
         colour = self._targets.get(size, channels=4, depth_of=2)
 
         chunks = painter.in_view(fine)  # which sees half a pixel more on every side
-        painter.truth(view, truth, chunks)
-        truth.read(self._truth)
-        seen = np.ascontiguousarray(self._truth[..., 1])
+        painter.geometry(view, geometry, chunks)
+        geometry.read(self._geometry)
+        seen = np.ascontiguousarray(self._geometry[..., 1])
         chunks = painter.with_surfaces(chunks, seen)
         painter.surfaces(fine, coverage, chunks)
         coverage.read(self._surface)  # before colour is asked for, as reading waits for all that was
@@ -154,7 +156,7 @@ class EdgeBlending:
         edges = find_edges(surface)  # while other threads draw colour
         colour.read(self._luminance)
         edges.blend(self._luminance)
-        return Picture(self._luminance, self._truth[..., 0], seen)
+        return RenderedView(self._luminance, self._geometry[..., 0], seen)
 
 
 def half_pixel_camera(camera: Camera) -> Camera:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from tacos_validation.blind.generators.camera import Camera, Image
+from tacos_validation.blind.generators.camera import IdealCamera, Image
 
 OVERSAMPLING = 2
 MARGIN = 0.2
@@ -20,7 +20,7 @@ SOFTNESS_PX = 0.6
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class FlatScene:
     """A flat picture before the camera, finer and wider than the image, sampled by cubic splines.
 
     Parameters
@@ -35,7 +35,7 @@ class Picture:
     origin_px: tuple[float, float]
 
     def __call__(self, x: Image, y: Image, channel: int) -> Image:
-        """The light at pixels of the flawless camera."""
+        """The light at pixels of the ideal camera."""
         where = (
             (y - self.origin_px[1]) * OVERSAMPLING,
             (x - self.origin_px[0]) * OVERSAMPLING,
@@ -43,27 +43,27 @@ class Picture:
         plane = self.coefficients[min(channel, len(self.coefficients) - 1)]
         return np.maximum(ndimage.map_coordinates(plane, where, order=3, mode="mirror", prefilter=False), 0.0)
 
-    def scaled(self, factor: float) -> Picture:
+    def scaled(self, factor: float) -> FlatScene:
         """The same at another exposure."""
-        return Picture(self.coefficients * factor, self.origin_px)
+        return FlatScene(self.coefficients * factor, self.origin_px)
 
 
-def canvas_shape(camera: Camera) -> tuple[int, int]:
+def canvas_shape(camera: IdealCamera) -> tuple[int, int]:
     """Height and width of a picture's samples."""
     reach = 1 + 2 * MARGIN
     return round(camera.height_px * reach * OVERSAMPLING), round(camera.width_px * reach * OVERSAMPLING)
 
 
-def picture(camera: Camera, canvas: Image) -> Picture:
+def flat_scene(camera: IdealCamera, canvas: Image) -> FlatScene:
     """A picture of an (h, w, C) canvas of light in DN above the pedestal."""
     planes = [
         ndimage.spline_filter(ndimage.gaussian_filter(canvas[..., c], SOFTNESS_PX * OVERSAMPLING), order=3)
         for c in range(canvas.shape[2])
     ]
-    return Picture(np.stack(planes), (-MARGIN * camera.width_px, -MARGIN * camera.height_px))
+    return FlatScene(np.stack(planes), (-MARGIN * camera.width_px, -MARGIN * camera.height_px))
 
 
-def even(camera: Camera, level: float) -> Callable[[Image, Image, int], Image]:
+def even(camera: IdealCamera, level: float) -> Callable[[Image, Image, int], Image]:
     """An even field at a share of the range, alike in all channels."""
     return Even(level * camera.range_dn)
 
@@ -75,11 +75,11 @@ class Even:
     light_dn: float
 
     def __call__(self, x: Image, y: Image, channel: int) -> Image:
-        """The light at pixels of the flawless camera."""
+        """The light at pixels of the ideal camera."""
         return np.full(x.shape, self.light_dn)
 
 
-def natural(camera: Camera, rng: np.random.Generator, mean: float = 0.35) -> Picture:
+def natural(camera: IdealCamera, rng: np.random.Generator, mean: float = 0.35) -> FlatScene:
     """Dead leaves with shading and fine texture: edges of all directions, a spectrum as in nature.
 
     References
@@ -107,10 +107,10 @@ def natural(camera: Camera, rng: np.random.Generator, mean: float = 0.35) -> Pic
     slow = ndimage.gaussian_filter(rng.standard_normal((height, width)), height / 5)
     canvas *= np.exp(0.25 * slow[..., None] / slow.std())
     canvas *= mean * camera.range_dn / canvas.mean()
-    return picture(camera, np.clip(canvas, 0, 1.3 * camera.range_dn))
+    return flat_scene(camera, np.clip(canvas, 0, 1.3 * camera.range_dn))
 
 
-def edges(camera: Camera, rng: np.random.Generator) -> Picture:
+def edges(camera: IdealCamera, rng: np.random.Generator) -> FlatScene:
     """Slanted squares all over the field: straight edges near both image axes."""
     height, width = canvas_shape(camera)
     pitch = height / 4.5
@@ -120,7 +120,7 @@ def edges(camera: Camera, rng: np.random.Generator) -> Picture:
     v = (-np.sin(angle) * x + np.cos(angle) * y) / pitch
     inside = (np.abs(u % 1 - 0.5) < 0.27) & (np.abs(v % 1 - 0.5) < 0.27)
     grey = np.where(inside, 0.12, 0.68) * camera.range_dn
-    return picture(camera, np.repeat(grey[..., None], camera.channels, axis=2))
+    return flat_scene(camera, np.repeat(grey[..., None], camera.channels, axis=2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,12 +137,12 @@ class Chart:
         (P, 3) expected light, above the pedestal [DN].
     """
 
-    picture: Picture
+    picture: FlatScene
     boxes: NDArray[np.int64]
     colours: Image
 
 
-def chart(camera: Camera, rng: np.random.Generator) -> Chart:
+def chart(camera: IdealCamera, rng: np.random.Generator) -> Chart:
     """Twenty-four patches: random colours, and a row of greys."""
     canvas = np.full((*canvas_shape(camera), camera.channels), 0.25)
     columns, rows = 6, 4
@@ -171,7 +171,7 @@ def chart(camera: Camera, rng: np.random.Generator) -> Chart:
         inner = (x0 + 0.15 * step_x, y0 + 0.15 * step_y, 0.54 * step_x, 0.54 * step_y)
         boxes.append([round(v) for v in inner])
         colours.append(colour * camera.range_dn)
-    return Chart(picture(camera, canvas * camera.range_dn), np.array(boxes, np.int64), np.array(colours))
+    return Chart(flat_scene(camera, canvas * camera.range_dn), np.array(boxes, np.int64), np.array(colours))
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +186,7 @@ class Checkers:
         (3,) its centre before the camera [mm].
     """
 
-    camera: Camera
+    camera: IdealCamera
     rotation: Image
     shift_mm: Image
     columns: int = 9
@@ -215,7 +215,7 @@ class Checkers:
         return np.where(inside & black, 0.08, 0.7)
 
 
-def board(camera: Camera, rng: np.random.Generator, tilt_deg: float = 30.0) -> Checkers:
+def board(camera: IdealCamera, rng: np.random.Generator, tilt_deg: float = 30.0) -> Checkers:
     """A board that fills much of the image, tilted about a random axis of its plane."""
     axis = rng.uniform(0, 2 * np.pi)
     tilt = np.radians(rng.uniform(0.6, 1.0) * tilt_deg)

@@ -1,4 +1,4 @@
-"""Cameras scored in parts: as many as there are workers, with the result of the whole."""
+"""Cameras scored in shards: as many as there are workers, with the result of the whole."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from toy_study import toy_recipe
 
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
-from tacos_framework.study.parts import score_in_parts
+from tacos_framework.study.shards import score_sharded
 from tacos_framework.testing.fingerprint import fingerprint
 
 EPISODES = tuple(EpisodeSpec(9, ("test", i), frames=2) for i in range(5))
@@ -45,7 +45,7 @@ def test_parts_keep_every_worker_busy_and_change_nothing(toys, cameras, workers,
     evaluate, executor = Evaluator(toy_recipe(), toys), Counting(workers)
     jobs = [camera(focal_length_mm) for focal_length_mm in (1.0, 0.6, 3.0)[:cameras]]
     fitness = evaluate.simulation.plan.fitness
-    in_parts = list(score_in_parts(jobs, fitness, executor, evaluate))
+    in_parts = list(score_sharded(jobs, fitness, executor, evaluate))
     assert executor.episodes == episodes
     whole = [evaluate(job) for job in jobs]
     assert [fingerprint(replace(e, seconds={})) for e in in_parts] == [
@@ -56,7 +56,7 @@ def test_parts_keep_every_worker_busy_and_change_nothing(toys, cameras, workers,
 def test_a_part_that_fails_fails_the_camera(toys):
     evaluate = Evaluator(toy_recipe(nodes={"width": {"fail_above_deg": 60}}), toys)
     fitness = evaluate.simulation.plan.fitness
-    (wide,) = score_in_parts([camera(0.6)], fitness, Counting(2), evaluate)
+    (wide,) = score_sharded([camera(0.6)], fitness, Counting(2), evaluate)
     assert wide.failed
     assert wide.failed.startswith("cannot judge")
     assert wide.fitness is None

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from tacos_plugins.executors.on_ray.actor import Evaluator
+from tacos_plugins.executors.on_ray.actor import EvaluatorActor
 from tacos_plugins.executors.on_ray.cluster import Cluster, Needs
 from tacos_plugins.executors.outcomes import Lost
 from tacos_plugins.executors.worker import Answer
@@ -45,7 +45,7 @@ class _Member:
     deadline: float = float("inf")
 
 
-class Crew:
+class ActorPool:
     """Actors that hold one function.
 
     Parameters
@@ -86,7 +86,7 @@ class Crew:
         self._threads = threads
         self._attempts = attempts
         self._job_s = job_s
-        self._actor_class = self._ray.remote(Evaluator).options(
+        self._actor_class = self._ray.remote(EvaluatorActor).options(
             num_cpus=needs.cpus,
             num_gpus=needs.gpus,
             max_restarts=0,  # a new actor is a new process on whichever node has room
@@ -105,7 +105,7 @@ class Crew:
         Raises
         ------
         RuntimeError
-            When the crew is closed meanwhile, or workers end before they are ready for a first job.
+            When the pool is closed meanwhile, or workers end before they are ready for a first job.
         """
         self._round += 1  # what is still done for a round that was left early is dropped when it comes
         waiting = deque(_Task(self._round, index) for index in range(len(jobs)))

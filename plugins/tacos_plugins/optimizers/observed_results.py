@@ -1,4 +1,4 @@
-"""What optimizers are told, checked before they learn from it."""
+"""Results handed to an optimizer, validated before it learns from them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tacos_framework.contracts import Evaluated
 from tacos_framework.variables.design_space import Candidate
 
 
-def check_told(evaluated: Sequence[Evaluated], asked: Sequence[Candidate]) -> None:
+def validate_results(evaluated: Sequence[Evaluated], asked: Sequence[Candidate]) -> None:
     """Refuse results that are not those of the candidates asked, or that have no rank.
 
     Raises

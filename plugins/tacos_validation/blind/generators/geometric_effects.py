@@ -1,4 +1,4 @@
-"""Flaws of geometry: where each pixel of the real camera looks, in pixels of the flawless one."""
+"""Effects of geometry: where each pixel of the real camera looks, in pixels of the ideal one."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import ClassVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tacos_validation.blind.generators.camera import Image, Shot
-from tacos_validation.blind.generators.flaw import Flaw
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
 @dataclass(frozen=True)
-class ColourFringes(Flaw):
+class InjectedLateralChromaticAberration(InjectedEffect):
     """Red and blue focused at other radii than green."""
 
     name: ClassVar[str] = "lateral-chromatic-aberration"
@@ -23,7 +23,7 @@ class ColourFringes(Flaw):
     red_r2: float = 0.0
     blue_r2: float = 0.0
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """Undo R = r (1 + c + b r^2) by Newton's method."""
         c, b = ((self.red, self.red_r2), (0.0, 0.0), (self.blue, self.blue_r2))[channel]
         camera = shot.camera
@@ -38,7 +38,7 @@ class ColourFringes(Flaw):
 
 
 @dataclass(frozen=True)
-class BentLens(Flaw):
+class InjectedLensDistortion(InjectedEffect):
     """A lens that bends straight lines, by the plumb-line model, inverted by fixed point."""
 
     name: ClassVar[str] = "lens-distortion"
@@ -48,7 +48,7 @@ class BentLens(Flaw):
     p1: float = 0.0
     p2: float = 0.0
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """From where the lens puts a point to where a pinhole would."""
         f = shot.camera.focal_px
         cx, cy = shot.camera.centre_px
@@ -66,7 +66,7 @@ class BentLens(Flaw):
 
 
 @dataclass(frozen=True)
-class OtherFocalLength(Flaw):
+class InjectedFocalLengthError(InjectedEffect):
     """Another focal length and principal point."""
 
     name: ClassVar[str] = "focal-length-error"
@@ -75,7 +75,7 @@ class OtherFocalLength(Flaw):
     dx_px: float = 0.0
     dy_px: float = 0.0
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """Through the pinhole and back."""
         cx, cy = shot.camera.centre_px
         f = shot.camera.focal_px
@@ -85,7 +85,7 @@ class OtherFocalLength(Flaw):
 
 
 @dataclass(frozen=True)
-class WrongPose(Flaw):
+class InjectedPoseError(InjectedEffect):
     """The camera stands and looks otherwise than believed; what it sees is a plane."""
 
     name: ClassVar[str] = "pose-error"
@@ -97,7 +97,7 @@ class WrongPose(Flaw):
     ty: float = 0.0
     tz: float = 0.0
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """Where the rays of the real camera meet the plane, as the believed camera sees it."""
         if not shot.has_pose:
             return x, y
@@ -114,14 +114,14 @@ class WrongPose(Flaw):
 
 
 @dataclass(frozen=True)
-class RowByRow(Flaw):
+class InjectedRollingShutter(InjectedEffect):
     """A shutter that exposes rows one after another."""
 
     name: ClassVar[str] = "rolling-shutter"
     order: ClassVar[int] = 4
     row_time_us: float = 0.0
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """What moves has gone on when a row comes."""
         later_s = row * self.row_time_us * 1e-6
         return x - shot.velocity_px_s[0] * later_s, y - shot.velocity_px_s[1] * later_s

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from PIL import Image as Pillow
 from scipy import ndimage
 
-from tacos_validation.blind.generators.camera import Image, Shot
-from tacos_validation.blind.generators.flaw import Flaw
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
 @dataclass(frozen=True)
-class LiftedCorners(Flaw):
+class InjectedShadingCorrection(InjectedEffect):
     """Corners made brighter after the noise."""
 
     name: ClassVar[str] = "lens-shading-correction"
@@ -25,7 +25,7 @@ class LiftedCorners(Flaw):
     k1: float = 0.0
     k2: float = 0.0
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Multiply what is above the pedestal."""
         s = shot.camera.squared_radius()[..., None]
         black = shot.camera.black_dn
@@ -33,7 +33,7 @@ class LiftedCorners(Flaw):
 
 
 @dataclass(frozen=True)
-class ColourGains(Flaw):
+class InjectedWhiteBalance(InjectedEffect):
     """Red and blue multiplied."""
 
     name: ClassVar[str] = "white-balance"
@@ -41,21 +41,21 @@ class ColourGains(Flaw):
     red: float = 1.0
     blue: float = 1.0
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Multiply what is above the pedestal."""
         black = shot.camera.black_dn
         return black + (codes - black) * np.array([self.red, 1.0, self.blue])
 
 
 @dataclass(frozen=True)
-class Mosaic(Flaw):
+class InjectedDemosaicing(InjectedEffect):
     """One colour per pixel, the others made up by OpenCV."""
 
     name: ClassVar[str] = "demosaic"
     order: ClassVar[int] = 30
     method: str = "bilinear"
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Sample red, green, green, blue, and fill in."""
         raw = codes[..., 1].copy()
         raw[0::2, 0::2] = codes[0::2, 0::2, 0]
@@ -65,14 +65,14 @@ class Mosaic(Flaw):
 
 
 @dataclass(frozen=True)
-class Smoothed(Flaw):
+class InjectedDenoising(InjectedEffect):
     """Local means where there is no more than noise, which the camera knows from its own calibration."""
 
     name: ClassVar[str] = "denoise"
     order: ClassVar[int] = 40
     strength: float = 0.0
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Lee's filter by moments, each channel alone."""
         smooth = np.empty_like(codes)
         for c in range(codes.shape[2]):
@@ -88,28 +88,28 @@ class Smoothed(Flaw):
 
 
 @dataclass(frozen=True)
-class MixedColours(Flaw):
+class InjectedColourMatrix(InjectedEffect):
     """Colours mixed from one another, greys kept; the off-diagonal entries row by row."""
 
     name: ClassVar[str] = "colour-matrix"
     order: ClassVar[int] = 50
     matrix: tuple[tuple[float, ...], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Mix what is above the pedestal."""
         black = shot.camera.black_dn
         return np.asarray(black + np.einsum("ij,hwj->hwi", np.array(self.matrix), codes - black))
 
 
 @dataclass(frozen=True)
-class DisplayCurve(Flaw):
+class InjectedToneCurve(InjectedEffect):
     """Codes as for a display: a power of the signal."""
 
     name: ClassVar[str] = "tone-curve"
     order: ClassVar[int] = 60
     gamma: float = 1.0
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Look each code up in a table."""
         black, span = shot.camera.black_dn, shot.camera.range_dn
         signal = (np.arange(int(shot.camera.white_dn) + 1) - black) / span
@@ -118,7 +118,7 @@ class DisplayCurve(Flaw):
 
 
 @dataclass(frozen=True)
-class CrispEdges(Flaw):
+class InjectedSharpening(InjectedEffect):
     """An unsharp mask."""
 
     name: ClassVar[str] = "sharpening"
@@ -126,14 +126,14 @@ class CrispEdges(Flaw):
     amount: float = 0.0
     radius_px: float = 1.0
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Add what a blur takes away."""
         soft = ndimage.gaussian_filter(codes, (self.radius_px, self.radius_px, 0), truncate=5)
         return codes + self.amount * (codes - soft)
 
 
 @dataclass(frozen=True)
-class Compressed(Flaw):
+class InjectedJpeg(InjectedEffect):
     """JPEG by Pillow."""
 
     name: ClassVar[str] = "jpeg"
@@ -141,7 +141,7 @@ class Compressed(Flaw):
     quality: int = 100
     subsampling: str = "4:2:0"
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """There and back."""
         pixels = codes.astype(np.uint8)
         file = io.BytesIO()

@@ -3,15 +3,15 @@
 flat in float surface;
 #ifdef DEPTH
 in float depth_m;
-out vec2 truth;
+out vec2 geometry;
 #else
-out float truth;
+out float geometry;
 #endif
 
 void main() {
 #ifdef DEPTH
-    truth = vec2(depth_m, surface);
+    geometry = vec2(depth_m, surface);
 #else
-    truth = surface;
+    geometry = surface;
 #endif
 }

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import World
+from tacos_plugins.renderers.moderngl.ambient_visibility import near_ambient_visibility
 from tacos_plugins.renderers.moderngl.charts import Charts, find_charts
 from tacos_plugins.renderers.moderngl.direct_light import LightAtPoints, direct_light
 from tacos_plugins.renderers.moderngl.flatten import (
@@ -19,7 +20,6 @@ from tacos_plugins.renderers.moderngl.flatten import (
     kind_of,
     movers,
 )
-from tacos_plugins.renderers.moderngl.nearby import near_occlusion
 from tacos_plugins.renderers.moderngl.rays import RayTracer
 from tacos_plugins.renderers.moderngl.surfaces import closed_parts, smooth_surfaces
 from tacos_plugins.renderers.moderngl.tangents import tangent_frames
@@ -51,7 +51,7 @@ class SurfaceLight:
 
 
 @dataclass(frozen=True, eq=False)
-class LitMesh:
+class BakedMesh:
     """What is drawn of a world, camera or no camera.
 
     Parameters
@@ -87,7 +87,7 @@ class LitMesh:
     tracer: RayTracer
 
 
-def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], texel_m: float) -> LitMesh:
+def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], texel_m: float) -> BakedMesh:
     """Flatten a world and work out the light on all its surfaces.
 
     Parameters
@@ -119,7 +119,7 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
     on_map = chart_of_vertex >= 0
     coordinates = np.zeros((len(mesh.position_m), 2), np.float32)
     coordinates[on_map] = charts.coordinates(chart_of_vertex[on_map], mesh.position_m[on_map])
-    return LitMesh(
+    return BakedMesh(
         mesh=mesh,
         frames=frames,
         chunks=chunks,
@@ -210,12 +210,12 @@ def _light_texels(
     # The surface right below tells whether the texel lies on it, and its indirect light.
     below = RayTracer(mesh.corners_m).first_hits(point, -normal, 2 * LIFT_M)
     on_surface = (below.triangle >= 0) & (charts.of_triangle[below.triangle] == chart)
-    openness, buried = near_occlusion(point, normal, on_surface, tracer)
+    ambient_visibility, buried = near_ambient_visibility(point, normal, on_surface, tracer)
     keep = np.flatnonzero(on_surface & ~buried)
     corners = mesh.triangles[below.triangle[keep]]
     u, v = below.barycentric[keep].T
     weights = np.stack([1 - u - v, u, v], axis=1)
-    indirect = np.einsum("nc,ncj->nj", weights, mesh.indirect_lux[corners]) * openness[keep, None]
+    indirect = np.einsum("nc,ncj->nj", weights, mesh.indirect_lux[corners]) * ambient_visibility[keep, None]
     light = _reflect(
         world,
         mesh.material[corners[:, 0]],

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tacos_framework.cache import Recent, content_key
+from tacos_framework.cache import LRUCache, content_key
 from tacos_framework.formation import EpisodeDraws, ImageFormation
 from tacos_framework.graph import Node
 from tacos_framework.plan import Plan
@@ -20,7 +20,7 @@ from tacos_framework.values import Episode, Exposure, Rig
 
 
 @dataclass(frozen=True)
-class Trial:
+class EvaluationContext:
     """A candidate, ready to be simulated.
 
     Parameters
@@ -41,7 +41,7 @@ class Trial:
     formation
         Image formation, with the effects that hold for all images.
     kept
-        Episodes made lately, shared by the trials of a simulation.
+        Episodes made lately, shared by the evaluations of a simulation.
     key
         Content key of the candidate's values.
     clock
@@ -55,7 +55,7 @@ class Trial:
     components: Mapping[str, Any]
     overrides: Mapping[str, Mapping[str, Any]]
     formation: ImageFormation
-    kept: Recent[Episode]
+    kept: LRUCache[Episode]
     key: str
     clock: Clock
 

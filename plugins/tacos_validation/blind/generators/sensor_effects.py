@@ -1,4 +1,4 @@
-"""Flaws of the sensor and its readout."""
+"""Effects of the sensor and its readout."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from tacos_validation.blind.generators.camera import Image, Shot
-from tacos_validation.blind.generators.flaw import Flaw
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
 @dataclass(frozen=True)
-class OtherConversionGain(Flaw):
+class InjectedConversionGainError(InjectedEffect):
     """Fewer or more electrons behind a digital number."""
 
     name: ClassVar[str] = "conversion-gain-error"
@@ -20,25 +20,25 @@ class OtherConversionGain(Flaw):
 
     @property
     def photon_factor(self) -> float:
-        """See `Flaw`."""
+        """See `InjectedEffect`."""
         return self.scale
 
 
 @dataclass(frozen=True)
-class UnequalPixels(Flaw):
+class InjectedPrnu(InjectedEffect):
     """Pixels that respond more or less than others."""
 
     name: ClassVar[str] = "prnu"
     order: ClassVar[int] = 0
     sigma: float = 0.0
 
-    def charge(self, mean: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Multiply by the sensor's own pattern."""
         return mean * np.maximum(sensor.normal(1.0, self.sigma, size=mean.shape), 0)
 
 
 @dataclass(frozen=True)
-class LeakyPixels(Flaw):
+class InjectedDarkCurrent(InjectedEffect):
     """Charge that gathers in the dark, fast in a few pixels."""
 
     name: ClassVar[str] = "dark-current"
@@ -46,7 +46,7 @@ class LeakyPixels(Flaw):
     rate_dn_s: float = 0.0
     hot_share: float = 0.0
 
-    def charge(self, mean: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Add rate times time; hot pixels a hundred times and more."""
         hot = sensor.random(mean.shape) < self.hot_share
         rate = np.where(hot, self.rate_dn_s + sensor.gamma(1.0, 300.0, size=mean.shape), self.rate_dn_s)
@@ -54,7 +54,7 @@ class LeakyPixels(Flaw):
 
 
 @dataclass(frozen=True)
-class UnequalOffsets(Flaw):
+class InjectedDsnu(InjectedEffect):
     """Pixels and columns with offsets of their own."""
 
     name: ClassVar[str] = "dsnu"
@@ -62,7 +62,7 @@ class UnequalOffsets(Flaw):
     sigma_dn: float = 0.0
     column_sigma_dn: float = 0.0
 
-    def charge(self, mean: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Add the sensor's own patterns."""
         pixels = sensor.normal(0.0, self.sigma_dn, size=mean.shape)
         columns = sensor.normal(0.0, self.column_sigma_dn, size=(1, mean.shape[1], 1))
@@ -70,14 +70,14 @@ class UnequalOffsets(Flaw):
 
 
 @dataclass(frozen=True)
-class Coupled(Flaw):
+class InjectedCrosstalk(InjectedEffect):
     """Neighbours that share their charge after it was counted."""
 
     name: ClassVar[str] = "crosstalk"
     order: ClassVar[int] = 0
     share: float = 0.0
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Give to eight neighbours, take from eight."""
         height, width = samples.shape[:2]
         wide = np.pad(samples, ((1, 1), (1, 1), (0, 0)), mode="edge")
@@ -86,20 +86,20 @@ class Coupled(Flaw):
 
 
 @dataclass(frozen=True)
-class FullWell(Flaw):
+class InjectedSaturation(InjectedEffect):
     """Pixels full below full scale."""
 
     name: ClassVar[str] = "saturation"
     order: ClassVar[int] = 1
     level_dn: float = 255.0
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Cut off."""
         return np.where(samples > self.level_dn, self.level_dn, samples)
 
 
 @dataclass(frozen=True)
-class BentResponse(Flaw):
+class InjectedNonlinearity(InjectedEffect):
     """An amplifier that bends."""
 
     name: ClassVar[str] = "nonlinearity"
@@ -107,30 +107,30 @@ class BentResponse(Flaw):
     a2: float = 0.0
     a3: float = 0.0
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Evaluate the polynomial of the share of full scale."""
         camera = shot.camera
-        bent = np.polynomial.Polynomial([0.0, 1.0, self.a2, self.a3])
+        response = np.polynomial.Polynomial([0.0, 1.0, self.a2, self.a3])
         return camera.black_dn + camera.range_dn * np.asarray(
-            bent((samples - camera.black_dn) / camera.range_dn)
+            response((samples - camera.black_dn) / camera.range_dn)
         )
 
 
 @dataclass(frozen=True)
-class NoisyReadout(Flaw):
+class InjectedReadNoise(InjectedEffect):
     """Noise added to every sample."""
 
     name: ClassVar[str] = "read-noise"
     order: ClassVar[int] = 3
     sigma_dn: float = 0.0
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Add it."""
         return samples + rng.normal(0.0, self.sigma_dn, size=samples.shape)
 
 
 @dataclass(frozen=True)
-class JumpyRows(Flaw):
+class InjectedRowNoise(InjectedEffect):
     """Rows and columns that jump from frame to frame."""
 
     name: ClassVar[str] = "row-noise"
@@ -138,7 +138,7 @@ class JumpyRows(Flaw):
     sigma_dn: float = 0.0
     column_sigma_dn: float = 0.0
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Add one number per row and one per column."""
         height, width = samples.shape[:2]
         rows = rng.normal(0.0, self.sigma_dn, size=(height, 1, 1))
@@ -146,20 +146,20 @@ class JumpyRows(Flaw):
 
 
 @dataclass(frozen=True)
-class OtherPedestal(Flaw):
+class InjectedBlackLevelError(InjectedEffect):
     """A pedestal other than believed."""
 
     name: ClassVar[str] = "black-level"
     order: ClassVar[int] = 5
     offset_dn: float = 0.0
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Shift."""
         return samples + self.offset_dn
 
 
 @dataclass(frozen=True)
-class CoarseConverter(Flaw):
+class InjectedQuantisation(InjectedEffect):
     """A converter with coarse steps, or one that rounds down."""
 
     name: ClassVar[str] = "quantisation"
@@ -167,7 +167,7 @@ class CoarseConverter(Flaw):
     step_dn: float = 1.0
     rounding: str = "nearest"
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Count whole steps."""
         half = 0.5 if self.rounding == "nearest" else 0.0
         return np.floor(samples / self.step_dn + half) * self.step_dn

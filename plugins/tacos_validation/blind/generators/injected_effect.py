@@ -1,4 +1,4 @@
-"""What is wrong with a camera: flaws, each acting at one point of image formation."""
+"""What is wrong with a camera: effects, each acting at one point of image formation."""
 
 from __future__ import annotations
 
@@ -7,43 +7,43 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tacos_validation.blind.generators.camera import Image, Shot
+from tacos_validation.blind.generators.camera import IdealShot, Image
 
 
 @dataclass(frozen=True)
-class Flaw:
-    """One flaw; neutral everywhere but where a subclass overrides. Fields are the catalogue's parameters."""
+class InjectedEffect:
+    """One effect; neutral but where a subclass overrides. Fields are the catalogue's parameters."""
 
     name: ClassVar[str]
     order: ClassVar[int] = 0
-    """Among flaws that act at the same point."""
+    """Among effects that act at the same point."""
 
     @property
     def photon_factor(self) -> float:
         """Factor on the digital numbers per electron, at the same mean."""
         return 1.0
 
-    def rays(self, x: Image, y: Image, channel: int, shot: Shot, row: Image) -> tuple[Image, Image]:
-        """Where, in the flawless image, light comes from that arrives at (x, y); `row` is read there."""
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
+        """Where, in the ideal image, light comes from that arrives at (x, y); `row` is read there."""
         return x, y
 
-    def light(self, light: Image, shot: Shot, pad: int) -> Image:
+    def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Change light before it is counted, (H + 2 pad, W + 2 pad, C) [DN above the pedestal]."""
         return light
 
-    def frame_light(self, light: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def frame_light(self, light: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Change the light of a single frame, (H, W, C)."""
         return light
 
-    def charge(self, mean: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Change the expected charge, (H, W, C) [DN above the pedestal]; `sensor` is alike in all frames."""
         return mean
 
-    def samples(self, samples: Image, shot: Shot, rng: np.random.Generator) -> Image:
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Change noisy samples before they become codes, (H, W, C) [DN, with pedestal]."""
         return samples
 
-    def codes(self, codes: Image, shot: Shot, sensor: np.random.Generator) -> Image:
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Change codes, (H, W, C) whole numbers [DN, with pedestal]."""
         return codes
 

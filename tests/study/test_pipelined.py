@@ -9,7 +9,7 @@ import pytest
 from toy_study import LEARNER, merged, toy_recipe
 
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
-from tacos_framework.study.relay import score_in_a_relay
+from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.testing.fingerprint import fingerprint
 
 FOCAL_LENGTHS_MM = (1.0, 0.6, 3.0, 1.5)
@@ -28,15 +28,15 @@ class Recorder:
 
 def jobs_of(evaluate: Evaluator) -> list[ScoreJob]:
     states = evaluate.simulation.initial_states()
-    episodes, lesson = (EpisodeSpec(3, ("design", 0, 0)),), EpisodeSpec(3, ("train", 0, 0))
+    episodes, training = (EpisodeSpec(3, ("design", 0, 0)),), EpisodeSpec(3, ("train", 0, 0))
     return [
-        ScoreJob({"focal_length_mm": f, "pitch_deg": 0.0}, episodes, states, training=lesson)
+        ScoreJob({"focal_length_mm": f, "pitch_deg": 0.0}, episodes, states, training=training)
         for f in FOCAL_LENGTHS_MM
     ]
 
 
 def one_by_one(evaluate: Evaluator, jobs: list[ScoreJob]):
-    """What a relay has to come to: each job alone, from the states that the last left."""
+    """What pipelined scoring has to come to: each job alone, from the states that the last left."""
     states: Mapping = jobs[0].states
     for job in jobs:
         evaluation = evaluate(replace(job, states=states))
@@ -48,17 +48,17 @@ def without_times(evaluation):
     return fingerprint(replace(evaluation, seconds={}))
 
 
-def test_a_relay_comes_to_what_each_candidate_alone_comes_to(toys):
+def test_pipelined_scoring_comes_to_what_each_candidate_alone_comes_to(toys):
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
     jobs = jobs_of(evaluate)
-    relayed = list(score_in_a_relay(jobs, evaluate.simulation.plan.fitness, executor, evaluate))
-    assert [without_times(e) for e in relayed] == [without_times(e) for e in one_by_one(evaluate, jobs)]
-    assert all("learner, training" in e.seconds and "width" in e.seconds for e in relayed)
+    pipelined = list(score_pipelined(jobs, evaluate.simulation.plan.fitness, executor, evaluate))
+    assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
+    assert all("learner, training" in e.seconds and "width" in e.seconds for e in pipelined)
 
 
 def test_a_candidate_is_scored_while_the_next_one_trains(toys):
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
-    list(score_in_a_relay(jobs_of(evaluate), evaluate.simulation.plan.fitness, executor, evaluate))
+    list(score_pipelined(jobs_of(evaluate), evaluate.simulation.plan.fitness, executor, evaluate))
     both = ["training", "scoring"]
     assert executor.rounds == [["training"], both, both, both, ["scoring"]]
 
@@ -70,10 +70,10 @@ def test_a_candidate_is_scored_while_the_next_one_trains(toys):
         ({"nodes": {"width": {"fail_above_deg": 100}}}, True),  # trained on, then refused by a scorer
     ],
 )
-def test_the_relay_goes_on_after_a_candidate_that_fails(toys, sections, trains):
+def test_pipelined_scoring_goes_on_after_a_candidate_that_fails(toys, sections, trains):
     evaluate = Evaluator(toy_recipe(**merged(LEARNER, sections)), toys)
     fitness = evaluate.simulation.plan.fitness
-    first, failed, third, _ = score_in_a_relay(jobs_of(evaluate), fitness, Recorder(), evaluate)
+    first, failed, third, _ = score_pipelined(jobs_of(evaluate), fitness, Recorder(), evaluate)
     assert failed.failed
     assert failed.fitness is None
     assert bool(failed.states) is trains

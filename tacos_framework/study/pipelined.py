@@ -1,4 +1,4 @@
-"""Weights that candidates share: each trains on from where the last one left, which is scored meanwhile."""
+"""Weights that candidates share: the training of the next one is pipelined with the scoring of the last."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
-from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, joined
+from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
 
 
 @dataclass(frozen=True)
@@ -19,10 +19,10 @@ class _Trained:
 
     def scored(self, scores: Evaluation, fitness: Fitness) -> Evaluation:
         """The whole evaluation; what was learnt stays even where scoring fails."""
-        return replace(joined([self.training, scores], fitness), states=self.training.states)
+        return replace(merged_evaluation([self.training, scores], fitness), states=self.training.states)
 
 
-def score_in_a_relay(
+def score_pipelined(
     jobs: Sequence[ScoreJob], fitness: Fitness, executor: Executor, evaluate: Evaluator
 ) -> Iterator[Evaluation]:
     """Train and score candidates whose weights pass from one to the next.

@@ -17,14 +17,14 @@ class Recorder:
     """An executor that notes what the candidates are trained on."""
 
     def __init__(self):
-        self.lessons = []
+        self.trainings = []
 
     def map(self, evaluate, jobs):
-        self.lessons += [job.value.training for job in jobs if getattr(job.value, "training", None)]
+        self.trainings += [job.value.training for job in jobs if getattr(job.value, "training", None)]
         return map(evaluate, jobs)
 
 
-def lessons_of(toys, folder, weights, compare=None, **study):
+def training_episodes(toys, folder, weights, compare=None, **study):
     changes = {
         "rig": {"binning": 200},
         "compare": compare,
@@ -35,7 +35,7 @@ def lessons_of(toys, folder, weights, compare=None, **study):
     recorder = Recorder()
     recipe = toy_recipe(**merged(LEARNER, changes))
     tacos_framework.run(recipe, plugins=toys, out=folder, executor=recorder, report=False)
-    return recorder.lessons
+    return recorder.trainings
 
 
 @pytest.mark.parametrize("weights", ["shared", "branched"])
@@ -44,39 +44,41 @@ def lessons_of(toys, folder, weights, compare=None, **study):
     [("never", 1), ("each_generation", GENERATIONS), ("each_candidate", GENERATIONS * POPULATION)],
 )
 def test_training_sees_as_many_worlds_as_asked_for(toys, tmp_path, weights, renewed, worlds):
-    lessons = lessons_of(toys, tmp_path / "out", weights, renew_episodes="never", renew_training=renewed)
-    assert len(lessons) == GENERATIONS * POPULATION
-    assert len(set(lessons)) == worlds
+    trainings = training_episodes(
+        toys, tmp_path / "out", weights, renew_episodes="never", renew_training=renewed
+    )
+    assert len(trainings) == GENERATIONS * POPULATION
+    assert len(set(trainings)) == worlds
 
 
 @pytest.mark.parametrize(("renewed", "worlds"), [("never", 1), ("each_generation", GENERATIONS)])
 def test_by_default_training_is_renewed_with_the_episodes(toys, tmp_path, renewed, worlds):
-    assert len(set(lessons_of(toys, tmp_path / "out", "shared", renew_episodes=renewed))) == worlds
+    assert len(set(training_episodes(toys, tmp_path / "out", "shared", renew_episodes=renewed))) == worlds
 
 
 def test_nothing_is_trained_where_the_weights_are_frozen(toys, tmp_path):
-    assert lessons_of(toys, tmp_path / "out", "frozen", renew_training="each_candidate") == []
+    assert training_episodes(toys, tmp_path / "out", "frozen", renew_training="each_candidate") == []
 
 
-@pytest.mark.parametrize(("weights", "lessons"), [("shared", 3), ("branched", 3), ("frozen", 0)])
-def test_the_network_of_each_camera_is_trained_on_it_before_the_test(toys, tmp_path, weights, lessons):
-    searched = lessons_of(toys, tmp_path / "searched", weights, compare=COMPARE)
-    trained = lessons_of(toys, tmp_path / "trained", weights, compare=COMPARE, train_best=3)
+@pytest.mark.parametrize(("weights", "trainings"), [("shared", 3), ("branched", 3), ("frozen", 0)])
+def test_the_network_of_each_camera_is_trained_on_it_before_the_test(toys, tmp_path, weights, trainings):
+    searched = training_episodes(toys, tmp_path / "searched", weights, compare=COMPARE)
+    trained = training_episodes(toys, tmp_path / "trained", weights, compare=COMPARE, train_best=3)
     added = trained[len(searched) :]
     assert trained[: len(searched)] == searched
-    assert len(added) == lessons * 2  # of the designed camera, and of the one off the shelf
-    assert len(set(added)) == lessons
+    assert len(added) == trainings * 2  # of the designed camera, and of the one off the shelf
+    assert len(set(added)) == trainings
     assert not set(added) & set(searched)
 
 
 def test_training_on_the_best_changes_no_camera_and_is_what_the_test_sees(toys, tmp_path):
     shared = merged(LEARNER, {"optimizer": {"generations": 2}, "compare": COMPARE, "rig": {"binning": 200}})
     results, steps = {}, {}
-    for lessons in (0, 3):
-        recipe = toy_recipe(**shared, study={"train_best": lessons})
-        results[lessons] = run(recipe, toys, tmp_path / str(lessons))
-        (kept,) = (tmp_path / str(lessons) / "weights").glob("designed.learner.*.safetensors")
-        steps[lessons] = int(load_file(kept)["steps"][0])
+    for trainings in (0, 3):
+        recipe = toy_recipe(**shared, study={"train_best": trainings})
+        results[trainings] = run(recipe, toys, tmp_path / str(trainings))
+        (kept,) = (tmp_path / str(trainings) / "weights").glob("designed.learner.*.safetensors")
+        steps[trainings] = int(load_file(kept)["steps"][0])
     searched, trained = results[0], results[3]
     assert steps[3] == steps[0] + 3 * FRAMES  # frames come one by one
     assert trained["best"] == searched["best"]

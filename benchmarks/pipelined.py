@@ -2,7 +2,7 @@
 
 One generation of the joint headset study, with one worker and with two, in turn; designs have to be equal::
 
-    OMP_NUM_THREADS=1 python benchmarks/relay.py
+    OMP_NUM_THREADS=1 python benchmarks/pipelined.py
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from tacos_framework.settings import Settings
 
 
 @dataclass(frozen=True)
-class Part:
+class ConfiguredComponent:
     """A component class with its checked settings.
 
     Parameters
@@ -65,7 +65,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class EffectPart(Part):
+class EffectPart(ConfiguredComponent):
     """An effect, what design variables call it, and which cameras have it.
 
     Parameters

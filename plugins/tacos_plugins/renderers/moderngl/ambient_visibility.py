@@ -1,4 +1,4 @@
-"""How open the surroundings of a surface point are: contact shading of indirect light."""
+"""Ambient visibility of surface points near other surfaces: contact shading of indirect light."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _BURIED_SHARE = 0.3  # of rays that meet backs: such a point lies inside somethi
 _BLOCK = 1 << 14
 
 
-def near_occlusion(
+def near_ambient_visibility(
     point_m: NDArray[np.float32], normal: NDArray[np.float32], wanted: NDArray[np.bool_], tracer: RayTracer
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Openness of the hemisphere above points, and whether they lie inside something.
+    """Ambient visibility of the hemisphere above points, and whether they lie inside something.
 
     Parameters
     ----------
@@ -29,12 +29,12 @@ def near_occlusion(
 
     Returns
     -------
-    openness
+    ambient_visibility
         (N,) float32, 1 where nothing is within `REACH_M` [1].
     buried
         (N,) bool.
     """
-    openness = np.ones(len(point_m), np.float32)
+    ambient_visibility = np.ones(len(point_m), np.float32)
     buried = np.zeros(len(point_m), dtype=bool)
     pattern = cosine_hemisphere(_RAYS)
     chosen = np.flatnonzero(wanted)
@@ -43,9 +43,9 @@ def near_occlusion(
         directions = around(normal[who], pattern).reshape(-1, 3) * np.float32(REACH_M)
         hits = tracer.first_hits(np.repeat(point_m[who], _RAYS, axis=0), directions, 1.0)
         nearness = np.where(hits.triangle >= 0, (1 - hits.distance) ** 2, 0).reshape(-1, _RAYS)
-        openness[who] = 1 - nearness.mean(axis=1)
+        ambient_visibility[who] = 1 - nearness.mean(axis=1)
         buried[who] = hits.from_behind.reshape(-1, _RAYS).mean(axis=1) > _BURIED_SHARE
-    return openness, buried
+    return ambient_visibility, buried
 
 
 def cosine_hemisphere(count: int) -> NDArray[np.float32]:
