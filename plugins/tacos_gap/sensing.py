@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.noise import add_noise
 from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.formation import PlacedSensor, SensorAt
 from tacos_framework.plugins.guarded import calling
 from tacos_framework.values import Camera, Exposure, Rig
 from tacos_gap.captures import Noise, RealCapture
+from tacos_plugins.sensors.noise import add_noise
 
 Samples = NDArray[np.float32]
 

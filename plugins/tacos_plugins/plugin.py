@@ -290,7 +290,7 @@ def _components() -> Iterator[Component]:
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos schema``, ``tacos completion``, ``tacos new-plugin``."""
+    """``tacos catalog``, ``tacos schema``, ``tacos completion``, ``tacos new-plugin``."""
     return commands()
 
 

@@ -73,31 +73,3 @@ def exposure_per_luminance(time_s: float, f_number: float) -> float:
     0.03
     """
     return math.pi * time_s / (4 * f_number**2)
-
-
-def digitise(samples_dn: NDArray[np.float32], white_level_dn: int) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """Round to the nearest digital number and clip to 0 .. white level.
-
-    Halves go to the even neighbour, so that rounding has no bias; cutting the fraction off instead would
-    darken every image by half a digital number.
-
-    Parameters
-    ----------
-    samples_dn
-        Analog samples, pedestal included, of any shape [DN].
-    white_level_dn
-        Full scale of the file, at most 65535 [DN].
-
-    Returns
-    -------
-    NDArray
-        uint8 where 255 holds the white level, else uint16; same shape [DN].
-
-    Examples
-    --------
-    >>> digitise(np.float32([-3.0, 0.5, 1.5, 1.4, 254.6, 300.0]), 255).tolist()
-    [0, 0, 2, 1, 255, 255]
-    """
-    rounded = np.rint(samples_dn)
-    np.clip(rounded, 0, white_level_dn, out=rounded)
-    return rounded.astype(np.uint8) if white_level_dn <= 255 else rounded.astype(np.uint16)

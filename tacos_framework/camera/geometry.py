@@ -201,28 +201,3 @@ def projection_matrix(camera: Camera, near_m: float, far_m: float) -> NDArray[np
             [0.0, 0.0, 1.0, 0.0],
         ]
     )
-
-
-def frustum_planes(clip_from_world: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The six planes that bound what a projection keeps.
-
-    A point p is inside where ``planes[:, :3] @ p + planes[:, 3] >= 0`` for all of them.
-
-    Parameters
-    ----------
-    clip_from_world
-        (4, 4) projection times view [1].
-
-    Returns
-    -------
-    NDArray
-        (6, 4) float64 with normals of unit length: left, right, first row, last row, near, far [1, m].
-
-    References
-    ----------
-    Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the
-    world-view-projection matrix".
-    """
-    x, y, z, w = clip_from_world
-    planes = np.stack([w + x, w - x, w + y, w - y, w + z, w - z])
-    return planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True)

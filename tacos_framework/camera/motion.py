@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,9 +13,6 @@ Places = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 HALF_STEP_S = 0.5e-3
 """Motion is the difference of poses this long before and after a moment [s]."""
-
-_ROUNDS = 6
-_CLOSE_PX = 1e-4
 
 
 def inverse_depth(depth_m: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -70,36 +65,6 @@ def reprojected(
     seen = np.tensordot(other_from_camera[:3], points, axes=1)
     depth_ratio = np.maximum(seen[2], 1e-6)  # what comes to lie behind the camera leaves the image
     return seen[0] / depth_ratio * f + cx, seen[1] / depth_ratio * f + cy, depth_ratio
-
-
-def source_of(geometry: ImageGeometry, forward: Callable[..., Places], frames: int) -> Places:
-    """Where the pixels of a moved image come from, when only the way there is known.
-
-    Parameters
-    ----------
-    geometry
-        The image.
-    forward
-        Takes columns and rows, (N, H, W), to where they move [px].
-    frames
-        N.
-
-    Returns
-    -------
-    (N, H, W) columns and rows that `forward` takes to the pixels [px]. Where a near surface has uncovered
-    a far one, the rim of either is drawn out.
-    """
-    size = (frames, geometry.height_px, geometry.width_px)
-    to_x = np.broadcast_to(np.arange(geometry.width_px, dtype=np.float64), size)
-    to_y = np.broadcast_to(np.arange(geometry.height_px, dtype=np.float64)[:, None], size)
-    x, y = to_x, to_y
-    for _ in range(_ROUNDS):
-        there_x, there_y = forward(x, y)
-        left_x, left_y = to_x - there_x, to_y - there_y
-        x, y = x + left_x, y + left_y
-        if max(np.abs(left_x).max(), np.abs(left_y).max()) < _CLOSE_PX:
-            break
-    return x, y
 
 
 def image_velocity(view: View, episode: Episode) -> NDArray[np.float32]:

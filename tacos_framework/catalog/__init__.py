@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from tacos_framework.catalog.calibration import Calibration, load_calibration
 from tacos_framework.catalog.cameras import OffTheShelf, camera_names, load_cameras
 from tacos_framework.catalog.parts import Catalog, CatalogColumn, CatalogPart
 from tacos_framework.catalog.reader import catalog_names, find_catalog, read_catalog
 
 __all__ = [
-    "Calibration",
     "Catalog",
     "CatalogColumn",
     "CatalogPart",
@@ -16,7 +14,6 @@ __all__ = [
     "camera_names",
     "catalog_names",
     "find_catalog",
-    "load_calibration",
     "load_cameras",
     "read_catalog",
 ]

@@ -21,8 +21,6 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
-    catalog = commands.add_parser("catalog", help="catalogs of parts and cameras")
-    catalog.add_argument("name", nargs="?", help="a catalog to show; all of them are listed without")
     report = commands.add_parser("report", help="write report.html of a results folder anew")
     report.add_argument("folder", metavar="DIR", type=Path, help="results folder of a run")
     for command in plugins.commands(taken=tuple(commands.choices)):
@@ -43,7 +41,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     own: dict[str, Callable[[argparse.Namespace], int]] = {
         "plugins": lambda arguments: _plugins(plugins),
         "doctor": lambda arguments: _doctor(plugins),
-        "catalog": _catalog,
         "report": _report,
     }
     commands = {command.name: command.run for command in plugins.commands()} | own
@@ -99,13 +96,6 @@ def _torch() -> EnvironmentFinding:
     return EnvironmentFinding(
         "torch", f"{torch.__version__}, {'cuda' if torch.cuda.is_available() else 'cpu'}"
     )
-
-
-def _catalog(arguments: argparse.Namespace) -> int:
-    from tacos_framework.cli.catalogs import list_catalogs, show_catalog
-
-    print(show_catalog(arguments.name) if arguments.name else list_catalogs())
-    return DONE
 
 
 def _report(arguments: argparse.Namespace) -> int:

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.exposure import digitise
 from tacos_framework.camera.geometry import agent_from_camera, world_from_camera
+from tacos_framework.formation.arrays import digitise
 from tacos_framework.values import (
     Camera,
     Capture,

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.camera.exposure import (
-    digitise,
     exposure_per_luminance,
     gain_factor,
     lambertian_luminance,
 )
+from tacos_framework.formation.arrays import digitise
 
 
 def test_a_grey_card_in_full_sun_at_the_sunny_16_setting():

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tacos_framework.camera import geometry
 from tacos_framework.values import Camera
+from tacos_plugins.renderers.moderngl.culling import frustum_planes
 
 angles = st.floats(-80, 80)
 offsets = st.floats(-2, 2)
@@ -94,7 +95,7 @@ def test_matrix_refuses_a_depth_range_that_does_not_rise(near_m, far_m):
 def test_frustum_planes_keep_what_the_matrix_keeps(point):
     matrix = geometry.projection_matrix(a_camera(), 0.5, 20.0)
     x, y, z, w = matrix @ [*point, 1.0]
-    planes = geometry.frustum_planes(matrix)
+    planes = frustum_planes(matrix)
     inside = (planes[:, :3] @ point + planes[:, 3] >= 0).all()
     margin = min(w - abs(x), w - abs(y), w - abs(z))
     if abs(margin) > 1e-6:
@@ -103,7 +104,7 @@ def test_frustum_planes_keep_what_the_matrix_keeps(point):
 
 def test_frustum_planes_tell_how_far_the_edges_of_the_image_and_the_depth_range_are():
     camera = a_camera(principal_point_px=(100.0, 400.0))
-    planes = geometry.frustum_planes(geometry.projection_matrix(camera, 0.5, 20.0))
+    planes = frustum_planes(geometry.projection_matrix(camera, 0.5, 20.0))
     np.testing.assert_allclose(np.linalg.norm(planes[:, :3], axis=1), 1.0)
     corners_px = np.array([[-0.5, -0.5], [639.5, -0.5], [639.5, 479.5], [-0.5, 479.5]])
     rays = np.column_stack([(corners_px - camera.centre_px) / camera.focal_length_px, np.ones(4)])

@@ -7,9 +7,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tacos_framework.camera.geometry import agent_from_camera, project
-from tacos_framework.camera.motion import image_velocity, reprojected, source_of
+from tacos_framework.camera.motion import image_velocity, reprojected
 from tacos_framework.testing.samples import sample_world
 from tacos_framework.values import Camera, Episode, ImageGeometry, Trajectory, View
+from tacos_plugins.effects.pixel_sources import source_of
 
 GEOMETRY = ImageGeometry(64, 48, focal_length_px=50.0, centre_px=(30.0, 25.0), pixel_um=3)
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.camera.noise import add_noise, affine_variance, gain_ratio, signal_to_noise_db
+from tacos_plugins.sensors.noise import add_noise, affine_variance, gain_ratio, signal_to_noise_db
 
 FLEA3_GREEN = {"photon_dn": 0.12, "thermal_dn2": 0.91}
 

@@ -6,16 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from tacos_framework.catalog import (
-    Catalog,
-    find_catalog,
-    load_calibration,
-    load_cameras,
-    read_catalog,
-)
+from tacos_framework.catalog import Catalog, find_catalog, load_cameras, read_catalog
 from tacos_framework.catalog.checks import unit_of
 from tacos_framework.errors import UserError
 from tacos_framework.packaged_resources import shipped_folder
+from tacos_plugins.sensors.calibration import load_calibration
 
 HEAD = """\
 title: Two sensors

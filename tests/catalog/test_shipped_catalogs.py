@@ -8,14 +8,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tacos_framework.catalog import (
-    camera_names,
-    catalog_names,
-    find_catalog,
-    load_calibration,
-    load_cameras,
-)
+from tacos_framework.catalog import camera_names, catalog_names, find_catalog, load_cameras
 from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
+from tacos_plugins.sensors.calibration import load_calibration
 
 
 def test_the_catalog_is_the_paper_s() -> None:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from tacos_framework.contracts import LookAlike, ShownBy
-from tacos_framework.contracts.observed import a_series_of_exposures, one_velocity
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext
 from tacos_plugins.effects.colour_matrix import ColourMatrix
 from tacos_plugins.effects.flicker import Flicker
 from tacos_plugins.effects.motion_blur import MotionBlur
+from tacos_plugins.effects.observations import a_series_of_exposures, one_velocity
 from tacos_plugins.effects.saturation import Saturation
 
 PLUGINS = Plugins.discover()

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.catalog import camera_names, find_catalog, load_calibration
+from tacos_framework.catalog import camera_names, find_catalog
 from tacos_framework.errors import UserError
 from tacos_framework.plan import make_plan
 from tacos_framework.plan.procedure import plan_procedure
@@ -20,6 +20,7 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import read_any_recipe
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_gap.captures import read_captures
+from tacos_plugins.sensors.calibration import load_calibration
 
 ROOT = Path(__file__).parents[2]
 

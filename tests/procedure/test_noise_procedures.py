@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
-from tacos_framework.catalog import load_calibration
 from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_framework.study.progress import Silent
 from tacos_plugins.sensors.affine_noise import AffineNoise
+from tacos_plugins.sensors.calibration import load_calibration
 from tacos_validation.noise.calibrate import CalibrateNoise
 from tacos_validation.noise.validate import ValidateNoise
 

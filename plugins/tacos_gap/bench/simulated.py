@@ -14,7 +14,6 @@ from tacos_framework.camera.motion import image_velocity
 from tacos_framework.errors import CandidateFailed, Fault, UserError
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect, PlacedSensor, SensorAt
 from tacos_framework.graph import signature_of
-from tacos_framework.plan.building import build, build_rig, episode_of, part_of
 from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Use
@@ -24,6 +23,7 @@ from tacos_gap.bench.light import dimmed, patches_of, repeated, velocity_of, wit
 from tacos_gap.bench.settings import BenchSettings, BenchShot
 from tacos_gap.captures import Board, Noise, RealCapture
 from tacos_gap.sensing import NODE, response_of
+from tacos_plugins.building import build, build_rig, episode_of, part_of
 
 REFERENCE_LUX = 1000.0
 """Light that scenes are rendered under before the lamp is dimmed to the level that is asked for [lux]."""

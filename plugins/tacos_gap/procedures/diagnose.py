@@ -14,7 +14,6 @@ from pydantic import JsonValue
 
 from tacos_framework.contracts import Executor
 from tacos_framework.formation import PlacedSensor
-from tacos_framework.plan.building import build
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.report.page import write_page
@@ -32,6 +31,7 @@ from tacos_gap.procedures.task_scores import task_scores
 from tacos_gap.report.page import Circumstances, page
 from tacos_gap.sensing import NODE, with_sensor
 from tacos_gap.transfer import Photographed, patch, patched
+from tacos_plugins.building import build
 
 
 class Diagnose:

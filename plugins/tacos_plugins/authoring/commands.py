@@ -1,4 +1,4 @@
-"""``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
+"""``tacos catalog``, ``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ SHELLS = ("bash", "zsh", "fish")
 def commands() -> list[Command]:
     """The commands; importing this is light."""
     return [
+        Command("catalog", "catalogs of parts and cameras", _catalog_arguments, _catalog),
         Command("schema", "print the JSON Schema of recipes, for editors", _no_arguments, _schema),
         Command(
             "completion",
@@ -29,6 +30,17 @@ def commands() -> list[Command]:
             _new_plugin,
         ),
     ]
+
+
+def _catalog_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", nargs="?", help="a catalog to show; all of them are listed without")
+
+
+def _catalog(arguments: argparse.Namespace) -> int:
+    from tacos_plugins.authoring.catalogs import list_catalogs, show_catalog
+
+    print(show_catalog(arguments.name) if arguments.name else list_catalogs())
+    return DONE
 
 
 def _no_arguments(parser: argparse.ArgumentParser) -> None:

@@ -65,8 +65,8 @@ def _parsers() -> Iterable[argparse.ArgumentParser]:
     """The two command lines, with what their arguments may be."""
     from tacos_framework.catalog import catalog_names
     from tacos_framework.cli import run, tacos
-    from tacos_framework.cli.catalogs import CAMERAS
     from tacos_framework.plugins import Plugins
+    from tacos_plugins.authoring.catalogs import CAMERAS
 
     plugins = Plugins.discover()
     runs, around = run.parser(), tacos.parser(plugins)

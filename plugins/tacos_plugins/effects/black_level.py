@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARK
 
@@ -45,7 +46,7 @@ class BlackLevel:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "veiling-glare",
-            observed.one_scene_no_dark,
+            observations.one_scene_no_dark,
             "dark",
             "with the cap on there is no stray light, but still an offset",
         ),

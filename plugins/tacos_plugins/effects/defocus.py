@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
 from tacos_plugins.effects.shown_by import EDGES
@@ -72,7 +73,7 @@ class Defocus:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "lens-blur",
-            observed.one_depth_one_place,
+            observations.one_depth_one_place,
             "edge",
             "edges over the whole field: blur of the lens grows towards the corners",
         ),

@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tacos_framework.camera.motion import Places
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.shown_by import BOARDS
 
 
@@ -49,7 +50,10 @@ class FocalLengthError:
     )
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
-            "pose-error", observed.flat_on, "board", "tilted views tell the focal length from the distance"
+            "pose-error",
+            observations.flat_on,
+            "board",
+            "tilted views tell the focal length from the distance",
         ),
     )
     shown_by: ClassVar[Sequence[ShownBy]] = (BOARDS,)

@@ -10,9 +10,10 @@ import numpy as np
 from pydantic import model_validator
 
 from tacos_framework.camera.motion import Places
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.lens_models import BrownConrady, Fisheye
 from tacos_plugins.effects.shown_by import BOARDS
 
@@ -67,7 +68,10 @@ class LensDistortion:
     )
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
-            "pose-error", observed.one_view, "board", "further tilted views tell the lens from a bent board"
+            "pose-error",
+            observations.one_view,
+            "board",
+            "further tilted views tell the lens from a bent board",
         ),
     )
     shown_by: ClassVar[Sequence[ShownBy]] = (BOARDS,)

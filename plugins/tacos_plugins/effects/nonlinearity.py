@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.pointwise import Moments, moments_behind
 from tacos_plugins.effects.shown_by import BRACKET
 
@@ -44,13 +45,13 @@ class Nonlinearity:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "exposure-error",
-            observed.one_level,
+            observations.one_level,
             "bracket",
             "levels against exposure times tell a curve from a scale",
         ),
         LookAlike(
             "tone-curve",
-            observed.one_level,
+            observations.one_level,
             "bracket",
             "levels against exposure times tell a curve from a scale",
         ),

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from tacos_framework.camera.geometry import invert_pose
-from tacos_framework.camera.motion import Places, inverse_depth, reprojected, source_of
+from tacos_framework.camera.motion import Places, inverse_depth, reprojected
 from tacos_framework.camera.resampling import resample_inverse_depth
 from tacos_framework.contracts import Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.pixel_sources import source_of
 
 
 class PoseError:

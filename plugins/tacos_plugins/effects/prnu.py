@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.fixed_pattern import PatternSettings, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import FLAT, REPEATED_FLAT
@@ -45,7 +46,7 @@ class Prnu:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "conversion-gain-error",
-            observed.no_repeats,
+            observations.no_repeats,
             "flat",
             "two or more frames of one setting tell fixed patterns from noise",
         ),

@@ -8,11 +8,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places, source_of
+from tacos_framework.camera.motion import Places
 from tacos_framework.camera.resampling import nearest
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
+from tacos_plugins.effects.pixel_sources import source_of
 from tacos_plugins.effects.shown_by import MOTION
 
 
@@ -52,7 +54,7 @@ class RollingShutter:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "pose-error",
-            observed.one_velocity,
+            observations.one_velocity,
             "sequence",
             "another velocity: readout bends by it, a pose does not",
         ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tacos_framework.contracts import ShownBy
-from tacos_framework.contracts.observed import (
+from tacos_plugins.effects.observations import (
     FEWEST_TIMES,
     FEWEST_VIEWS,
     a_series_of_exposures,

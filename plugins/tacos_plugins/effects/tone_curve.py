@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 from scipy.interpolate import PchipInterpolator
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.pointwise import Moments, moments_behind
 from tacos_plugins.effects.shown_by import BRACKET
 
@@ -68,13 +69,13 @@ class ToneCurve:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "exposure-error",
-            observed.one_exposure_of_a_scene,
+            observations.one_exposure_of_a_scene,
             "bracket",
             "levels against exposure times tell a curve from a scale",
         ),
         LookAlike(
             "exposure-error",
-            observed.one_level,
+            observations.one_level,
             "bracket",
             "levels against exposure times tell a curve from a scale",
         ),

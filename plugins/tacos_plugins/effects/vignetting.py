@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage, observed
+from tacos_framework.contracts import LookAlike, ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.radial import brightens, even_polynomial
 from tacos_plugins.effects.shown_by import FLAT
 
@@ -45,13 +46,13 @@ class Vignetting:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "illumination-gradient",
-            observed.one_flat_without_stack,
+            observations.one_flat_without_stack,
             "flat",
             "rotated by 90 degrees it tells vignetting from uneven light",
         ),
         LookAlike(
             "lens-shading-correction",
-            observed.one_flat_without_stack,
+            observations.one_flat_without_stack,
             "flat",
             "a stack of frames: noise over the field tells light lost from values scaled",
         ),

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import luminance
 from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor
-from tacos_framework.camera.noise import add_noise, gain_ratio
-from tacos_framework.catalog import Calibration, load_calibration
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Exposure
+from tacos_plugins.sensors.calibration import Calibration, load_calibration
+from tacos_plugins.sensors.noise import add_noise, gain_ratio
 
 
 class NoiseLevels(NamedTuple):

@@ -1,0 +1,110 @@
+"""What captures can and cannot tell: the usual reasons of `LookAlike` and `ShownBy`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tacos_framework.contracts.observed import Captures, lit, of_kind, structured
+
+FEWEST_VIEWS = 3
+"""Views of a board below which lens, focal length and pose are mixed up."""
+
+FEWEST_TIMES = 3
+"""Exposure times of a series below which a curve cannot be told from a line."""
+
+
+def one_flat_without_stack(captures: Captures) -> bool:
+    """Nothing but one lit frame: uneven light turns with nothing, and no noise is seen."""
+    seen = lit(captures)
+    return len(seen) == 1 and seen[0].frames == 1
+
+
+def no_repeats(captures: Captures) -> bool:
+    """No even field was taken twice, so that fixed patterns and noise are one."""
+    return all(capture.frames == 1 for capture in of_kind(captures, "dark", "flat", "bracket"))
+
+
+def one_level(captures: Captures) -> bool:
+    """One lit capture of an even field: a single point of a curve."""
+    seen = lit(captures)
+    return len(seen) == 1 and not seen[0].is_structured
+
+
+def one_exposure_of_a_scene(captures: Captures) -> bool:
+    """One lit capture, of a scene: its levels may be the light's or a curve's."""
+    seen = lit(captures)
+    return len(seen) == 1 and seen[0].kind == "scene"
+
+
+def one_scene_no_dark(captures: Captures) -> bool:
+    """One capture, and none with the cap on: an offset may be stray light."""
+    return not of_kind(captures, "dark") and len(captures) == 1
+
+
+def one_depth_one_place(captures: Captures) -> bool:
+    """Sharpness is seen on one straight edge alone: at one distance and one place in the field."""
+    seen = structured(captures)
+    return len(seen) == 1 and seen[0].edge_angle_deg is not None
+
+
+def one_velocity(captures: Captures) -> bool:
+    """What moves does so at one velocity, in single frames."""
+    moving = of_kind(captures, "sequence")
+    known = [c.context.known_velocity_px_s("") for c in moving if c.context.velocity_px_s is not None]
+    means = {tuple(np.round(v.reshape(-1, 2).mean(axis=0), 1).tolist()) for v in known}
+    return len(means) < 2 and max((capture.frames for capture in moving), default=1) < 2
+
+
+def flat_on(captures: Captures) -> bool:
+    """All that shows displacement is one view, so that distance, tilt and lens are one."""
+    return len(of_kind(captures, "board")) < 2 and not structured(captures)
+
+
+def one_view(captures: Captures) -> bool:
+    """One view of a board, and nothing else that shows displacement."""
+    return len(of_kind(captures, "board")) == 1 and not structured(captures)
+
+
+def any_of_kind(*kinds: str) -> Callable[[Captures], bool]:
+    """Whether there is a capture of some kinds."""
+    return lambda captures: bool(of_kind(captures, *kinds))
+
+
+def repeated(*kinds: str) -> Callable[[Captures], bool]:
+    """Whether a capture of some kinds has two frames or more."""
+    return lambda captures: any(capture.frames > 1 for capture in of_kind(captures, *kinds))
+
+
+def structured_of_kind(*kinds: str) -> Callable[[Captures], bool]:
+    """Whether a capture of some kinds shows edges or texture."""
+    return lambda captures: bool(structured(of_kind(captures, *kinds)))
+
+
+def two_dark_exposures(captures: Captures) -> bool:
+    """Two exposure times with the cap on."""
+    return len({capture.context.exposure_s for capture in of_kind(captures, "dark")}) > 1
+
+
+def a_series_of_exposures(captures: Captures) -> bool:
+    """A bracket of `FEWEST_TIMES` exposure times or more in one group."""
+    groups: dict[str, set[float]] = {}
+    for capture in of_kind(captures, "bracket"):
+        groups.setdefault(capture.group or capture.kind, set()).add(capture.context.exposure_s)
+    return any(len(times) >= FEWEST_TIMES for times in groups.values())
+
+
+def views_of_a_board(captures: Captures) -> bool:
+    """`FEWEST_VIEWS` views of a chessboard or more."""
+    return len(of_kind(captures, "board")) >= FEWEST_VIEWS
+
+
+def colours_or_mono(captures: Captures) -> bool:
+    """A chart with its patches; a camera without colour needs none."""
+    return captures[0].real_dn.shape[-1] == 1 or any(capture.patches is not None for capture in captures)
+
+
+def known_motion(captures: Captures) -> bool:
+    """A sequence of something that moves at a known velocity."""
+    return any(capture.context.velocity_px_s is not None for capture in of_kind(captures, "sequence"))
