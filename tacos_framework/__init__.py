@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from tacos_framework.contracts import Evaluated as Evaluated
     from tacos_framework.contracts import Executor as Executor
     from tacos_framework.contracts import JobRunner as JobRunner
+    from tacos_framework.contracts import LookAlike as LookAlike
     from tacos_framework.contracts import Optimizer as Optimizer
     from tacos_framework.contracts import Procedure as Procedure
     from tacos_framework.contracts import Renderer as Renderer
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from tacos_framework.contracts import Scorer as Scorer
     from tacos_framework.contracts import Scores as Scores
     from tacos_framework.contracts import Sensor as Sensor
+    from tacos_framework.contracts import ShownBy as ShownBy
     from tacos_framework.contracts import Stage as Stage
     from tacos_framework.contracts import State as State
     from tacos_framework.contracts import Task as Task
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     from tacos_framework.recipe.procedure import ProcedureRecipe as ProcedureRecipe
     from tacos_framework.runner import run as run
     from tacos_framework.settings import Settings as Settings
+    from tacos_framework.settings import physical as physical
     from tacos_framework.settings import setting as setting
     from tacos_framework.simulation import Evaluation as Evaluation
     from tacos_framework.study.progress import Progress as Progress
@@ -69,64 +72,31 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "components": ("Command", "Component"),
+    "components": "Command Component",
     "contracts": (
-        "Budget",
-        "Effect",
-        "Evaluated",
-        "Executor",
-        "JobRunner",
-        "Optimizer",
-        "Procedure",
-        "Renderer",
-        "RigBuilder",
-        "Scene",
-        "Scorer",
-        "Scores",
-        "Sensor",
-        "Stage",
-        "State",
-        "Task",
-        "Trainable",
-        "Transform",
+        "Budget Effect Evaluated Executor JobRunner LookAlike Optimizer Procedure Renderer RigBuilder "
+        "Scene Scorer Scores Sensor ShownBy Stage State Task Trainable Transform"
     ),
-    "environment": ("EnvironmentFinding",),
-    "errors": ("CandidateFailed", "Fault", "UserError"),
-    "hookspecs": ("hookimpl",),
-    "plugins": ("Plugins",),
-    "recipe": ("Recipe",),
-    "recipe.loading": ("load_recipe",),
-    "recipe.procedure": ("ProcedureRecipe",),
-    "runner": ("run",),
-    "settings": ("Settings", "setting"),
-    "simulation": ("Evaluation",),
-    "study.progress": ("Progress",),
+    "environment": "EnvironmentFinding",
+    "errors": "CandidateFailed Fault UserError",
+    "hookspecs": "hookimpl",
+    "plugins": "Plugins",
+    "recipe": "Recipe",
+    "recipe.loading": "load_recipe",
+    "recipe.procedure": "ProcedureRecipe",
+    "runner": "run",
+    "settings": "Settings physical setting",
+    "simulation": "Evaluation",
+    "study.progress": "Progress",
     "values": (
-        "Camera",
-        "Capture",
-        "ContextMissing",
-        "Crossing",
-        "Electrons",
-        "Episode",
-        "Exposure",
-        "FrameBatch",
-        "ImageContext",
-        "ImageGeometry",
-        "Light",
-        "Material",
-        "Mover",
-        "Object",
-        "MeshPart",
-        "Rig",
-        "Trajectory",
-        "View",
-        "World",
+        "Camera Capture ContextMissing Crossing Electrons Episode Exposure FrameBatch ImageContext "
+        "ImageGeometry Light Material MeshPart Mover Object Rig Trajectory View World"
     ),
-    "variables.design_space": ("Candidate", "DesignSpace"),
+    "variables.design_space": "Candidate DesignSpace",
 }
-"""The modules of the public names, which are imported on first use."""
+"""Module -> the public names in it, which are imported on first use."""
 
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 
 __all__ = ["__version__", *_HOME_OF]  # noqa: PLE0604 - all of them are text
 

@@ -47,6 +47,9 @@ class Component:
     requires
         Import names of optional packages the class needs, each as ``"module"`` or
         ``"module=package-to-install"``.
+    default_for
+        What is not named it stands for: ``"executor"`` where a recipe names none, ``"workers"`` for
+        ``--workers N``.
 
     Examples
     --------
@@ -59,6 +62,7 @@ class Component:
     target: str
     summary: str
     requires: tuple[str, ...] = ()
+    default_for: tuple[str, ...] = ()
     contract: int = CONTRACT_VERSION
 
     def __post_init__(self) -> None:

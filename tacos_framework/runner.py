@@ -105,8 +105,8 @@ def _run_procedure(
         if executor
         else GuardedExecutor(
             plan.executor_cls(plan.executor_config),
-            recipe.executor.use,
-            plugins.distribution_of(recipe.executor.use),
+            plan.executor,
+            plugins.distribution_of(plan.executor),
         )
     )
     supplied = {

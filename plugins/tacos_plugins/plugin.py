@@ -273,6 +273,9 @@ FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 }
 """Kind -> name -> module and class within the family's folder, summary, and packages it needs."""
 
+DEFAULT_FOR = {"executor.local": ("executor",), "executor.process": ("workers",)}
+"""What is not named in a recipe or on the command line -> the component that stands for it."""
+
 
 @hookimpl
 def tacos_components() -> list[Component]:
@@ -283,7 +286,14 @@ def tacos_components() -> list[Component]:
 def _components() -> Iterator[Component]:
     for kind, family in FAMILIES.items():
         for name, (target, summary, *requires) in family.items():
-            yield Component(kind, name, f"tacos_plugins.{kind}s.{target}", summary, tuple(requires))
+            yield Component(
+                kind,
+                name,
+                f"tacos_plugins.{kind}s.{target}",
+                summary,
+                tuple(requires),
+                default_for=DEFAULT_FOR.get(f"{kind}.{name}", ()),
+            )
     for name, (target, summary) in PROCEDURES.items():
         yield Component("procedure", name, f"tacos_plugins.{target}", summary)
 

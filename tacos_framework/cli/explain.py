@@ -19,9 +19,8 @@ def explain(plan: Plan) -> str:
 
 def explain_procedure(plan: ProcedurePlan) -> str:
     """The effective settings of a procedure."""
-    executor = plan.recipe.executor.use
     return "\n".join(
-        [plan.recipe.use, *_settings(plan.config), f"  {executor}", *_settings(plan.executor_config)]
+        [plan.recipe.use, *_settings(plan.config), f"  {plan.executor}", *_settings(plan.executor_config)]
     )
 
 

@@ -50,7 +50,7 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", metavar="N", type=int, help="seed, instead of the recipe's")
     parser.add_argument("--resume", action="store_true", help="go on with the run in --out")
     parser.add_argument("--workers", metavar="N", type=int, help="evaluate in N processes")
-    parser.add_argument("--executor", metavar="NAME", help="executor component, e.g. executor.process")
+    parser.add_argument("--executor", metavar="NAME", help="executor component, executor.NAME")
     parser.add_argument("--check", action="store_true", help="report all faults of the recipe, then stop")
     parser.add_argument(
         "--explain", action="store_true", help="show the resolved graph and settings, then stop"
@@ -71,7 +71,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
     from tacos_framework.recipe import Recipe
 
     plugins = Plugins.discover()
-    recipe, faults = _read(arguments)
+    recipe, faults = _read(arguments, plugins)
     if arguments.resume and arguments.out is None:
         faults.append(Fault("--resume", "which run is not said", "", "Name its folder with --out."))
     planned = _plan_study if isinstance(recipe, Recipe) else _plan_procedure
@@ -119,17 +119,17 @@ def _plan_procedure(
     return plan, lambda: explain_procedure(plan)
 
 
-def _read(arguments: argparse.Namespace) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
+def _read(arguments: argparse.Namespace, plugins: Plugins) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
     from tacos_framework.recipe.loading import read_any_recipe
 
     faults: list[Fault] = []
-    sets = _sets(arguments, faults)
+    sets = _sets(arguments, plugins, faults)
     effects = [effect for file in arguments.effects for effect in _effects(Path(file))]
     recipe, found = read_any_recipe(arguments.recipe, sets=sets, effects=effects)
     return recipe, [*faults, *found]
 
 
-def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
+def _sets(arguments: argparse.Namespace, plugins: Plugins, faults: list[Fault]) -> dict[str, Any]:
     from tacos_framework.settings.yaml_reader import read_yaml_draft
 
     sets: dict[str, Any] = {}
@@ -152,7 +152,7 @@ def _sets(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, Any]:
     if arguments.executor is not None:
         sets["executor"] = {"use": arguments.executor}
     if arguments.workers is not None:
-        executor = arguments.executor or "executor.process"
+        executor = arguments.executor or plugins.default("workers", where="--workers")
         sets["executor"] = {"use": executor, "workers": arguments.workers}
     return sets
 

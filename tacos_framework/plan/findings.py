@@ -79,6 +79,17 @@ class RecipeFindings:
         cls = self.component(use.use, kind, path)
         return None if cls is None else self.configured(cls, use.use, use.settings, path)
 
+    def executor(self) -> ConfiguredComponent | None:
+        """Where candidates are evaluated; where the recipe does not say, what stands for it."""
+        path: Path = ("executor",)
+        try:
+            default = Use(use=self.plugins.default("executor", where=self.recipe.where(path)))
+        except UserError as error:
+            if self.recipe.executor is None:
+                self.faults.extend(error.faults)
+                return None
+        return self.part(self.recipe.executor or default, "executor", path)
+
     def configured(
         self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path
     ) -> ConfiguredComponent | None:

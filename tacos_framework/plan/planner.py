@@ -51,7 +51,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     check_constraints(findings, rig)
     check_scores(findings, nodes)
     optimizer = findings.part(recipe.optimizer, "optimizer", ("optimizer",)) if recipe.optimizer else None
-    executor = findings.part(recipe.executor, "executor", ("executor",))
+    executor = findings.executor()
     cameras = find_cameras(findings, rig)
     if findings.faults or not (graph and rig and space and optimizer and executor):
         return None

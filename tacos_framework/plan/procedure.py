@@ -9,6 +9,7 @@ from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Use
 from tacos_framework.recipe.procedure import SHARED_KEYS, ProcedureRecipe
 from tacos_framework.settings import Settings, check, with_paths_from
 
@@ -20,6 +21,7 @@ class ProcedurePlan:
     recipe: ProcedureRecipe
     cls: type[Any]
     config: Settings
+    executor: str
     executor_cls: type[Any]
     executor_config: Settings
 
@@ -44,12 +46,13 @@ def plan_procedure(recipe: ProcedureRecipe, plugins: Plugins, faults: Sequence[F
     """
     found = list(faults)
     cls, config = _configured(recipe, plugins, "procedure", recipe.use, recipe.settings, (), found)
+    where = recipe.executor or Use(use=plugins.default("executor", where=recipe.where(("executor",))))
     executor, executor_config = _configured(
-        recipe, plugins, "executor", recipe.executor.use, recipe.executor.settings, ("executor",), found
+        recipe, plugins, "executor", where.use, where.settings, ("executor",), found
     )
     if found or cls is None or config is None or executor is None or executor_config is None:
         raise UserError(recipe.without_echoes(found))
-    return ProcedurePlan(recipe, cls, config, executor, executor_config)
+    return ProcedurePlan(recipe, cls, config, where.use, executor, executor_config)
 
 
 def _configured(

@@ -243,6 +243,21 @@ class Plugins:
         found = self._components.get(use)
         return found.distribution if found else None
 
+    def default(self, purpose: str, *, where: str) -> str:
+        """The component that stands for what is not named; see `Component.default_for`.
+
+        Raises
+        ------
+        UserError
+            When no plugin that is installed, or more than one component, offers to.
+        """
+        uses = [each.component.use for each in self if purpose in each.component.default_for]
+        if len(uses) != 1:
+            offered = f"{' and '.join(uses)} all offer to" if uses else "no component that is installed does"
+            what = f"nothing is named here, and {offered} stand for it"
+            raise UserError(Fault(where, what, "a component executor.NAME", "Name one."))
+        return uses[0]
+
     def component(self, use: str, kind: str | None = None, *, where: str = "plugins") -> Component:
         """The component recipes call `use`.
 

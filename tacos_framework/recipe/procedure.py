@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +49,7 @@ class ProcedureRecipe:
     settings: Mapping[str, Any]
     name: str = ""
     seed: int = 0
-    executor: Use = field(default_factory=lambda: Use(use="executor.local"))
+    executor: Use | None = None
     notes: tuple[str, ...] = ()
     document: Document | None = None
 
@@ -77,7 +77,7 @@ class ProcedureRecipe:
             "seed": self.seed,
             "use": self.use,
             **self.settings,
-            "executor": self.executor.model_dump(mode="json"),
+            **({"executor": self.executor.model_dump(mode="json")} if self.executor else {}),
             "notes": list(self.notes),
         }
 

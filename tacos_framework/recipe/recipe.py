@@ -268,7 +268,7 @@ class Recipe(Settings):
     nodes: dict[Name, NodeUse] = setting(help="The graph: components, wired by their ports.", min_length=1)
     fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
     optimizer: Use = setting(help="The derivative-free optimizer.")
-    executor: Use = setting(Use(use="executor.local"), help="Where candidates are evaluated.")
+    executor: Use | None = setting(None, help="Where candidates are evaluated; in this process if absent.")
     study: StudySettings = setting(StudySettings(), help="How candidates are compared.")
     compare: Compare | None = setting(None, help="Off-the-shelf cameras to set beside the design.")
     test: Test | None = setting(None, help="Scenes the design is tested on.")

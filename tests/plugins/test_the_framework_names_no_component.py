@@ -20,12 +20,6 @@ OFFERED = [each.component for each in Plugins.discover() if each.distribution ==
 USES = {component.use for component in OFFERED}
 BARE = {component.name for component in OFFERED if component.kind == "effect" and "-" in component.name}
 EXAMPLE = re.compile(r"\b(such as|as in|e\.g\.|like)\b")
-ALLOWED = {
-    ("cli/run.py", "executor.process"),
-    ("recipe/procedure.py", "executor.local"),
-    ("recipe/recipe.py", "executor.local"),
-}
-"""Where a run takes place that does not say where."""
 
 
 def docstrings(tree: ast.Module) -> set[int]:
@@ -74,6 +68,6 @@ def test_the_framework_names_no_component_of_the_default_plugins() -> None:
     for path in files():
         source, place = path.read_text(), path.relative_to(ROOT).as_posix()
         texts = strings(source) if path.suffix == ".py" else enumerate(source.splitlines(), 1)
-        found += [f"{place}:{n} {name}" for n, name in named(texts) if (place, name) not in ALLOWED]
+        found += [f"{place}:{n} {name}" for n, name in named(texts)]
     if found:
         pytest.fail("the framework names components of plugins:\n" + "\n".join(found))
