@@ -50,7 +50,7 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
 
     Examples
     --------
-    >>> from tacos_framework.fitness import Term
+    >>> from tacos_framework.fitness import FitnessTerm
     >>> contributions([{"a": 1.0}, {"a": 3.0}], Fitness((FitnessTerm("a", 2.0),))).tolist()
     [2.0, 6.0]
     """
@@ -136,7 +136,7 @@ class Race:
 
     Examples
     --------
-    >>> from tacos_framework.fitness import Term
+    >>> from tacos_framework.fitness import FitnessTerm
     >>> race = Race(Fitness((FitnessTerm("a", 1.0),)), standard_errors=2, min_blocks=3)
     >>> race.saw("good", [{"a": 1.0}, {"a": 3.0}, {"a": 2.0}])
     >>> race.saw("poor", [{"a": 0.5}, {"a": 2.6}, {"a": 1.4}])
