@@ -53,6 +53,9 @@ class Task(Protocol):
     ``lower_is_better: ClassVar[frozenset[str]]``
         Those of the scores that are errors, of which reports call the smallest best. Of the others higher is
         better.
+    ``frames_per_update: int``
+        How many frames it would have at a time, as a network on a GPU; one by default. It may be given more
+        or fewer, and its scores must not depend on that.
     """
 
     Config: ClassVar[type[Settings]]

@@ -92,7 +92,7 @@ class EvaluationContext:
             with self.at_work(node.name):
                 return self.output(node, inputs, draws, batch.first_frame)
 
-        wanted = [getattr(type(self.components[task]), "frames_per_update", 1) for task in tasks]
+        wanted = [getattr(self.components[task], "frames_per_update", 1) for task in tasks]
         yield from self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks)
 
     def draws(self, spec: EpisodeSpec) -> EpisodeDraws:

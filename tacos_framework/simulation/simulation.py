@@ -97,8 +97,8 @@ class Simulation:
                 broken = [sentence for c in self.plan.constraints for sentence in c.broken(derived)]
                 if broken:
                     return replace(evaluation, failed="; ".join(broken))
-                trials = self._trials(values, variables, clock)
-                scored = self._scored(evaluation, trials, episodes, states, training)
+                contexts = self._contexts(values, variables, clock)
+                scored = self._scored(evaluation, contexts, episodes, states, training)
                 return scored if partial else with_fitness(scored, self.plan.fitness)
             except CandidateFailed as error:
                 return replace(evaluation, failed=str(error), seconds=clock.seconds)
@@ -112,13 +112,13 @@ class Simulation:
     def _scored(
         self,
         evaluation: Evaluation,
-        trials: Mapping[str, EvaluationContext],
+        contexts: Mapping[str, EvaluationContext],
         episodes: Sequence[EpisodeSpec],
         states: Mapping[str, State],
         training: EpisodeSpec | None,
     ) -> Evaluation:
         """The evaluation with the scores of each episode, and what they cost."""
-        context = next(iter(trials.values()))
+        context = next(iter(contexts.values()))
         for component in context.components.values():  # before anything is rendered in vain
             sensors = (
                 [component.sensor, *component.by_camera.values()]
@@ -132,13 +132,13 @@ class Simulation:
         states = dict(states)
         if training is not None:
             for name in self.plan.trainable:
-                learning = [trials[key] for key in _scenarios(trials, training)]
+                learning = [contexts[key] for key in _scenarios(contexts, training)]
                 states[name], rendered = train(learning, name, states[name], training)
                 images += rendered
-        columns: dict[str, list[Scores]] = {name: [] for name in trials}
+        columns: dict[str, list[Scores]] = {name: [] for name in contexts}
         for spec in episodes:
-            for name in _scenarios(trials, spec):
-                scores, rendered = score(trials[name], spec, states)
+            for name in _scenarios(contexts, spec):
+                scores, rendered = score(contexts[name], spec, states)
                 columns[name].append(scores)
                 images += rendered
         several = isinstance(self.plan.recipe.scenario, tuple)
@@ -178,10 +178,10 @@ class Simulation:
 
     def _evaluation_context(self, values: Mapping[str, Any], spec: EpisodeSpec) -> EvaluationContext:
         """A candidate in the scenario of an episode; in the first, where it is of all."""
-        trials = self._trials(values, self.plan.rig_variables(values), Clock())
-        return trials[_scenarios(trials, spec)[0]]
+        contexts = self._contexts(values, self.plan.rig_variables(values), Clock())
+        return contexts[_scenarios(contexts, spec)[0]]
 
-    def _trials(
+    def _contexts(
         self, values: Mapping[str, Any], variables: Settings, clock: Clock
     ) -> dict[str, EvaluationContext]:
         """A candidate in each scenario, by name; the only one, where it has none, is called ``""``."""
@@ -192,12 +192,12 @@ class Simulation:
         key = content_key(values)
         with plan.rig.calling("build"):
             rig = self._rig.build(variables)
-        trials = {}
+        contexts = {}
         for given in plan.recipe.scenarios:
             name = given.name if isinstance(given, NamedScenario) else ""
             scenario = given.model_copy(update=overrides.of_scenario(name))
             exposure = Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
-            trials[name] = EvaluationContext(
+            contexts[name] = EvaluationContext(
                 plan=plan,
                 rig=rig,
                 exposure=exposure,
@@ -209,12 +209,12 @@ class Simulation:
                 key=key,
                 clock=clock,
             )
-        return trials
+        return contexts
 
 
-def _scenarios(trials: Mapping[str, EvaluationContext], spec: EpisodeSpec) -> list[str]:
+def _scenarios(contexts: Mapping[str, EvaluationContext], spec: EpisodeSpec) -> list[str]:
     """The scenarios an episode is seen in."""
-    return list(trials) if spec.scenario is None else [spec.scenario]
+    return list(contexts) if spec.scenario is None else [spec.scenario]
 
 
 def placed(name: str, part: ConfiguredComponent, overrides: SettingOverrides) -> Any:

@@ -21,13 +21,13 @@ KEPT_BYTES = 512 * 2**20
 
 
 def train(
-    trials: Sequence[EvaluationContext], task: str, state: State, spec: EpisodeSpec
+    contexts: Sequence[EvaluationContext], task: str, state: State, spec: EpisodeSpec
 ) -> tuple[State, int]:
     """Train a task on frames of a candidate.
 
     Parameters
     ----------
-    trials
+    contexts
         The candidate in each scenario, which take turns batch by batch.
     task
         The task node.
@@ -40,16 +40,16 @@ def train(
     -------
     The new state, and how many images were rendered.
     """
-    context = trials[0]
+    context = contexts[0]
     settings = context.plan.recipe.nodes[task].train
     if settings is None or settings.weights == "frozen":
         return state, 0
     scene = context.plan.graph.scene_of(task)
     spec = replace(spec, frames=settings.frames)
     with context.clock.of(scene):
-        episodes = [each.episode(scene, spec) for each in trials]
+        episodes = [each.episode(scene, spec) for each in contexts]
     room = KEPT_BYTES if settings.epochs > 1 else 0  # nothing is kept for a pass that never comes
-    frames = TrainingFrames(trials, scene, episodes, spec, task, room)
+    frames = TrainingFrames(contexts, scene, episodes, spec, task, room)
     rng = generator(spec.seed, *spec.name, task, "fit")
     with context.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
@@ -65,7 +65,7 @@ class TrainingFrames:
     anew, so that memory stays flat however long the episode is.
     """
 
-    trials: Sequence[EvaluationContext]
+    contexts: Sequence[EvaluationContext]
     scene: str
     episodes: Sequence[Episode]
     spec: EpisodeSpec
@@ -85,7 +85,7 @@ class TrainingFrames:
 
     def _rendered(self, begun: int) -> Iterator[tuple[int, FrameBatch]]:
         """The batches after the first `begun`, the scenarios in turn; each with its number."""
-        count = len(self.trials)
+        count = len(self.contexts)
         streams = [self._stream(i, self._kept[i:begun:count]) for i in range(count)]
         for turn in itertools.count(begun):
             inputs = next(streams[turn % count], None)
@@ -97,7 +97,7 @@ class TrainingFrames:
     def _stream(self, scenario: int, kept: Sequence[FrameBatch]) -> Iterator[Mapping[str, Any]]:
         """What follows in a scenario on the batches that are kept of it."""
         rest = self.episodes[scenario][sum(len(batch.episode) for batch in kept) :]
-        return iter(self.trials[scenario].stream(self.scene, rest, self.spec, [self.task]))
+        return iter(self.contexts[scenario].stream(self.scene, rest, self.spec, [self.task]))
 
     def _keep(self, turn: int, batch: FrameBatch) -> None:
         """Keep a batch while there is room; only what follows on those kept already."""

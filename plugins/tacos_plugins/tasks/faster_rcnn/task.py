@@ -209,6 +209,11 @@ class FasterRcnn:
                 yield Example(image, frames.black_level_dn, frames.white_level_dn, labels)
 
     @property
+    def frames_per_update(self) -> int:
+        """As many as the network takes at once: several on a GPU, one on a CPU."""
+        return FRAMES_AT_ONCE[self._device.type]
+
+    @property
     def _moves_norms(self) -> bool:
         wanted = self.config.batch_norm
         return wanted == "update" or (wanted == "auto" and self.config.weights == NONE)
