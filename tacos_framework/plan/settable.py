@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.errors import did_you_mean
@@ -13,7 +13,7 @@ from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.targets import Target, target_of
 from tacos_framework.recipe import NamedScenario, Scenario
 from tacos_framework.settings import check
-from tacos_framework.variables.design_space import CatalogChoice, Categorical, Variable
+from tacos_framework.variables.design_space import CatalogChoice, Categorical, Continuous, Variable
 
 _OF_ONE_CAMERA = ("effect", "sensor")
 """Kinds of component that each camera may have with settings of its own."""
@@ -85,6 +85,8 @@ class Settable:
             )
             for fault, path in zip(faults, paths, strict=True):
                 own = path[:1] == (target.setting,) or (not path and only)
+                if "a valid integer" in fault.expected and isinstance(variable, Continuous):
+                    fault = replace(fault, remedy="Add integer: true to design whole numbers.")
                 if own and fault not in self.findings.faults:
                     self.findings.faults.append(fault)
 
