@@ -207,6 +207,6 @@ def test_no_option_ends_in_a_traceback(file, toys, sets):
 
     arguments = command.parser().parse_args([str(file), *(f"--set={key}={value}" for key, value in sets)])
     with contextlib.suppress(UserError):
-        recipe, faults = command._read(arguments)
+        recipe, faults = command._read(arguments, toys)
         planned = command._plan_study if hasattr(recipe, "nodes") else command._plan_procedure
         planned(recipe, toys, faults)
