@@ -172,10 +172,10 @@ def weighted_mean(by_scenario: Mapping[str, Scores], weights: Mapping[str, float
     names = dict.fromkeys(name for scenario in weights for name in by_scenario[scenario])
     means = {}
     for name in names:
-        told = {s: by_scenario[s][name] for s in weights if name in by_scenario[s] and weights[s] > 0}
-        if told:
-            total = math.fsum(weights[s] for s in told)
-            means[name] = math.fsum(weights[s] * value for s, value in told.items()) / total
+        reported = {s: by_scenario[s][name] for s in weights if name in by_scenario[s] and weights[s] > 0}
+        if reported:
+            total = math.fsum(weights[s] for s in reported)
+            means[name] = math.fsum(weights[s] * value for s, value in reported.items()) / total
     return means
 
 

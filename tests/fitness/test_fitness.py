@@ -10,7 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.fitness import Constraint, Fitness, FitnessTerm, mean_scores, standard_errors
+from tacos_framework.fitness import (
+    Constraint,
+    Fitness,
+    FitnessTerm,
+    mean_scores,
+    standard_errors,
+    weighted_mean,
+)
 
 PAPER = Fitness(
     (
@@ -134,3 +141,29 @@ def test_standard_errors_are_of_the_scores_that_every_episode_reports() -> None:
     assert standard_errors(episodes[1:]) == pytest.approx({"a.x": 1.0, "c.z": 0.5})
     assert standard_errors(episodes[:1]) == {}
     assert standard_errors([]) == {}
+
+
+DAY_AND_NIGHT = (("day", 1.0), ("night", 3.0))
+
+
+def test_scenarios_count_by_their_weights_or_the_worst_alone() -> None:
+    scores = {"day": {"a.x": 1.0}, "night": {"a.x": 2.0}}
+    mean = Fitness((FitnessTerm("a.x", 2.0),), DAY_AND_NIGHT)
+    assert mean.weights(scores) == mean.mean_weights == {"day": 0.25, "night": 0.75}
+    worst = Fitness((FitnessTerm("a.x", 2.0),), DAY_AND_NIGHT, "worst")
+    assert worst.weights(scores) == {"day": 1.0, "night": 0.0}
+    errors = Fitness((FitnessTerm("a.x", -1.0),), DAY_AND_NIGHT, "worst")
+    assert errors.weights(scores) == {"day": 0.0, "night": 1.0}
+
+
+def test_a_scenario_without_a_score_that_counts_fails_the_candidate_by_its_name() -> None:
+    fitness = Fitness((FitnessTerm("a.x", 2.0),), DAY_AND_NIGHT)
+    with pytest.raises(CandidateFailed, match=r"^in scenario 'night': .*a\.x"):
+        fitness.weights({"day": {"a.x": 1.0}, "night": {"b.y": 1.0}})
+
+
+def test_a_mean_over_scenarios_is_over_those_that_report_a_score_and_count() -> None:
+    by_scenario = {"day": {"a.x": 1.0, "b.y": 5.0}, "night": {"a.x": 5.0}, "fog": {"a.x": 100.0, "c.z": 1.0}}
+    weights = {"day": 1.0, "night": 3.0, "fog": 0.0}
+    assert weighted_mean(by_scenario, weights) == {"a.x": 4.0, "b.y": 5.0}
+    assert weighted_mean(by_scenario, {"day": 1.0}) == {"a.x": 1.0, "b.y": 5.0}
