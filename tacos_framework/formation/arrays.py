@@ -126,6 +126,11 @@ def digital(samples_dn: NDArray[np.floating], white_level_dn: float) -> Samples:
     return np.clip(rounded, 0, white_level_dn, out=rounded)
 
 
+def file_type(white_level_dn: float) -> type[np.unsignedinteger]:
+    """What files hold their values in: uint8 where 255 is enough for the white level, else uint16."""
+    return np.uint8 if white_level_dn <= 255 else np.uint16
+
+
 def digitise(samples_dn: NDArray[np.floating], white_level_dn: float) -> NDArray[np.unsignedinteger]:
-    """`digital` samples as a file holds them: uint8 where 255 is enough for the white level, else uint16."""
-    return digital(samples_dn, white_level_dn).astype(np.uint8 if white_level_dn <= 255 else np.uint16)
+    """`digital` samples in the type of the file."""
+    return digital(samples_dn, white_level_dn).astype(file_type(white_level_dn))

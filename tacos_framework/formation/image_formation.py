@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import FILE_STAGES, LIGHT_STAGES
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.formation.arrays import SensorAt, digital, form_files
+from tacos_framework.formation.arrays import SensorAt, digital, file_type, form_files
 from tacos_framework.formation.chain import EffectChain
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.placed import PlacedEffect, PlacedSensor
@@ -93,7 +93,6 @@ class ImageFormation:
         at = SensorAt(sensor.use, sensor.name, sensor.at(camera.name), camera, self.exposure)
         geometry = ImageGeometry.of_camera(camera)
         chain = EffectChain.of(effects, geometry, at.context)
-        file_type = _file_type(at.context.white_level_dn)
         files = []
         for i in range(len(capture.episode)):
             try:
@@ -108,7 +107,7 @@ class ImageFormation:
                 )
             except ContextMissing as missing:
                 raise _unknown(camera.name, missing) from missing
-            files.append(made.astype(file_type))
+            files.append(made.astype(file_type(at.context.white_level_dn)))
         return files[0] if len(files) == 1 else np.concatenate(files)
 
     def _light(self, capture: Capture, effects: Sequence[PlacedEffect], draws: EpisodeDraws) -> Capture:
@@ -169,10 +168,6 @@ class ImageFormation:
                 return image
             changed.append(digital(after, frames.white_level_dn).astype(image.dtype))
         return np.concatenate(changed)
-
-
-def _file_type(white_level_dn: float) -> type[np.unsignedinteger]:
-    return np.uint8 if white_level_dn <= 255 else np.uint16
 
 
 def _unknown(camera: str, missing: ContextMissing) -> UserError:

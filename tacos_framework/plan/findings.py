@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -82,13 +82,13 @@ class RecipeFindings:
     def executor(self) -> ConfiguredComponent | None:
         """Where candidates are evaluated; where the recipe does not say, what stands for it."""
         path: Path = ("executor",)
+        use = self.recipe.executor
         try:
-            default = Use(use=self.plugins.default("executor", where=self.recipe.where(path)))
+            use = use or Use(use=self.plugins.default("executor", where=self.recipe.where(path)))
         except UserError as error:
-            if self.recipe.executor is None:
-                self.faults.extend(error.faults)
-                return None
-        return self.part(self.recipe.executor or default, "executor", path)
+            self.faults.extend(error.faults)
+            return None
+        return self.part(use, "executor", path)
 
     def configured(
         self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path
@@ -99,15 +99,14 @@ class RecipeFindings:
         config = self.checked(cls.Config, dict(settings), path)
         if config is None:
             return None
-        distribution = self.plugins.distribution_of(use)
+        part = ConfiguredComponent(use, cls, config, self.plugins.distribution_of(use))
         if use.partition(".")[0] in ("optimizer", "executor"):  # these are built by the study, for good
-            return ConfiguredComponent(use, cls, config, distribution)
+            return part
         try:
-            built = cls(config)  # what a component refuses, such as a file that is not there, shows now
+            return replace(part, built=part.make())  # what it refuses, such as a missing file, shows now
         except UserError as error:
             self.adopt(path, error)
             return None
-        return ConfiguredComponent(use, cls, config, distribution, built)
 
 
 def _place(fault: Fault) -> tuple[str, int, int]:
