@@ -36,7 +36,7 @@ from tacos_framework.contracts.effect import (
 )
 from tacos_framework.contracts.executor import Executor, JobRunner
 from tacos_framework.contracts.observed import LookAlike, ObservedCapture, ShownBy
-from tacos_framework.contracts.optimizer import Evaluated, Optimizer
+from tacos_framework.contracts.optimizer import Asked, DesignProblem, Evaluated, Optimizer, ScoreScale
 from tacos_framework.contracts.procedure import Procedure
 from tacos_framework.contracts.renderer import Renderer
 from tacos_framework.contracts.rig import RigBuilder
@@ -51,7 +51,9 @@ __all__ = [
     "PROTOCOLS",
     "STAGES",
     "VERBS",
+    "Asked",
     "Budget",
+    "DesignProblem",
     "Effect",
     "Evaluated",
     "Executor",
@@ -63,6 +65,7 @@ __all__ = [
     "Renderer",
     "RigBuilder",
     "Scene",
+    "ScoreScale",
     "Scorer",
     "Scores",
     "Sensor",

@@ -2,23 +2,107 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal, Protocol
 
 from tacos_framework.settings import Settings
+
+ScoreScale = Literal["real", "count", "share"]
+"""What kind of number a score is: any, 0 or more, or between 0 and 1."""
+
+
+@dataclass(frozen=True)
+class DesignProblem:
+    """What an optimizer is told of the problem beside its design space.
+
+    Parameters
+    ----------
+    fitness
+        The weighted sum of scores, `tacos_framework.fitness.Fitness`.
+    episodes
+        How many episodes there are to score a candidate on.
+    coordinates
+        What images depend on, by name, for a candidate: what the rig declares, and the other variables.
+    broken
+        By how much a candidate breaks each constraint, in the unit of its quantity; empty where it keeps
+        all. Nothing is rendered for it.
+    scales
+        The kind of number of each score of the fitness that says so.
+    depends_on
+        The coordinates a score depends on, for scores that say so; the others depend on all.
+    weights_learn
+        Whether tasks learn meanwhile, so that equal candidates get other scores later.
+    """
+
+    fitness: Any
+    episodes: int
+    coordinates: Callable[[Any], Mapping[str, float]]
+    broken: Callable[[Any], Mapping[str, float]]
+    scales: Mapping[str, ScoreScale] = field(default_factory=dict)
+    depends_on: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    weights_learn: bool = False
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A candidate to evaluate, and how thoroughly.
+
+    Parameters
+    ----------
+    candidate
+        A `tacos_framework.variables.design_space.Candidate`.
+    episodes
+        The episodes to score it on, counted from 0; None for all there are.
+    """
+
+    candidate: Any
+    episodes: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True)
 class Evaluated:
-    """A candidate and its fitness, higher is better; None when it failed or breaks a constraint."""
+    """What came out for a candidate.
 
-    candidate: Any  # tacos_framework.variables.design_space.Candidate
+    Parameters
+    ----------
+    candidate
+        As it was asked.
+    fitness
+        Higher is better; None when it failed or breaks a constraint.
+    failed
+        Why, in a sentence.
+    episodes
+        The scores of each episode it was scored on, by number; with several scenarios they are called
+        ``scenario/node.score``.
+    standard_errors
+        Of the mean of each score over those episodes, where there are two or more.
+    broken
+        By how much it breaks each constraint.
+    images
+        How many images were rendered for it; none where it was known from before.
+    """
+
+    candidate: Any
     fitness: float | None
+    failed: str | None = None
+    episodes: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
+    standard_errors: Mapping[str, float] = field(default_factory=dict)
+    broken: Mapping[str, float] = field(default_factory=dict)
+    images: int = 0
 
 
 class Optimizer(Protocol):
-    """The derivative-free side: ``Class(config, space=space, rng=rng)``, then ask and tell until stop."""
+    """The derivative-free side: ``Class(config, space=space, rng=rng)``, then ask and tell until stop.
+
+    Further members are optional:
+
+    ``problem``
+        A keyword of ``__init__``; one that takes it is given the `DesignProblem`.
+    ``recommend(count) -> list[Candidate]``
+        The candidates it thinks best, the best first; the study scores them once more on fresh episodes.
+        Without it, those of highest mean fitness are.
+    """
 
     Config: ClassVar[type[Settings]]
 
@@ -28,7 +112,7 @@ class Optimizer(Protocol):
         ...
 
     def ask(self) -> list[Any]:
-        """The next candidates, snapped to the space; never empty before `stop` gives a reason."""
+        """The next candidates, snapped to the space, or `Asked`; never empty before `stop` gives a reason."""
         ...
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:

@@ -14,6 +14,13 @@ class RigBuilder(Protocol):
 
     ``Variables`` is a `Settings` class whose fields are what a recipe may design or fix; fields without a
     default must be given by the recipe, as a design variable or as a fixed value under ``rig:``.
+
+    A further member is optional:
+
+    ``coordinates(variables) -> Mapping[str, float]``
+        What images depend on, as numbers along which they change evenly: angles, logarithms of pixel counts
+        and pitch. A model of the scores learns along them what candidates have in common. Without it, the
+        derived quantities and the numbers among the variables stand for them.
     """
 
     Config: ClassVar[type[Settings]]

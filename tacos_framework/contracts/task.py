@@ -53,6 +53,10 @@ class Task(Protocol):
     ``lower_is_better: ClassVar[frozenset[str]]``
         Those of the scores that are errors, of which reports call the smallest best. Of the others higher is
         better.
+    ``score_scales: ClassVar[Mapping[str, ScoreScale]]``
+        Which of the scores are counts, and which are shares between 0 and 1; the others may be any number.
+    ``depends_on: ClassVar[Mapping[str, Sequence[str]]]``
+        The coordinates of the rig (`RigBuilder`) a score depends on, where it does not depend on all.
     ``frames_per_update: int``
         How many frames it would have at a time, as a network on a GPU; one by default. It may be given more
         or fewer, and its scores must not depend on that.
