@@ -99,7 +99,7 @@ def test_distances_are_the_sum_of_those_along_each_coordinate(seed):
 
 
 def test_true_values_lie_in_its_intervals_as_often_as_they_say():
-    """Points withheld from forty draws of the model, each with hyperparameters fitted to forty observations."""
+    """Points withheld from forty draws of the model, hyperparameters fitted to forty observations each."""
     within = []
     for seed in range(40):
         rng = np.random.default_rng(seed)
