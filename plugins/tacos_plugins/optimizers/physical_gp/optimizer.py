@@ -68,7 +68,7 @@ class PhysicalGp:
             1, help="Episodes a candidate is scored on, by turns; the study may have fewer.", ge=1
         )
         global_every: int = setting(
-            5,
+            3,
             help=(
                 "Every so many rounds one candidate is taken for what it might be, against getting stuck; "
                 "0 for never."

@@ -76,8 +76,8 @@ def proposed(
     left = pool.everywhere.without(closed)
     left = left if len(left) else pool.others(rng).without(closed)
     gains = expected_improvement(model.grey_box.posterior_at(left.rows), incumbent)
-    among = _with_neighbours(left, gains * model.chances(left.rows), pool, rng).without(closed)
-    posterior, chances = model.grey_box.posterior_at(among.rows), model.chances(among.rows)
+    among = _with_neighbours(left, gains * model.viability.chances(left.rows), pool, rng).without(closed)
+    posterior, chances = model.grey_box.posterior_at(among.rows), model.viability.chances(among.rows)
     gain = float((expected_improvement(posterior, incumbent) * chances).max())
     chosen = among.take(chosen_in_turn(posterior, incumbent, chances, count))
     return Proposal(chosen.candidates, gain / max(abs(incumbent), 1e-12))
@@ -91,7 +91,9 @@ def might_be_best(
     some = left.take(rng.permutation(len(left))[: -(-len(left) // GLOBAL_SHARE)])
     if not len(some):
         return None
-    return some.candidates[most_promising(model.grey_box.posterior_at(some.rows), model.chances(some.rows))]
+    return some.candidates[
+        most_promising(model.grey_box.posterior_at(some.rows), model.viability.chances(some.rows))
+    ]
 
 
 def recommended(
@@ -114,7 +116,7 @@ def _with_neighbours(located: Located, worth: Array, pool: Pool, rng: np.random.
 def _likely_means(model: SearchModel, located: Located) -> Array:
     """(candidates,) mean fitness; that of those that will rather fail is as low as can be."""
     mean = model.grey_box.posterior_at(located.rows).mean
-    return np.where(model.chances(located.rows) >= 0.5, mean, -np.inf)
+    return np.where(model.viability.chances(located.rows) >= 0.5, mean, -np.inf)
 
 
 def _apart(rows: Array, order: list[int], count: int) -> list[int]:
