@@ -15,6 +15,7 @@ from tacos_framework.study.asking import GuardedOptimizer
 from tacos_framework.study.failing import FailuresInARow, KeepsFailing, limit_of
 from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.study.scoring import score_in_a_race
+from tacos_framework.study.shards import score_sharded
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 FINALISTS = 3
@@ -240,7 +241,7 @@ class Search:
         """The evaluations of jobs, by a race where the recipe asks for one."""
         rules = self.plan.recipe.study.race
         if rules is None:
-            return executor.map(evaluate, list(jobs.values()))
+            return score_sharded(list(jobs.values()), self.plan.fitness, executor, evaluate)
         known = {key: self.cache[key] for key in keys if key in self.cache}
         if self.best is not None and self.comparable:
             known["best"] = self.best
@@ -276,7 +277,7 @@ class Search:
         episodes = tuple(replace(spec, name=("final", *spec.name[1:])) for spec in self._episodes("final"))
         jobs = [ScoreJob(stats.values, episodes, self.states) for stats in ranked]
         evaluations = []
-        for evaluation in executor.map(evaluate, jobs):
+        for evaluation in score_sharded(jobs, self.plan.fitness, executor, evaluate):
             evaluations.append(evaluation)
             on_evaluated(evaluation)
         self.evaluations += len(evaluations)
