@@ -146,6 +146,14 @@ def _format(layout: np.dtype[np.void], program: moderngl.Program) -> str:
     return " ".join(words)
 
 
+def looked_up(of_surface: NDArray[np.int32], surface: NDArray[np.float32]) -> NDArray[np.int32]:
+    """What stands in a table for each pixel of an image of surface numbers, of which few pixels differ."""
+    flat = surface.reshape(-1)
+    start = np.concatenate([[0], np.flatnonzero(flat[1:] != flat[:-1]) + 1])
+    length = np.diff(start, append=len(flat))
+    return np.repeat(of_surface[flat[start].astype(np.intp)], length).reshape(surface.shape)
+
+
 def _surface_vertices(world: World, lit: BakedMesh) -> NDArray[np.void]:
     mesh = lit.mesh
     vertices = np.zeros(len(mesh.position_m), SURFACE_VERTEX)
