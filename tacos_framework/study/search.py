@@ -273,7 +273,7 @@ class Search:
         """The evaluations of jobs, by a race where the recipe asks for one."""
         rules = self.plan.recipe.study.race
         if rules is None:
-            return executor.map(evaluate, list(jobs.values()))
+            return score_sharded(list(jobs.values()), self.plan.fitness, executor, evaluate)
         known = {key: self.cache[key] for key in keys if key in self.cache}
         if self.best is not None and self.comparable:
             known["best"] = self.best
