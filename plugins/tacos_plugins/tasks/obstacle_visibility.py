@@ -123,10 +123,11 @@ class ObstacleScorer:
             for crossing in self._crossings
             if _belongs(crossing, number, walk)
         ]
-        seen = [self._in_time(*step) for step in steps]
-        early = [share for step in steps if (share := self._in_sight(*step)) is not None]
-        means = {"seen_ratio": seen, "seen_early": early}
-        return {name: float(np.mean(values)) for name, values in means.items() if values}
+        shares: dict[str, list[float]] = {
+            "seen_ratio": [float(self._in_time(*step)) for step in steps],
+            "seen_early": [share for step in steps if (share := self._in_sight(*step)) is not None],
+        }
+        return {name: sum(values) / len(values) for name, values in shares.items() if values}
 
     def _photosites(self, view: View, frame: int, obstacles: Sequence[int]) -> dict[int, float]:
         """How much of a view each obstacle covers."""
@@ -150,7 +151,7 @@ class ObstacleScorer:
             min(1.0, sighting.photosites[crossing.object_id] / self._config.enough_pixels)
             for sighting in _within(walk, crossing.time_s, self._config.horizon_s)
         ]
-        return float(np.mean(shares)) if shares else None
+        return sum(shares) / len(shares) if shares else None
 
 
 def _belongs(crossing: Crossing, number: int, walk: Sequence[Sighting]) -> bool:
