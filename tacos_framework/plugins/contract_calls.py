@@ -174,6 +174,6 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("guesses_from", ("captures",)),
     ),
     "sensor": (Call("lacks", ("rig",)),),
-    "task": (Call("lacks", ("rig",)),),
+    "task": (Call("lacks", ("rig",)), Call("untrained")),
 }
 """How those members are called that a component may have."""

@@ -124,7 +124,7 @@ def test_a_step_is_judged_when_its_frames_come_in_several_batches():
     scorer.update(first)
     assert scorer.scores() == {}
     scorer.update(second)
-    assert scorer.scores() == {"seen_ratio": 1.0, "seen_early": 3 / 400 / 2}
+    assert scorer.scores() == {"seen_ratio": 1.0, "seen_early": 3 / 3000 / 2}
 
 
 def test_a_step_that_names_its_walk_needs_no_frame_after_it():

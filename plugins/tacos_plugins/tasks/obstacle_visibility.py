@@ -33,9 +33,10 @@ class ObstacleVisibility:
 
     Notes
     -----
-    What it takes to recognise a thing is counted in line pairs across it, of two pixels each: half of all
-    observers recognise it with 4, and 98 % with 10 (Johnson's criterion, with the transfer function of the
-    reference). Ten line pairs are 20 x 20 pixels, the 400 of `enough_pixels`.
+    What it takes to recognise a thing is counted in line pairs across its shorter side, of two pixels each:
+    half of all observers recognise it with 4, and 98 % with 10 (Johnson's criterion, with the transfer
+    function of the reference). A threshold two metres ahead looks seven times as wide as deep, so 20 pixels
+    across are 20 x 140 in all, about the 3000 of `enough_pixels`. For compact things 400 are right.
 
     References
     ----------
@@ -48,7 +49,7 @@ class ObstacleVisibility:
 
         min_pixels: int = setting(
             1,
-            help="Photosites an obstacle must cover to be seen; a binned pixel counts for all it averages.",
+            help="For seen_ratio, photosites an obstacle must cover to be seen.",
             unit="px",
             ge=1,
         )
@@ -60,7 +61,7 @@ class ObstacleVisibility:
         )
         within_m: float | None = setting(
             None,
-            help="Count only pixels at most this far along the optical axis; by default any.",
+            help="For seen_ratio, count only pixels at most this far along the optical axis; by default any.",
             unit="m",
             gt=0,
         )
@@ -71,8 +72,8 @@ class ObstacleVisibility:
             gt=0,
         )
         enough_pixels: int = setting(
-            400,
-            help="For seen_early, photosites an obstacle must cover to be recognised with certainty.",
+            3000,
+            help="For seen_early, photosites with which an obstacle is as good as sure to be recognised.",
             unit="px",
             ge=1,
         )
@@ -90,10 +91,21 @@ class ObstacleVisibility:
 
 @dataclass(frozen=True)
 class Sighting:
-    """A frame's time [s] and the photosites each obstacle covers in it, in the camera that shows most."""
+    """What a frame shows of the obstacles.
+
+    Parameters
+    ----------
+    time_s
+        Its time [s].
+    photosites
+        Those each obstacle covers, in the camera that shows most of it.
+    near
+        The same within `within_m`.
+    """
 
     time_s: float
     photosites: Mapping[int, float]
+    near: Mapping[int, float]
 
 
 class ObstacleScorer:
@@ -110,10 +122,13 @@ class ObstacleScorer:
         self._crossings = episode.crossings
         obstacles = sorted({crossing.object_id for crossing in episode.crossings})
         for frame in range(len(episode)):
-            views = [self._photosites(view, frame, obstacles) for view in frames.capture.views]
-            most = {obstacle: max(view[obstacle] for view in views) for obstacle in obstacles}
-            walk = self._walks.setdefault(int(episode.walk[frame]), [])
-            walk.append(Sighting(float(episode.time_s[frame]), most))
+            views = frames.capture.views
+            sighting = Sighting(
+                float(episode.time_s[frame]),
+                _most_photosites(views, frame, obstacles, within_m=None),
+                _most_photosites(views, frame, obstacles, within_m=self._config.within_m),
+            )
+            self._walks.setdefault(int(episode.walk[frame]), []).append(sighting)
 
     def scores(self) -> Scores:
         """Means over the obstacles stepped on so far."""
@@ -129,19 +144,11 @@ class ObstacleScorer:
         }
         return {name: sum(values) / len(values) for name, values in shares.items() if values}
 
-    def _photosites(self, view: View, frame: int, obstacles: Sequence[int]) -> dict[int, float]:
-        """How much of a view each obstacle covers."""
-        ids = view.object_id[frame]
-        if self._config.within_m is not None:
-            ids = ids[view.depth_m[frame] <= self._config.within_m]
-        pixels = np.bincount(ids.ravel(), minlength=max(obstacles, default=0) + 1)
-        return {obstacle: float(pixels[obstacle] * view.camera.binning**2) for obstacle in obstacles}
-
     def _in_time(self, crossing: Crossing, walk: Iterable[Sighting]) -> bool:
         """Whether an obstacle was seen in its walk before the step, and lately enough."""
         limit_s = np.inf if self._config.before_s is None else self._config.before_s
         return any(
-            sighting.photosites[crossing.object_id] >= self._config.min_pixels
+            sighting.near[crossing.object_id] >= self._config.min_pixels
             for sighting in _within(walk, crossing.time_s, limit_s)
         )
 
@@ -152,6 +159,21 @@ class ObstacleScorer:
             for sighting in _within(walk, crossing.time_s, self._config.horizon_s)
         ]
         return sum(shares) / len(shares) if shares else None
+
+
+def _most_photosites(
+    views: Sequence[View], frame: int, obstacles: Sequence[int], *, within_m: float | None
+) -> dict[int, float]:
+    """How many photosites each obstacle covers in the view that shows most of it."""
+    most = dict.fromkeys(obstacles, 0.0)
+    for view in views:
+        ids = view.object_id[frame]
+        if within_m is not None:
+            ids = ids[view.depth_m[frame] <= within_m]
+        pixels = np.bincount(ids.ravel(), minlength=max(obstacles, default=0) + 1)
+        for obstacle in obstacles:
+            most[obstacle] = max(most[obstacle], float(pixels[obstacle] * view.camera.binning**2))
+    return most
 
 
 def _belongs(crossing: Crossing, number: int, walk: Sequence[Sighting]) -> bool:
