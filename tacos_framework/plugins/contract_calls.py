@@ -175,5 +175,6 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
     ),
     "sensor": (Call("lacks", ("rig",)),),
     "task": (Call("lacks", ("rig",)), Call("untrained")),
+    "procedure": (Call("check", (), ("seed", "plugins"), asked_for=True),),
 }
 """How those members are called that a component may have."""

@@ -139,24 +139,27 @@ def test_frames_too_far_apart_in_time_are_no_pair():
     assert score(frames, pair_within_s=0.1) == {}
 
 
-def test_lengths_and_the_count_follow_the_binning():
+ALL = ("features", "patch_px", "border_px", "ransac_threshold_px")
+
+
+def test_the_count_and_the_border_follow_the_binning():
     config = OrbFeatures.Config(border_px=40)
     assert Scale.of(config, 1) == Scale(2000, 31, 40, 3.0)
-    assert Scale.of(config, 2) == Scale(1000, 16, 20, 1.5)
-    coarse = Scale.of(config, 16)
-    assert (coarse.features, coarse.patch_px, coarse.border_px) == (125, LEAST_PATCH_PX, 2)
+    assert Scale.of(config, 2) == Scale(1000, 31, 20, 3.0)
+    assert Scale.of(OrbFeatures.Config(), 4) == Scale(500, 31, 8, 3.0)
 
 
 def test_what_follows_the_binning_can_be_chosen():
-    config = OrbFeatures.Config(scale_with_binning=("border_px",))
-    assert Scale.of(config, 4) == Scale(2000, 31, 8, 3.0)
+    config = OrbFeatures.Config(scale_with_binning=ALL)
+    assert Scale.of(config, 2) == Scale(1000, 16, 16, 1.5)
+    assert Scale.of(config, 16).patch_px == LEAST_PATCH_PX
     assert Scale.of(OrbFeatures.Config(scale_with_binning=()), 4) == Scale.of(OrbFeatures.Config(), 1)
 
 
 def test_a_binned_camera_is_scored_as_its_settings_say():
     images = panning(3, noise=0.02)
-    binned = score(frames_of(images, binning=2.0), features=400, patch_px=32, ransac_threshold_px=4)
-    assert binned == score(frames_of(images), features=200, patch_px=16, ransac_threshold_px=2)
+    binned = score(frames_of(images, binning=2.0), features=400, border_px=32)
+    assert binned == score(frames_of(images), features=200, border_px=16)
 
 
 def test_the_border_has_no_keypoints():

@@ -45,11 +45,12 @@ class OrbFeatures:
 
     A pair with too few matches has no inliers; an episode without any pair has no scores.
 
-    Features, patch, border and RANSAC's threshold are those of an image of all photosites. Where each pixel
-    averages b x b of them (`Camera.binning`), those named in ``scale_with_binning`` are divided by b: lengths
-    because pixels are b times as large, the count because that keeps the features per length of the image.
-    So a study at reduced resolution looks at the same patches and leaves out the same border of a scene as
-    one at full resolution, whatever the camera. A patch has `LEAST_PATCH_PX` at least.
+    Counts and lengths are those of an image of all photosites. Where each pixel averages b x b of them
+    (`Camera.binning`), those named in ``scale_with_binning`` are divided by b: the features, which keeps as
+    many of them per length of the image, and the border, which leaves out the same margin of the scene. Patch
+    and RANSAC's threshold stay: what a descriptor holds, and how well a corner is placed, are matters of the
+    pixels there are. So cameras rank at reduced resolution about as at full resolution; a patch divided
+    by b loses half its matches at b = 2.
 
     A camera with more photosites finds more features and is held to a finer tolerance, as in the paper. The
     detection threshold is in 1/255 of full scale.
@@ -84,7 +85,7 @@ class OrbFeatures:
             gt=0,
         )
         scale_with_binning: tuple[Scaled, ...] = setting(
-            ("features", "patch_px", "border_px", "ransac_threshold_px"),
+            ("features", "border_px"),
             help="Settings that are divided by the camera's binning; the others hold for the image as it is.",
         )
         ransac_confidence: float = setting(
@@ -141,7 +142,7 @@ class Scale:
         """That of a camera whose pixels average `binning` x `binning` photosites.
 
         >>> Scale.of(OrbFeatures.Config(), binning=2)
-        Scale(features=1000, patch_px=16, border_px=16, ransac_threshold_px=1.5)
+        Scale(features=1000, patch_px=31, border_px=16, ransac_threshold_px=3.0)
         """
 
         def scaled(name: Scaled, value: float) -> float:

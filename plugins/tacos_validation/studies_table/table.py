@@ -54,6 +54,10 @@ class StudiesTable:
     def __init__(self, config: StudiesConfig) -> None:
         self.config = config
 
+    def check(self, *, plugins: Plugins) -> None:
+        """Look for faults in every study."""
+        self.plan(plugins)
+
     def run(
         self, *, out: Path, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
