@@ -45,12 +45,11 @@ class OrbFeatures:
 
     A pair with too few matches has no inliers; an episode without any pair has no scores.
 
-    Counts and lengths are those of an image of all photosites. Where each pixel averages b x b of them
-    (`Camera.binning`), those named in ``scale_with_binning`` are divided by b: the features, which keeps as
-    many of them per length of the image, and the border, which leaves out the same margin of the scene. Patch
-    and RANSAC's threshold stay: what a descriptor holds, and how well a corner is placed, are matters of the
-    pixels there are. So cameras rank at reduced resolution about as at full resolution; a patch divided
-    by b loses half its matches at b = 2.
+    Where each pixel averages b x b photosites (`Camera.binning`), the settings named in
+    ``scale_with_binning`` are divided by b: the features, which keeps as many of them per length of the
+    image, and the border, which leaves out the same margin of the scene. Patch and RANSAC's threshold stay:
+    what a descriptor holds, and how well a corner is placed, are matters of the pixels there are. So cameras
+    rank at reduced resolution about as at full resolution.
 
     A camera with more photosites finds more features and is held to a finer tolerance, as in the paper. The
     detection threshold is in 1/255 of full scale.
@@ -71,16 +70,16 @@ class OrbFeatures:
         )
         scale_factor: float = setting(1.2, help="Ratio of neighbouring pyramid levels.", gt=1, le=2)
         levels: int = setting(8, help="Pyramid levels.", ge=1, le=32)
-        patch_px: int = setting(31, help="Size of the patch described, in photosites.", unit="px", ge=5)
+        patch_px: int = setting(31, help="Size of the patch described.", unit="px", ge=5)
         border_px: int | None = setting(
             None,
-            help="Border without keypoints, in photosites; by default as wide as the patch.",
+            help="Border without keypoints; by default as wide as the patch.",
             unit="px",
             ge=1,
         )
         ransac_threshold_px: float = setting(
             3.0,
-            help="Distance from its epipolar line at which a match is still an inlier, in photosites.",
+            help="Distance from its epipolar line at which a match is still an inlier.",
             unit="px",
             gt=0,
         )

@@ -94,7 +94,7 @@ class StudiesTable:
             planned.append(study)
             faults.extend(self._missing(study))
         if faults:
-            raise UserError(faults)
+            raise UserError(_once(faults))
         return planned, notes
 
     def _recipe(self, name: str) -> Recipe:
@@ -152,3 +152,14 @@ class StudiesTable:
 
 def _lines(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def _once(faults: Sequence[Fault]) -> list[Fault]:
+    """The faults, those alike said once: at the first place, and how many more there are."""
+    places: dict[tuple[str, str, str], list[str]] = {}
+    for fault in faults:
+        places.setdefault((fault.what, fault.expected, fault.remedy), []).append(fault.where)
+    return [
+        Fault(where if not more else f"{where} (and {len(more)} more like it)", *said)
+        for said, (where, *more) in places.items()
+    ]

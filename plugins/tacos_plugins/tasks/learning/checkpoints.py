@@ -63,7 +63,12 @@ def named_weights(name: str, *, where: str, others: Sequence[str] = ()) -> Path 
     if path.suffix in SUFFIXES:
         if not path.is_file():
             raise UserError(
-                Fault(where, f"there is no file {path}", EXPECTED, "Correct the path, or make it.")
+                Fault(
+                    where,
+                    f"there is no file {path}",
+                    EXPECTED,
+                    "Correct the path, or make it: procedure.pretrain does.",
+                )
             )
         return path
     shipped = {path.stem: path for path in (shipped_folder("catalogs") / "weights").glob("*.safetensors")}
