@@ -13,6 +13,10 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Crossing, FrameBatch, View
 
 
+VIEW = ("pitch_deg", "hfov_deg", "vfov_deg", "log2_width_px", "log2_height_px")
+"""What a camera has in view, and over how many pixels; light and noise hide no obstacle."""
+
+
 class ObstacleVisibility:
     """Which obstacles on the agent's path were seen before they were stepped on, and how early and how well.
 
@@ -80,6 +84,7 @@ class ObstacleVisibility:
 
     scores: ClassVar[tuple[str, ...]] = ("seen_ratio", "seen_early")
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {"seen_ratio": "share", "seen_early": "share"}
+    depends_on: ClassVar[Mapping[str, Sequence[str]]] = {"seen_ratio": VIEW, "seen_early": VIEW}
 
     def __init__(self, config: Config) -> None:
         self.config = config
