@@ -192,7 +192,7 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
     if not best:
         lines.append("No candidate could be evaluated; log.txt says why.")
     lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
-    lines.append(f"Report: {out / 'report.html'}")
+    lines.append(f"Report: {out / 'report.html'}" if (out / "report.html").exists() else f"Results: {out}")
     return "\n".join(lines)
 
 

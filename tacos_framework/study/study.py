@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -83,10 +84,7 @@ def run_study(
                 evaluates.close()
         result = running.finish()
         if report:
-            from tacos_framework.report import write_report
-
-            with results.writing():
-                write_report(results.folder)
+            _report(results.folder, plugins)
     return result
 
 
@@ -346,6 +344,14 @@ class Study:
         failed = [search.name for search in self.searches if search.best is None and search.generation]
         for name in failed:
             yield f"No candidate of {name!r} could be evaluated; see generations.jsonl and log.txt for why."
+
+
+def _report(folder: Path, plugins: Plugins) -> None:
+    """Have plugins report on the study; the result stands, whatever becomes of its report."""
+    for failure in plugins.write_reports(folder)[1]:
+        warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
+        log.warning("%s", warning, exc_info=failure.error)
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def _best(evaluation: Evaluation) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from tacos_framework.report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_framework.report.quantities import (
     joined,
     measured,
@@ -16,8 +15,9 @@ from tacos_framework.report.quantities import (
     unit_of,
     words,
 )
-from tacos_framework.report.story import floor_words, higher_is_better, score_weights
-from tacos_framework.report.study_data import CameraResult, StudyData
+from tacos_report.comparison import CameraDifference, best_of, difference, score_names
+from tacos_report.story import floor_words, higher_is_better, score_weights
+from tacos_report.study_data import CameraResult, StudyData
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_framework.report.quantities import (
     duration,
     measured,
@@ -20,8 +19,9 @@ from tacos_framework.report.quantities import (
     unit_of,
     words,
 )
-from tacos_framework.report.study_data import CameraResult, StudyData, Tried
-from tacos_framework.report.view_geometry import floor_range_m
+from tacos_report.comparison import CameraDifference, best_of, difference, score_names
+from tacos_report.study_data import CameraResult, StudyData, Tried
+from tacos_report.view_geometry import floor_range_m
 
 _PLACES = {"sensor": 0, "focal_length_mm": 1, "pitch_deg": 3}
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from tacos_framework.report.study_data import CameraResult
+from tacos_report.study_data import CameraResult
 
 Outcome = Literal["better", "worse", "undecided"]
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tacos_framework.report.study_data import CameraResult
-from tacos_framework.report.view_geometry import half_extents, horizon_from_top
+from tacos_report.study_data import CameraResult
+from tacos_report.view_geometry import half_extents, horizon_from_top
 
 _JPEG_QUALITY = 88
 

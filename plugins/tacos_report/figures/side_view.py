@@ -13,9 +13,9 @@ from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 from tacos_framework.report.figures.canvas import draw
 from tacos_framework.report.palette import INK, MUTED, RULE, camera_colour
 from tacos_framework.report.quantities import quantity
-from tacos_framework.report.story import floor_words
-from tacos_framework.report.study_data import CameraResult
-from tacos_framework.report.view_geometry import floor_range_m, wedge
+from tacos_report.story import floor_words
+from tacos_report.study_data import CameraResult
+from tacos_report.view_geometry import floor_range_m, wedge
 
 _REACH_M = 4.6
 _ROW_M = 0.27

@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from tacos_framework.report import story
-from tacos_framework.report.comparison import best_of
-from tacos_framework.report.figures.catalog_choices import catalog_choices
-from tacos_framework.report.figures.explored import Panel, explored
-from tacos_framework.report.figures.footprints import footprints
-from tacos_framework.report.figures.score_terms import score_terms
-from tacos_framework.report.figures.search_curve import search_curve
-from tacos_framework.report.figures.side_view import side_view
-from tacos_framework.report.figures.time_spent import time_spent
-from tacos_framework.report.figures.top_view import top_view
+from tacos_framework.report.page import page_templates
 from tacos_framework.report.palette import camera_variable, stylesheet
-from tacos_framework.report.pictures import picture, side_by_side
 from tacos_framework.report.quantities import measured, row_detail, shown, unit_of, words
-from tacos_framework.report.study_data import StudyData, Tried
-from tacos_framework.report.tables import camera_table, score_table
+from tacos_report import story
+from tacos_report.comparison import best_of
+from tacos_report.figures.catalog_choices import catalog_choices
+from tacos_report.figures.explored import Panel, explored
+from tacos_report.figures.footprints import footprints
+from tacos_report.figures.score_terms import score_terms
+from tacos_report.figures.search_curve import search_curve
+from tacos_report.figures.side_view import side_view
+from tacos_report.figures.time_spent import time_spent
+from tacos_report.figures.top_view import top_view
+from tacos_report.pictures import picture, side_by_side
+from tacos_report.study_data import StudyData, Tried
+from tacos_report.tables import camera_table, score_table
 
 _HERO_PX, _FRAME_PX, _MAP_PX = 1280, 640, 1000
 _MOMENTS_SHOWN = 3
@@ -32,33 +32,30 @@ _OPTIONAL = ("name", "stopped", "command", "seed", "tacos")
 
 def render(study: StudyData) -> str:
     """The whole page."""
-    environment = Environment(
-        loader=PackageLoader("tacos_framework.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("report.html.j2").render(
-        study=study,
-        result={**dict.fromkeys(_OPTIONAL), **study.result},
-        palette=Markup(stylesheet()),
-        story=story,
-        hero=_hero(study),
-        facts=_facts(study),
-        moments=_moments(study),
-        views=_views(study),
-        legend=[(camera.title, camera_variable(i)) for i, camera in enumerate(study.cameras)],
-        scores=_scores(study),
-        camera_rows=camera_table(study),
-        score_rows=score_table(study),
-        scene_map=picture(study.scene_map, _MAP_PX, lossless=True) if study.scene_map else None,
-        search=Markup(search_curve(study.generations)) if study.scored else None,
-        space=_space(study),
-        time=_time(study.result.get("seconds_by_node")),
-        failures=story.failure_groups(study.tried),
-        environment=_environment(study.result.get("environment")),
-        log="\n".join(study.log.splitlines()[-_LOG_LINES:]),
+    return (
+        page_templates("tacos_report")
+        .get_template("study.html.j2")
+        .render(
+            study=study,
+            result={**dict.fromkeys(_OPTIONAL), **study.result},
+            palette=Markup(stylesheet()),
+            story=story,
+            hero=_hero(study),
+            facts=_facts(study),
+            moments=_moments(study),
+            views=_views(study),
+            legend=[(camera.title, camera_variable(i)) for i, camera in enumerate(study.cameras)],
+            scores=_scores(study),
+            camera_rows=camera_table(study),
+            score_rows=score_table(study),
+            scene_map=picture(study.scene_map, _MAP_PX, lossless=True) if study.scene_map else None,
+            search=Markup(search_curve(study.generations)) if study.scored else None,
+            space=_space(study),
+            time=_time(study.result.get("seconds_by_node")),
+            failures=story.failure_groups(study.tried),
+            environment=_environment(study.result.get("environment")),
+            log="\n".join(study.log.splitlines()[-_LOG_LINES:]),
+        )
     )
 
 
