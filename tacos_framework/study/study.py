@@ -299,9 +299,17 @@ class Study:
                 for name, node in self.plan.nodes.items()
                 for score in getattr(node.cls, "lower_is_better", ())
             ),
+            "score_meanings": {
+                f"{name}.{score}": meaning
+                for name, node in self.plan.nodes.items()
+                for score, meaning in getattr(node.cls, "score_meanings", {}).items()
+            },
+            "carrier": next(
+                filter(None, (getattr(n.cls, "carrier", "") for n in self.plan.nodes.values())), ""
+            ),
             "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
             "environment": self._environment,
-            "notes": [*self.plan.recipe.notes, *self._automatic_notes()],
+            "notes": [*self.plan.recipe.quoted_notes, *self._automatic_notes()],
             "samples": self._samples,
             "command": self._command,
         }
@@ -330,8 +338,7 @@ class Study:
         if binning != 1:
             yield (
                 f"Pixel counts are scaled down: each simulated pixel averages {binning:g} x {binning:g} "
-                f"photosites, and its noise is that of the average. Resolutions compare with one another, "
-                f"but scores are not those of the full pixel counts."
+                f"photosites, and its noise is that of the average. Scores are not those of the full pixel counts."
             )
         if trainings := max(search.trained_best for search in self.searches):
             yield f"Before the test, the trainable tasks were trained {trainings} times more on each camera."

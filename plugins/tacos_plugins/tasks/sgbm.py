@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import cv2
@@ -14,7 +15,7 @@ from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch, Rig
-from tacos_plugins.tasks.stereo.depth_scores import ERRORS, SCORES, DepthScores
+from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MEANINGS, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 
 STEP = 16
@@ -72,6 +73,7 @@ class Sgbm:
         )
 
     scores: ClassVar[tuple[str, ...]] = SCORES
+    score_meanings: ClassVar[Mapping[str, str]] = MEANINGS
     lower_is_better: ClassVar[frozenset[str]] = ERRORS
 
     def __init__(self, config: Config) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, Literal
 
@@ -130,6 +130,9 @@ class FasterRcnn:
     Training: ClassVar[type[Settings]] = DetectorTraining
 
     scores: ClassVar[tuple[str, ...]] = ("ap50", *(f"ap50_{name}" for name in INDOOR_CLASSES))
+    score_meanings: ClassVar[Mapping[str, str]] = {
+        "ap50": "average precision of detection, a box counting from an overlap of 50 %",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config
