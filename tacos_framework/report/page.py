@@ -93,7 +93,16 @@ class SideBySide:
     kind: Literal["row"] = "row"
 
 
-Block = Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide
+@dataclass(frozen=True)
+class Folded:
+    """A table that opens when its summary is clicked: for rows that few want to see."""
+
+    summary: str
+    table: Table
+    kind: Literal["folded"] = "folded"
+
+
+Block = Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide | Folded
 
 
 @dataclass(frozen=True)
@@ -141,23 +150,24 @@ def write_page(path: Path, page: Page) -> None:
 
     from tacos_framework.report.palette import stylesheet
 
-    environment = page_templates()
-    environment.filters["svg"] = Markup
-    template = environment.get_template("page.html.j2")
+    template = page_templates().get_template("page.html.j2")
     write_html(path, template.render(page=page, palette=Markup(stylesheet())))
 
 
 def page_templates(*packages: str) -> Environment:
     """Templates of these packages, then those that all pages share, ``page.css`` for one; text is escaped."""
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
 
-    return Environment(
+    environment = Environment(
         loader=ChoiceLoader([PackageLoader(package) for package in (*packages, "tacos_framework.report")]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["svg"] = Markup
+    return environment
 
 
 def write_html(path: Path, text: str) -> Path:
