@@ -81,7 +81,8 @@ def _row(
         Detailed(number(part.fitness), ends),
         *("" if value is None else chance(value) for value in chances),
         Detailed(
-            _known_from(part), f"not stated: {', '.join(map(words, part.unknown))}" if part.unknown else ""
+            _known_from(part),
+            f"not stated: {', '.join(words(name).lower() for name in part.unknown)}" if part.unknown else "",
         ),
     )
 
