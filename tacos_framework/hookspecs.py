@@ -7,6 +7,7 @@ Those that observe are given copies, which are theirs to keep and to change.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pluggy
@@ -59,3 +60,11 @@ def tacos_candidate_failed(candidate: Any, reason: str) -> None:
 @hookspec
 def tacos_study_finished(result: Mapping[str, Any]) -> None:
     """A study ended; `result` is what stands in ``result.json``."""
+
+
+@hookspec
+def tacos_report(folder: Path) -> Path | None:
+    """Write a report of a results folder into it, and return the file; None where it is not for you.
+
+    Called once a study has ended, and by ``tacos report``. What it raises is shown, and costs no result.
+    """

@@ -85,6 +85,10 @@ class ObstacleVisibility:
     scores: ClassVar[tuple[str, ...]] = ("seen_ratio", "seen_early")
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {"seen_ratio": "share", "seen_early": "share"}
     depends_on: ClassVar[Mapping[str, Sequence[str]]] = {"seen_ratio": VIEW, "seen_early": VIEW}
+    score_meanings: ClassVar[Mapping[str, str]] = {
+        "seen_ratio": "share of obstacles on the path that were seen in time",
+        "seen_early": "how early, and over how many pixels, obstacles on the path were in sight, of 1",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config

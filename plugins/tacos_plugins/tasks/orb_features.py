@@ -108,6 +108,10 @@ class OrbFeatures:
         "matches": "count",
         "extracted": "count",
     }
+    score_meanings: ClassVar[Mapping[str, str]] = {
+        "inliers": "features matched between frames that agree with one motion",
+        "inlier_ratio": "share of the features found that agree with one motion",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,8 @@ class IndoorScene:
     >>> len(scene.episode(rng=np.random.default_rng(7), illumination_lux=20.0))
     10
     """
+
+    carrier: ClassVar[str] = "person"
 
     class Config(Settings):
         """Settings of the scene."""
