@@ -1,0 +1,1 @@
+"""What a finished study says beyond its winner: all parts ranked, equals, tolerances, importance, fronts."""
