@@ -134,10 +134,11 @@ def first_episodes(evaluation: Evaluation, count: int, fitness: Fitness) -> Eval
 
 
 def _merged(evaluations: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
-    """One evaluation of all their episodes; the fitness of each is found anew."""
+    """One evaluation of all their episodes, each of which may lack a score that others have."""
     partials = [
         replace(
             each,
+            failed=None if each.blocks else each.failed,
             episodes=tuple(_scores(episode) for episode in each.episodes),
             scenario_episodes={
                 name: tuple(_scores(episode) for episode in column)
