@@ -44,8 +44,10 @@ class GuardedOptimizer:
         problem: DesignProblem,
     ) -> None:
         self._part, self._space, self._episodes = part, space, problem.episodes
-        offered = {"problem": problem} if takes_problem(part.cls) else {}
-        self._optimizer = part.make(space=space, rng=rng, **offered)
+        supplied: dict[str, Any] = {"space": space, "rng": rng}
+        if takes_problem(part.cls):
+            supplied["problem"] = problem
+        self._optimizer = part.make(None, **supplied)
 
     @property
     def origin(self) -> str:

@@ -19,10 +19,10 @@ from tacos_framework.study.problem import broken_by, coordinates_of, design_prob
 from tacos_plugins.rigs.monocular import MonocularRig
 
 SETTINGS = {
-    "nodes": {"shade": {"use": "effect.toy-invert", "in": {"frames": "frames"}}},
+    "effects": [{"use": "effect.toy-invert", "name": "shade"}],
     "design": {
-        "shade.share": {"between": [0, 1]},
-        "shade.mode": {"choose": ["all", "red"]},
+        "effects.shade.share": {"between": [0, 1]},
+        "effects.shade.mode": {"choose": ["all", "red"]},
         "scenario.gain_db": {"choose": [0, 6, 12]},
     },
     "constraints": {"hfov_deg": {"min": 40, "max": 100}},
@@ -32,12 +32,11 @@ SETTINGS = {
 @pytest.fixture
 def declaring(monkeypatch):
     """A rig and a task that say what images and scores depend on."""
-    monkeypatch.setattr(
-        MonocularRig,
-        "coordinates",
-        lambda self, v: {"log2_focal": math.log2(v.focal_length_mm)},
-        raising=False,
-    )
+
+    def coordinates(self, variables):
+        return {"log2_focal": math.log2(variables.focal_length_mm)}
+
+    monkeypatch.setattr(MonocularRig, "coordinates", coordinates, raising=False)
     for name in ("score_scales", "depends_on"):
         monkeypatch.setattr(toy_plugin.WidthTask, name, {}, raising=False)
 
@@ -54,11 +53,16 @@ def plan_of(toys, recipe=None, **sections):
 
 def test_a_rig_that_declares_coordinates_speaks_for_its_variables(toys, declaring):
     plan = plan_of(toys, **SETTINGS)
-    values = {"focal_length_mm": 4.0, "pitch_deg": 3.0, "shade.share": 0.25, "shade.mode": "red"}
+    values = {
+        "focal_length_mm": 4.0,
+        "pitch_deg": 3.0,
+        "effects.shade.share": 0.25,
+        "effects.shade.mode": "red",
+    }
     assert coordinates_of(plan, {**values, "scenario.gain_db": 6}) == {
         "log2_focal": 2.0,
-        "shade.share": 0.25,
-        "shade.mode": 1.0,
+        "effects.shade.share": 0.25,
+        "effects.shade.mode": 1.0,
         "scenario.gain_db": 6.0,
     }
 
@@ -67,12 +71,9 @@ def test_of_another_rig_they_are_what_it_derives_and_its_numbers(toys, undeclare
     recipe = Recipe.model_validate(merged(FROM_CATALOG, {"optimizer": {"generations": 2}}))
     plan = plan_of(toys, recipe)
     names = set()
-    for genes in np.random.default_rng(1).uniform(size=(50, len(plan.space.genes))):
-        bounds = [(gene.lower, gene.upper) for gene in plan.space.genes]
-        candidate = plan.space.decode(
-            [low + u * (high - low) for u, (low, high) in zip(genes, bounds, strict=True)]
-        )
-        found = design_problem(plan).coordinates(candidate)
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        found = design_problem(plan).coordinates(plan.space.sample(rng))
         assert all(math.isfinite(value) for value in found.values())
         names.add(tuple(found))
     (known,) = names  # the same for all parts: what is unknown of one of them is left out
@@ -88,7 +89,9 @@ def test_what_a_product_fixes_counts(toys, undeclared):
 
 
 def test_a_rig_that_gives_no_number_is_named(toys, monkeypatch):
-    monkeypatch.setattr(MonocularRig, "coordinates", lambda *_: {"hfov_deg": math.nan}, raising=False)
+    monkeypatch.setattr(
+        MonocularRig, "coordinates", lambda self, variables: {"hfov_deg": math.nan}, raising=False
+    )
     plan = plan_of(toys)
     with pytest.raises(ContractBroken, match=r"rig\.monocular.* gives nan as 'hfov_deg'"):
         coordinates_of(plan, {"focal_length_mm": 2.0, "pitch_deg": 0.0})
@@ -122,7 +125,11 @@ def test_scores_say_their_scale_and_what_they_depend_on(toys, declaring, monkeyp
     monkeypatch.setattr(toy_plugin.WidthTask, "depends_on", {"closeness": ("log2_focal",)})
     problem = design_problem(plan_of(toys, **SETTINGS))
     assert problem.scales == {"width.closeness": "share"}
-    settable = ("shade.share", "shade.mode", "scenario.gain_db")  # the task speaks of the rig alone
+    settable = (
+        "effects.shade.share",
+        "effects.shade.mode",
+        "scenario.gain_db",
+    )  # the task speaks of the rig alone
     assert problem.depends_on == {"width.closeness": ("log2_focal", *settable)}
 
 

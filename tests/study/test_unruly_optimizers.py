@@ -132,7 +132,7 @@ def test_a_recommendation_is_of_different_candidates(optimizer):
         ([(3.0, 2.0)], "recommend() gives (3.0, 2.0) as candidate 1 of 1; expected a Candidate"),
         (
             [Candidate({"pitch_deg": 3.0}, (3.0,))],
-            "recommend() gives candidate 1 of 1 with values for pitch_deg",
+            "gives candidate 1 of 1 with values for pitch_deg; ",
         ),
     ],
 )
