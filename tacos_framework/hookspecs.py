@@ -1,8 +1,8 @@
 """Every hook a plugin may implement, on one screen.
 
 A hook that raises stops nobody: the plugin is listed as broken, or switched off where it observes a study.
-Those that observe are given copies, which are theirs to keep and to change; an analysis is given a record that
-it must not change.
+Those that observe are given copies, which are theirs to keep and to change; an analysis is given a record
+that it must not change.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from tacos_decision.model import CameraModel
 from tacos_decision.optimum import best_of_parts
 from tacos_decision.pool import Pool
 from tacos_decision.ranking import left_out, ranking
+from tacos_framework.errors import UserError
 from tacos_framework.study.record import StudyRecord
 
 MARGIN_SHARE = 0.01
@@ -42,11 +43,18 @@ def analyse(record: StudyRecord) -> dict[str, Any]:
         return {"ranking_absent": "No camera can be ranked: none of those tried keeps all constraints."}
     share = record.recipe.test.margin if record.recipe.test else MARGIN_SHARE
     best_fitness = max(found.means.values())
-    aims = front(model, pool, found)
     return {
         "ranking": ranking(model, pool, found, share * abs(best_fitness)),
         "ranking_left_out": left_out(pool, found),
         "equivalent": equivalence(model, pool, found, share),
         "importance": importance(model, pool, found.best),
-        **({"front": aims} if aims else {}),
+        **_front(model, pool),
     }
+
+
+def _front(model: CameraModel, pool: Pool) -> dict[str, Any]:
+    try:
+        aims = front(model, pool)
+    except UserError as error:  # the rest of the analysis does not need pymoo
+        return {"front_absent": str(error)}
+    return {"front": aims} if aims else {}

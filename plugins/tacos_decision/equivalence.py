@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,14 +18,14 @@ TOLD_APART = 0.05
 """A camera is no equal once the probability that it lies within the margin of the best falls below this."""
 
 MOST_DRAWN = 1500
-"""Cameras that joint draws are made for; those of highest posterior mean. Their factorisation takes a second."""
+"""Cameras that joint draws are made for, those of highest posterior mean; they take a second."""
 
 STEPS = 64
 """Values a variable's range is divided into to find its tolerance."""
 
 RULE = (
-    "Equal: with a probability of 5 % or more within the margin of the best camera, by the model of all that the "
-    "study scored. Tolerance: the mean loss stays within the margin, all other variables as designed."
+    "Equal: with a probability of 5 % or more within the margin of the best camera, by the model of all that "
+    "the study scored. Tolerance: the mean loss stays within the margin, all other variables as designed."
 )
 
 
@@ -63,6 +64,7 @@ def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, margin_share
         "parts": parts,
         "probability": {name: probability[name] for name in parts},
         "range": _ranges(pool, equals),
+        "derived_range": _derived_ranges(model, equals),
         "tolerance": _tolerances(model, pool, margin),
     }
 
@@ -86,6 +88,16 @@ def _ranges(pool: Pool, cameras: Sequence[Values]) -> dict[str, list[Any]]:
     return ranges
 
 
+def _derived_ranges(model: CameraModel, cameras: Sequence[Values]) -> dict[str, list[float]]:
+    """Of each derived quantity the two ends that the cameras have; parts differ, fields of view agree."""
+    derived = [model.record.derived(camera) for camera in cameras]
+    known = {
+        name: [float(each[name]) for each in derived if math.isfinite(each.get(name, math.nan))]
+        for name in dict.fromkeys(name for each in derived for name in each)
+    }
+    return {name: [min(values), max(values)] for name, values in known.items() if values}
+
+
 def _tolerances(model: CameraModel, pool: Pool, margin: float) -> dict[str, list[Any]]:
     """Around the designed camera, one variable at a time."""
     designed = model.record.cameras[0].camera
@@ -100,7 +112,9 @@ def _tolerances(model: CameraModel, pool: Pool, margin: float) -> dict[str, list
         else:
             gene = variable.genes[0]
             scale = np.linspace(gene.lower, gene.upper, STEPS + 1)
-            values = sorted({variable.decode([float(value)])[0] for value in scale} | {designed[variable.name]})
+            values = sorted(
+                {variable.decode([float(value)])[0] for value in scale} | {designed[variable.name]}
+            )
         cameras = [{**designed, variable.name: value} for value in values]
         feasible = [not model.record.broken(camera) for camera in cameras]
         kept = [camera for camera, ok in zip(cameras, feasible, strict=True) if ok]

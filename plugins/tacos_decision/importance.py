@@ -1,10 +1,10 @@
-"""How much each variable matters: Sobol indices of the posterior mean, and its course with all else at its best.
+"""How much each variable matters: Sobol indices of the posterior mean, and its course, all else at its best.
 
 References
 ----------
 A. Saltelli et al., "Variance based sensitivity analysis of model output. Design and estimator for the total
-sensitivity index", Comput. Phys. Commun. 181, 2010: table 2 (b) for the first order, (f), which is Jansen's, for
-the total.
+sensitivity index", Comput. Phys. Commun. 181, 2010: table 2 (b) for the first order, (f), which is Jansen's,
+for the total.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from tacos_decision.model import LEVEL, CameraModel
-from tacos_decision.pool import Pool
+from tacos_decision.pool import Pool, camera_at, value_at
 from tacos_framework.cache import content_key
 from tacos_framework.study.record import Values
 from tacos_framework.variables.design_space import CatalogChoice, Categorical, Variable
@@ -35,8 +35,8 @@ STEPS = 32
 def importance(model: CameraModel, pool: Pool, best: Values) -> list[dict[str, Any]]:
     """The key ``importance``: the variable of largest total index first.
 
-    Variables are taken as independent and evenly distributed over their ranges, parts each alike. A camera that
-    breaks a constraint counts as one of mean fitness: what may not be built says nothing of what matters.
+    Variables are taken as independent and evenly distributed over their ranges, parts each alike. A camera
+    that breaks a constraint counts as one of mean fitness: what may not be built says nothing of what matters.
     """
     variables = pool.space.variables
     first, total = sobol_indices(lambda rows: _fitness(model, variables, rows), len(variables))
@@ -88,25 +88,13 @@ def sobol_indices(function: Callable[[Array], Array], dimensions: int) -> tuple[
 
 def _fitness(model: CameraModel, variables: Sequence[Variable], rows: Array) -> Array:
     """(rows,) posterior mean of cameras given by a number in 0..1 for each variable."""
-    cameras = [
-        {variable.name: _value(variable, at) for variable, at in zip(variables, row, strict=True)} for row in rows
-    ]
+    cameras = [camera_at(variables, row) for row in rows]
     feasible = np.array([not model.record.broken(camera) for camera in cameras])
     values = np.zeros(len(cameras))
     if feasible.any():
         found = model.posterior([camera for camera, ok in zip(cameras, feasible, strict=True) if ok]).mean
         values[feasible], values[~feasible] = found, found.mean()
     return values
-
-
-def _value(variable: Variable, at: float) -> Any:
-    """The plain value of a variable at a place in 0..1; of choices and parts each has an equal share."""
-    if isinstance(variable, CatalogChoice):
-        return variable.rows[min(int(at * len(variable.rows)), len(variable.rows) - 1)].as_dict()
-    if isinstance(variable, Categorical):
-        return variable.values[min(int(at * len(variable.values)), len(variable.values) - 1)]
-    gene = variable.genes[0]
-    return variable.decode([gene.lower + at * (gene.upper - gene.lower)])[0]
 
 
 def _curve(model: CameraModel, variable: Variable, best: Values) -> list[dict[str, Any]]:
@@ -116,7 +104,9 @@ def _curve(model: CameraModel, variable: Variable, best: Values) -> list[dict[st
         places = (np.arange(count) + 0.5) / count
     else:
         places = np.linspace(0, 1, STEPS + 1)
-    values = list({content_key(value): value for value in (_value(variable, float(at)) for at in places)}.values())
+    values = list(
+        {content_key(value): value for value in (value_at(variable, float(at)) for at in places)}.values()
+    )
     cameras = [{**best, variable.name: value} for value in values]
     feasible = [i for i, camera in enumerate(cameras) if not model.record.broken(camera)]
     if not feasible:

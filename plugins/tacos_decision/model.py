@@ -58,6 +58,15 @@ class CameraModel:
         """What is known of the fitness of cameras, as plain values of their variables."""
         return self.box.posterior([self.record.coordinates(camera) for camera in cameras])
 
+    def mean_scores(self, cameras: Sequence[Values]) -> dict[str, Array]:
+        """(cameras,) posterior means of ``fitness`` and of each of its scores, over scenarios weighted."""
+        posterior, fitness = self.posterior(cameras), self.record.problem.fitness
+        means = posterior.score_means()
+        for score in [term.score for term in fitness.terms_of] if fitness.scenarios else ():
+            by_scenario = [(means[f"{n}/{score}"], w) for n, w in fitness.mean_weights.items()]
+            means[score] = np.sum([mean * weight for mean, weight in by_scenario], axis=0)
+        return {**means, "fitness": posterior.mean}
+
     def draws(self, cameras: Sequence[Values]) -> Array:
         """(DRAWS, cameras) joint draws of the fitness; the same whenever they are drawn."""
         return self.posterior(cameras).draws(DRAWS, np.random.default_rng(self.record.recipe.seed))

@@ -21,7 +21,7 @@ FEWEST_OPTICS = 4
 """Optics looked at for each combination of parts, however many there are."""
 
 REFINEMENTS = (0.08, 0.03, 0.01)
-"""How far around the best so far is looked on, as shares of each variable's range, one round after the other."""
+"""How far around the best so far is looked, as shares of each variable's range, round after round."""
 
 NEIGHBOURS = 12
 """Cameras looked at in each such round."""
@@ -82,7 +82,7 @@ def best_of_parts(model: CameraModel, pool: Pool) -> BestOfParts:
 
 
 def _worth_refining(means: Mapping[tuple[str, ...], float]) -> list[tuple[str, ...]]:
-    """The combinations whose optics are looked for more closely: the best, as many as the pool has room for."""
+    """The combinations whose optics are looked at more closely: the best, as many as there is room for."""
     most = POOL // (2 * NEIGHBOURS * len(REFINEMENTS))
     return sorted(means, key=lambda names: -means[names])[:most]
 

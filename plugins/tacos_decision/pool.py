@@ -5,18 +5,18 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from tacos_framework.catalog.parts import CatalogPart
-from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
+from tacos_framework.study.record import Values
+from tacos_framework.variables.design_space import CatalogChoice, Categorical, DesignSpace, Variable
 
 Parts = tuple[CatalogPart, ...]
 """One part of each catalog the design chooses from, in the order of its variables."""
-
-Values = Mapping[str, object]
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Pool:
         """How many numbers the rest takes."""
         return sum(len(each.genes) for each in self.space.variables if not isinstance(each, CatalogChoice))
 
-    def camera(self, parts: Parts, unit: NDArray[np.float64]) -> dict[str, object]:
+    def camera(self, parts: Parts, unit: NDArray[np.float64]) -> dict[str, Any]:
         """Plain values of the camera of these parts.
 
         Parameters
@@ -88,6 +88,21 @@ class Pool:
         halton = qmc.Halton(self.dimensions, scramble=False)
         halton.fast_forward(1)  # the first is the corner
         return np.asarray(halton.random(count), dtype=np.float64)
+
+
+def camera_at(variables: Sequence[Variable], places: Sequence[float] | NDArray[np.float64]) -> dict[str, Any]:
+    """Plain values of a camera, from a place in 0..1 for each variable."""
+    return {each.name: value_at(each, float(at)) for each, at in zip(variables, places, strict=True)}
+
+
+def value_at(variable: Variable, at: float) -> Any:
+    """The plain value of a variable at a place in 0..1; of choices and parts each has an equal share."""
+    if isinstance(variable, CatalogChoice):
+        return variable.rows[min(int(at * len(variable.rows)), len(variable.rows) - 1)].as_dict()
+    if isinstance(variable, Categorical):
+        return variable.values[min(int(at * len(variable.values)), len(variable.values) - 1)]
+    gene = variable.genes[0]
+    return variable.decode([gene.lower + at * (gene.upper - gene.lower)])[0]
 
 
 def part_names(catalogs: Sequence[CatalogChoice], camera: Values) -> tuple[str, ...]:

@@ -271,7 +271,7 @@ class Test(Settings):
     @model_validator(mode="after")
     def _most_are_no_fewer(self) -> Test:
         if self.most_episodes is not None and self.most_episodes < self.episodes:
-            raise ValueError(f"most_episodes is {self.most_episodes}, fewer than the {self.episodes} episodes")
+            raise ValueError(f"most_episodes is {self.most_episodes}, fewer than episodes, {self.episodes}")
         return self
 
 

@@ -81,6 +81,7 @@ def make_record(
         broken=partial(broken_by, plan),
         score=score_episodes,
         degenerate=degenerate,
+        objectives=getattr(plan, "objectives", ()),
     )
 
 
@@ -96,9 +97,7 @@ def _of_lines(lines: Iterable[Mapping[str, Any]], renew: bool) -> Iterator[Score
                 yield ScoredEpisode(candidate["camera"], name, scores, "design", generation)
 
 
-def _of_evaluation(
-    evaluation: Evaluation, name: str, stage: Any, generation: int
-) -> Iterator[ScoredEpisode]:
+def _of_evaluation(evaluation: Evaluation, name: str, stage: Any, generation: int) -> Iterator[ScoredEpisode]:
     for number, scores in enumerate(evaluation.blocks):
         plain = {key: value for key, value in scores.items() if key.rpartition("/")[2] != "fitness"}
         yield ScoredEpisode(evaluation.values, f"{name}/{number}", plain, stage, generation)

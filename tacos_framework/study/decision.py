@@ -78,20 +78,20 @@ def degenerate(designed: Search, recipe: Recipe) -> str | None:
         scored = f"All {len(designed.candidate_stats)} cameras of the search"
         if found == {0.0}:
             return (
-                f"{scored} score zero: the tasks see nothing in these scenes, so no camera is named. Give more "
-                "light, more pixels or easier tasks."
+                f"{scored} score zero: the tasks see nothing in these scenes, so no camera is named. "
+                "Give more light, more pixels or easier tasks."
             )
         return (
-            f"{scored} have the same fitness, {found.pop():.4g}, so no camera is named: the scores do not tell "
-            "cameras apart. Choose harder scenes, or scores that are graded."
+            f"{scored} have the same fitness, {found.pop():.4g}, so no camera is named: the scores do not "
+            "tell cameras apart. Choose harder scenes, or scores that are graded."
         )
     test = recipe.test
     scenes = test.most_episodes or test.episodes if test else recipe.study.episodes * recipe.study.blocks
     if scenes == 1:
         key = "test.episodes" if test else "study.episodes"
         return (
-            "All cameras were judged on a single scene, which cannot tell luck from merit, so no winner is named: "
-            f"set {key} to 6 or more."
+            "All cameras were judged on a single scene, which cannot tell luck from merit, so no winner is "
+            f"named: set {key} to 6 or more."
         )
     return None
 
@@ -109,7 +109,9 @@ def _comparison(name: str, found: PairedInterval) -> dict[str, Any]:
 def _absent(recipe: Recipe, found: Mapping[str, PairedInterval]) -> str | None:
     """Why there is nothing to decide, in a sentence that says what to do."""
     if recipe.test is None:
-        return "The recipe has no test: scenes. Add test: {seed: ..., episodes: ...} to compare on unseen scenes."
+        return (
+            "The recipe has no test scenes. Add test: {seed: ..., episodes: ...} to compare on unseen scenes."
+        )
     if recipe.compare is None:
         return "The recipe names no camera to compare the design with. Add compare: {cameras: [...]}."
     if not found:

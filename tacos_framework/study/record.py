@@ -82,6 +82,8 @@ class StudyRecord:
         Gives the scores of each camera's episodes, none for one that fails.
     degenerate
         Why no winner may be named, in a sentence; None where one may.
+    objectives
+        Aims to be traded off against each other; none where the fitness alone counts.
     """
 
     recipe: Recipe
@@ -95,6 +97,7 @@ class StudyRecord:
     broken: Callable[[Values], Mapping[str, float]]
     score: Callable[[Sequence[Values], int], list[list[ScoredEpisode]]]
     degenerate: str | None = None
+    objectives: tuple[Any, ...] = ()
 
     @property
     def products(self) -> tuple[StudiedCamera, ...]:

@@ -1,13 +1,13 @@
 """The sequential test: paired scenes are added until a comparison is decided, and peeking costs no certainty.
 
 Two cameras see the same scenes; their difference on each is one number. Looking at Student's 95 % interval
-after every scene errs in one study of five, not of twenty. So the interval is that of a *confidence sequence*:
-in 95 % of studies it holds the true mean after every scene, whenever one looks and for whatever reason one
-stops. It is Student's with a normal mixture over the effect size [1]_ [2]_: exact for normal differences from
-the fifth scene on, and without a setting that must know their spread.
+after every scene errs in one study of five, not of twenty. So the interval is that of a *confidence
+sequence*: in 95 % of studies it holds the true mean after every scene, whenever one looks and for whatever
+reason one stops. It is Student's with a normal mixture over the effect size [1]_ [2]_: valid for normal
+differences however few, and without a setting that must know their spread.
 
-Differences of scenes are seldom normal: one threshold that one of two cameras overlooks is a tail on one side.
-Where the sample is skewed, the end of the interval that this makes too short is moved out by Hall's
+Differences of scenes are seldom normal: one threshold that one of two cameras overlooks is a tail on one
+side. Where the sample is skewed, the end of the interval that this makes too short is moved out by Hall's
 transformation [3]_; it is never moved in. What happens once in many scenes and has not happened yet, no test
 can know. Error rates by simulation stand in ``docs/explanation/decision.md``.
 
@@ -35,8 +35,8 @@ GROWTH = 1.5
 """How many times the scenes of a look the next one has: workers have enough to do, and none comes late."""
 
 MIXTURE_SCENES = 1.0
-"""The mixture's effect sizes spread by one standard deviation: the weight of a single scene (unit information,
-R. E. Kass, L. Wasserman, J. Am. Stat. Assoc. 90, 1995)."""
+"""The mixture's effect sizes spread by one standard deviation: the weight of a single scene (unit
+information, R. E. Kass, L. Wasserman, J. Am. Stat. Assoc. 90, 1995)."""
 
 ALIKE = 1e-12
 """Differences that spread by no more than this share of themselves differ by rounding alone."""
@@ -66,7 +66,7 @@ class PairedInterval:
 
 
 def looks(first: int, most: int) -> tuple[int, ...]:
-    """The numbers of scenes after which is looked, from `first` to `most`; the same for any number of workers.
+    """The numbers of scenes after which is looked, from `first` to `most`, whatever the number of workers.
 
     Examples
     --------

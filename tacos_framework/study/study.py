@@ -348,7 +348,9 @@ class Study:
                 for name, evaluation in tested.items()
             },
             **self._decision(),
-            "cameras": {s.name: self._camera(s, tested.get(s.name)) for s in self.searches if s.best is not None},
+            "cameras": {
+                s.name: self._camera(s, tested.get(s.name)) for s in self.searches if s.best is not None
+            },
             "derived_units": dict(self.plan.rig.cls.derived_quantities),
             "design_space": self.plan.space.as_data(),
             "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
@@ -364,7 +366,9 @@ class Study:
             "command": self._command,
         }
         if taken := sorted(set(result) & set(self._analysis)):
-            result["notes"].append(f"Of an analysis, {', '.join(taken)} is left out: the study says it itself.")
+            result["notes"].append(
+                f"Of an analysis, {', '.join(taken)} is left out: the study says it itself."
+            )
         result = {**self._analysis, **result}
         self.results.write_json("result.json", result)
         self._observers.tell("tacos_study_finished", result=result)
