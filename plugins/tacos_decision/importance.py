@@ -26,7 +26,7 @@ from tacos_framework.variables.design_space import CatalogChoice, Categorical, V
 Array = NDArray[np.float64]
 
 SAMPLES = 512
-"""Rows of each of Saltelli's two matrices; a power of two. Indices are then good to about 0.03."""
+"""Rows of each of Saltelli's two matrices; a power of two. Indices are then good to some 0.05."""
 
 STEPS = 32
 """Values of a variable its curve is drawn through."""
@@ -36,7 +36,7 @@ def importance(model: CameraModel, pool: Pool, best: Values) -> list[dict[str, A
     """The key ``importance``: the variable of largest total index first.
 
     Variables are taken as independent and evenly distributed over their ranges, parts each alike. A camera
-    that breaks a constraint counts as one of mean fitness: what may not be built says nothing of what matters.
+    that breaks a constraint counts as one of mean fitness: what may not be built tells nothing.
     """
     variables = pool.space.variables
     first, total = sobol_indices(lambda rows: _fitness(model, variables, rows), len(variables))
@@ -53,7 +53,9 @@ def importance(model: CameraModel, pool: Pool, best: Values) -> list[dict[str, A
     return sorted(rows, key=lambda row: -row["total"])
 
 
-def sobol_indices(function: Callable[[Array], Array], dimensions: int) -> tuple[Array, Array]:
+def sobol_indices(
+    function: Callable[[Array], Array], dimensions: int, samples: int = SAMPLES
+) -> tuple[Array, Array]:
     """First-order and total indices of a function of independent variables.
 
     Parameters
@@ -62,20 +64,22 @@ def sobol_indices(function: Callable[[Array], Array], dimensions: int) -> tuple[
         Of (rows, dimensions) numbers in 0..1, each evenly distributed; gives (rows,) values.
     dimensions
         How many variables it has.
+    samples
+        Rows of each of Saltelli's two matrices, a power of two.
 
     Returns
     -------
     Two arrays (dimensions,): the share of the variance that goes once a variable is known, and the share that
     stays while it alone is not. Zeros where the function is constant.
     """
-    sample = qmc.Sobol(2 * dimensions, scramble=True, seed=np.random.default_rng(0)).random(SAMPLES)
+    sample = qmc.Sobol(2 * dimensions, scramble=True, seed=np.random.default_rng(0)).random(samples)
     a, b = sample[:, :dimensions], sample[:, dimensions:]
     mixed = []
     for i in range(dimensions):
         rows = a.copy()
         rows[:, i] = b[:, i]
         mixed.append(rows)
-    values = function(np.concatenate([a, b, *mixed])).reshape(dimensions + 2, SAMPLES)
+    values = function(np.concatenate([a, b, *mixed])).reshape(dimensions + 2, samples)
     f_a, f_b, f_mixed = values[0], values[1], values[2:]
     variance = float(np.var(values[:2]))
     if variance <= 1e-18:
@@ -98,7 +102,7 @@ def _fitness(model: CameraModel, variables: Sequence[Variable], rows: Array) -> 
 
 
 def _curve(model: CameraModel, variable: Variable, best: Values) -> list[dict[str, Any]]:
-    """Posterior mean and interval along a variable, everything else as in the best camera; parts best first."""
+    """Posterior mean and interval along a variable, all else as in the best camera; parts best first."""
     if isinstance(variable, CatalogChoice | Categorical):
         count = len(variable.rows if isinstance(variable, CatalogChoice) else variable.values)
         places = (np.arange(count) + 0.5) / count

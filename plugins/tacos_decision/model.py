@@ -27,6 +27,14 @@ LEVEL = 0.95
 
 
 @dataclass(frozen=True, eq=False)
+class Point:
+    """A camera, and the coordinates its images depend on."""
+
+    camera: Values
+    coordinates: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
 class CameraModel:
     """The fitness of any camera of the study, with what is not known of it.
 
@@ -56,7 +64,15 @@ class CameraModel:
 
     def posterior(self, cameras: Sequence[Values]) -> FitnessPosterior:
         """What is known of the fitness of cameras, as plain values of their variables."""
-        return self.box.posterior([self.record.coordinates(camera) for camera in cameras])
+        return self.posterior_of([self.point(camera) for camera in cameras])
+
+    def point(self, camera: Values) -> Point:
+        """A camera that is asked about more than once."""
+        return Point(camera, self.record.coordinates(camera))
+
+    def posterior_of(self, points: Sequence[Point]) -> FitnessPosterior:
+        """As `posterior`, for cameras whose coordinates are known."""
+        return self.box.posterior([point.coordinates for point in points])
 
     def mean_scores(self, cameras: Sequence[Values]) -> dict[str, Array]:
         """(cameras,) posterior means of ``fitness`` and of each of its scores, over scenarios weighted."""
@@ -69,11 +85,15 @@ class CameraModel:
 
     def draws(self, cameras: Sequence[Values]) -> Array:
         """(DRAWS, cameras) joint draws of the fitness; the same whenever they are drawn."""
-        return self.posterior(cameras).draws(DRAWS, np.random.default_rng(self.record.recipe.seed))
+        return self.draws_of([self.point(camera) for camera in cameras], DRAWS)
 
-    def feasible(self, cameras: Sequence[Values]) -> list[Values]:
+    def draws_of(self, points: Sequence[Point], count: int) -> Array:
+        """(count, points) joint draws of the fitness; the same whenever they are drawn."""
+        return self.posterior_of(points).draws(count, np.random.default_rng(self.record.recipe.seed))
+
+    def feasible(self, cameras: Sequence[Values]) -> list[Point]:
         """Those that break no constraint."""
-        return [camera for camera in cameras if not self.record.broken(camera)]
+        return [self.point(camera) for camera in cameras if not self.record.broken(camera)]
 
     @cached_property
     def scored(self) -> dict[str, Values]:

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_decision.model import CameraModel
+from tacos_decision.model import CameraModel, Point
 from tacos_decision.pool import Parts, Pool, part_names
 from tacos_framework.study.record import Values
 
 Array = NDArray[np.float64]
 
-POOL = 8192
-"""Cameras looked at in all. Each costs 0.2 ms, most of it for the rig's derived quantities."""
+POOL = 4096
+"""Cameras looked at in all. Each costs half a millisecond, most of it for the rig's quantities."""
 
-FEWEST_OPTICS = 4
-"""Optics looked at for each combination of parts, however many there are."""
+FEWEST_OPTICS, MOST_OPTICS = 4, 1024
+"""Optics looked at for each combination of parts, however many or few there are."""
 
 REFINEMENTS = (0.08, 0.03, 0.01)
 """How far around the best so far is looked, as shares of each variable's range, round after round."""
@@ -46,7 +46,7 @@ class BestOfParts:
     cameras: Mapping[tuple[str, ...], Values]
     means: Mapping[tuple[str, ...], float]
     impossible: Mapping[tuple[str, ...], Mapping[str, float]]
-    pool: Sequence[Values]
+    pool: Sequence[Point]
 
     @property
     def best(self) -> Values:
@@ -56,29 +56,29 @@ class BestOfParts:
 
 def best_of_parts(model: CameraModel, pool: Pool) -> BestOfParts:
     """Look for the best optics of every combination of parts."""
-    combinations = list(pool.parts)
-    places = pool.spread(max(FEWEST_OPTICS, POOL // len(combinations)))
+    combinations = {tuple(part.name for part in parts): parts for parts in pool.parts}
+    places = pool.spread(min(MOST_OPTICS, max(FEWEST_OPTICS, POOL // len(combinations))))
     looked_at, impossible = _feasible(model, pool, combinations, places)
     for camera in model.scored.values():
         names = part_names(pool.catalogs, camera)
         if names in looked_at:
-            looked_at[names].append(camera)
-    cameras, means = _best(model, looked_at)
+            looked_at[names].append(model.point(camera))
+    best, means = _best(model, looked_at)
     rng = np.random.default_rng(0)
-    by_names = {tuple(part.name for part in parts): parts for parts in combinations}
     finest = _worth_refining(means)
     for reach in REFINEMENTS if pool.dimensions else ():
-        near: dict[tuple[str, ...], list[Values]] = {}
+        near: dict[tuple[str, ...], list[Point]] = {}
         for names in finest:
-            place = pool.place(cameras[names])
-            steps = place + reach * rng.standard_normal((NEIGHBOURS, pool.dimensions))
-            found = [pool.camera(by_names[names], np.clip(step, 0, 1)) for step in steps]
-            near[names] = [cameras[names], *model.feasible(found)]
+            steps = pool.place(best[names].camera) + reach * rng.standard_normal(
+                (NEIGHBOURS, pool.dimensions)
+            )
+            found = [pool.camera(combinations[names], np.clip(step, 0, 1)) for step in steps]
+            near[names] = [best[names], *model.feasible(found)]
             looked_at[names] += near[names][1:]
         better, higher = _best(model, near)
-        cameras, means = {**cameras, **better}, {**means, **higher}
-    everything = [camera for found in looked_at.values() for camera in found]
-    return BestOfParts(cameras, means, impossible, everything)
+        best, means = {**best, **better}, {**means, **higher}
+    everything = [point for found in looked_at.values() for point in found]
+    return BestOfParts({names: point.camera for names, point in best.items()}, means, impossible, everything)
 
 
 def _worth_refining(means: Mapping[tuple[str, ...], float]) -> list[tuple[str, ...]]:
@@ -88,19 +88,18 @@ def _worth_refining(means: Mapping[tuple[str, ...], float]) -> list[tuple[str, .
 
 
 def _feasible(
-    model: CameraModel, pool: Pool, combinations: Sequence[Parts], places: Array
-) -> tuple[dict[tuple[str, ...], list[Values]], dict[tuple[str, ...], Mapping[str, float]]]:
+    model: CameraModel, pool: Pool, combinations: Mapping[tuple[str, ...], Parts], places: Array
+) -> tuple[dict[tuple[str, ...], list[Point]], dict[tuple[str, ...], Mapping[str, float]]]:
     """For each combination its cameras that keep all constraints, or else what the nearest one breaks."""
-    feasible: dict[tuple[str, ...], list[Values]] = {}
+    feasible: dict[tuple[str, ...], list[Point]] = {}
     impossible: dict[tuple[str, ...], Mapping[str, float]] = {}
-    for parts in combinations:
-        names = tuple(part.name for part in parts)
+    for names, parts in combinations.items():
         nearest: Mapping[str, float] | None = None
         for place in places:
             camera = pool.camera(parts, place)
             broken = model.record.broken(camera)
             if not broken:
-                feasible.setdefault(names, []).append(camera)
+                feasible.setdefault(names, []).append(model.point(camera))
             elif nearest is None or sum(broken.values()) < sum(nearest.values()):
                 nearest = broken
         if names not in feasible:
@@ -109,16 +108,16 @@ def _feasible(
 
 
 def _best(
-    model: CameraModel, candidates: Mapping[tuple[str, ...], Sequence[Values]]
-) -> tuple[dict[tuple[str, ...], Values], dict[tuple[str, ...], float]]:
+    model: CameraModel, candidates: Mapping[tuple[str, ...], Sequence[Point]]
+) -> tuple[dict[tuple[str, ...], Point], dict[tuple[str, ...], float]]:
     """The candidate of highest posterior mean of each combination, and that mean."""
-    flat = [(names, camera) for names, cameras in candidates.items() for camera in cameras]
+    flat = [(names, point) for names, points in candidates.items() for point in points]
     if not flat:
         return {}, {}
-    mean = model.posterior([camera for _, camera in flat]).mean
-    cameras: dict[tuple[str, ...], Values] = {}
+    mean = model.posterior_of([point for _, point in flat]).mean
+    best: dict[tuple[str, ...], Point] = {}
     means: dict[tuple[str, ...], float] = {}
-    for (names, camera), value in zip(flat, mean.tolist(), strict=True):
+    for (names, point), value in zip(flat, mean.tolist(), strict=True):
         if value > means.get(names, -np.inf):
-            cameras[names], means[names] = camera, value
-    return cameras, means
+            best[names], means[names] = point, value
+    return best, means
