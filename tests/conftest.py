@@ -24,7 +24,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 @pytest.fixture(scope="session")
 def toys() -> Plugins:
-    """The installed plugins and the toys; what analyses studies, a second for each, is left to tests/decision."""
+    """The installed plugins and the toys, without the analysis of studies, which takes a second for each."""
     plugins = Plugins.discover()
     plugins._plugins = [plugin for plugin in plugins._plugins if plugin.name != "decision"]
     plugins.register(toy_plugin)

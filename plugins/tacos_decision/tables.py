@@ -73,7 +73,7 @@ class StudyResult:
 
     @property
     def curves(self) -> list[Row]:
-        """A line for each point of each variable's curve: ``variable``, ``value``, ``mean``, ``low``, ``high``."""
+        """A line for each point of each variable's curve: ``variable``, ``value``, ``mean``, ..."""
         return [
             {"variable": entry["variable"], **point}
             for entry in self.data.get("importance", ())

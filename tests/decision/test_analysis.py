@@ -1,4 +1,4 @@
-"""What follows from a study whose truth is known: a 90-degree camera of any sensor is best, pitch is nothing."""
+"""What follows from a study whose truth is known: 90 degrees are best for any sensor, pitch is nothing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from tacos_decision.importance import sobol_indices
 from tacos_decision.model import CameraModel
 from tacos_decision.optimum import best_of_parts
 from tacos_decision.pool import Pool
-
 from tests.decision.recorded import recorded
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -121,4 +123,4 @@ def test_differences_that_are_all_alike_need_as_many_scenes_as_a_fair_coin():
 def test_looks_rise_from_the_first_to_the_most(first, more):
     counts = looks(first, first + more)
     assert (counts[0], counts[-1]) == (first, first + more)
-    assert all(a < b for a, b in zip(counts, counts[1:], strict=False))
+    assert all(a < b for a, b in pairwise(counts))
