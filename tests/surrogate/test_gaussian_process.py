@@ -49,12 +49,10 @@ def test_predictions_are_those_of_the_joint_gaussian_written_out():
     expected_covariance = prior - across.T @ np.linalg.solve(k, across)
 
     process = GaussianProcess(inputs, values, h)
-    mean, sd = process.predict(points)
-    joint_mean, joint_covariance = process.predict_jointly(points)
-    np.testing.assert_allclose(mean, expected, rtol=1e-9)
-    np.testing.assert_allclose(joint_mean, expected, rtol=1e-9)
-    np.testing.assert_allclose(joint_covariance, expected_covariance, rtol=1e-7, atol=1e-10)
-    np.testing.assert_allclose(sd, np.sqrt(np.diag(expected_covariance)), rtol=1e-7)
+    prediction = process.at(points)
+    np.testing.assert_allclose(prediction.mean, expected, rtol=1e-9)
+    np.testing.assert_allclose(prediction.covariance, expected_covariance, rtol=1e-7, atol=1e-10)
+    np.testing.assert_allclose(prediction.sd, np.sqrt(np.diag(expected_covariance)), rtol=1e-7)
 
 
 def test_the_evidence_is_the_density_of_the_values_times_that_of_the_prior():
@@ -114,8 +112,8 @@ def test_true_values_lie_in_its_intervals_as_often_as_they_say():
         values = smooth[taken] + scenes[taken] - scenes[taken].mean()
         process_inputs = inputs.take(taken)
         process = GaussianProcess(process_inputs, values, fit_hyperparameters(process_inputs, values))
-        mean, sd = process.predict(inputs.points[rest])
-        within.extend(np.abs(smooth[rest] - mean) < 1.96 * sd)
+        prediction = process.at(inputs.points[rest])
+        within.extend(np.abs(smooth[rest] - prediction.mean) < 1.96 * prediction.sd)
     assert 0.90 < np.mean(within) < 0.985
 
 
@@ -146,8 +144,9 @@ def test_what_an_observation_would_tell_is_what_it_tells():
     process = GaussianProcess(inputs, values, TRUE)
     more = Inputs(np.vstack([inputs.points, points[:1]]), np.append(inputs.episodes, 99))
     after = GaussianProcess(more, np.append(values, 0.0), TRUE)
-    expected = process.predict(points)[1] ** 2 - after.predict(points)[1] ** 2
-    np.testing.assert_allclose(process.reduction(points[0], points), expected, rtol=1e-6)
+    before = process.at(points)
+    np.testing.assert_allclose(before.having_seen(0).sd, after.at(points).sd, rtol=1e-6)
+    np.testing.assert_allclose(before.having_seen(0).covariance, after.at(points).covariance, atol=1e-9)
 
 
 def test_an_unknown_coordinate_widens_the_interval():
@@ -156,7 +155,7 @@ def test_an_unknown_coordinate_widens_the_interval():
     process = GaussianProcess(inputs, values_of(rng, inputs), TRUE)
     known = np.full((1, 3), 0.5)
     unknown = np.array([[np.nan, 0.5, 0.5]])
-    assert process.predict(unknown)[1] > 2 * process.predict(known)[1]
+    assert process.at(unknown).sd > 2 * process.at(known).sd
 
 
 def test_a_drift_is_told_from_the_points_and_predictions_are_for_the_end():
@@ -166,7 +165,7 @@ def test_a_drift_is_told_from_the_points_and_predictions_are_for_the_end():
     values = np.sin(5 * inputs.points[:, 0]) + 2 * times + 0.02 * rng.standard_normal(80) - 1
     process = GaussianProcess(inputs, values, fit_hyperparameters(inputs, values))
     points = np.linspace(0.1, 0.9, 9)[:, None]
-    np.testing.assert_allclose(process.predict(points)[0], np.sin(5 * points[:, 0]) + 1, atol=0.15)
+    np.testing.assert_allclose(process.at(points).mean, np.sin(5 * points[:, 0]) + 1, atol=0.15)
 
 
 def test_a_matrix_that_is_no_covariance_is_refused():

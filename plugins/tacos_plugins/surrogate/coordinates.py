@@ -47,6 +47,11 @@ class CoordinateSystem:
         wide = upper - lower > NO_WIDTH * np.maximum(1.0, np.abs(upper))
         return cls(names, lower, np.where(wide, upper - lower, 1.0))
 
+    def with_range(self, name: str, lower: float, upper: float) -> CoordinateSystem:
+        """The same and one more coordinate."""
+        span = np.append(self.span, upper - lower)
+        return CoordinateSystem((*self.names, name), np.append(self.lower, lower), span)
+
     def rows(self, points: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
         """(points, names) scaled coordinates; NaN where a point does not tell one."""
         return (_table(points, self.names) - self.lower) / self.span

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from tacos_framework.fitness import Fitness
-from tacos_plugins.surrogate.gaussian_process import factorised
+from tacos_plugins.surrogate.gaussian_process import Prediction, factorised
 from tacos_plugins.surrogate.score_model import ScoreModel
 
 Array = NDArray[np.float64]
@@ -67,26 +67,34 @@ def normal_rule(count: int, dimension: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FitnessPosterior:
-    """The fitness at points, averaged over scenes: what a new study on many scenes would find.
+    """The fitness at points, averaged over scenes: what a study on many scenes would find.
 
     Parameters
     ----------
     fitness
         Weights of the scores and of the scenarios.
     models
-        A model of each score.
-    rows
-        (points, names) scaled coordinates.
+        A model of each score, by name.
+    predictions
+        What each says of its values at the points.
+    count
+        Number of points.
     """
 
     fitness: Fitness
     models: Mapping[str, ScoreModel]
-    rows: Array
+    predictions: Mapping[str, Prediction]
+    count: int
 
-    @cached_property
-    def marginals(self) -> dict[str, tuple[Array, Array]]:
-        """For each score, mean and standard deviation of its process at each point, centred and scaled."""
-        return {name: model.predict(self.rows) for name, model in self.models.items()}
+    @classmethod
+    def at(cls, rows: Array, fitness: Fitness, models: Mapping[str, ScoreModel]) -> FitnessPosterior:
+        """The fitness at (points, names) scaled coordinates."""
+        return cls(fitness, models, {name: model.at(rows) for name, model in models.items()}, len(rows))
+
+    def having_seen(self, index: int) -> FitnessPosterior:
+        """The fitness as known once the point of this number has scored its mean in a new scene."""
+        seen = {name: prediction.having_seen(index) for name, prediction in self.predictions.items()}
+        return replace(self, predictions=seen)
 
     def marginal_draws(self, normal: Array) -> Array:
         """(draws, points) fitness, each point's right by itself but not the points' among one another.
@@ -97,10 +105,10 @@ class FitnessPosterior:
             (draws, scores) standard normal numbers.
         """
         if not self.models:
-            return np.zeros((len(normal), len(self.rows)))
+            return np.zeros((len(normal), self.count))
         scores = {}
-        for column, (name, (mean, sd)) in zip(normal.T, self.marginals.items(), strict=True):
-            scores[name] = self.models[name].scores(mean + column[:, None] * sd)
+        for column, (name, prediction) in zip(normal.T, self.predictions.items(), strict=True):
+            scores[name] = self.models[name].scores(prediction.mean + column[:, None] * prediction.sd)
         return combined(self.fitness, scores)
 
     @cached_property
@@ -121,8 +129,8 @@ class FitnessPosterior:
         """(points,) mean of each score, by name, in its own unit."""
         normal = normal_rule(MARGINAL_DRAWS, 1)
         return {
-            name: self.models[name].scores(mean + normal * sd).mean(axis=0)
-            for name, (mean, sd) in self.marginals.items()
+            name: self.models[name].scores(prediction.mean + normal * prediction.sd).mean(axis=0)
+            for name, prediction in self.predictions.items()
         }
 
     def draws(self, count: int, rng: np.random.Generator) -> Array:
@@ -131,11 +139,10 @@ class FitnessPosterior:
         Of draws, any statement about several points follows: which is best, and how surely.
         """
         if not self.models:
-            return np.zeros((count, len(self.rows)))
+            return np.zeros((count, self.count))
         scores = {}
-        for name, model in self.models.items():
-            mean, covariance = model.predict_jointly(self.rows)
-            factor = factorised((covariance + covariance.T) / 2)
-            values = mean + rng.standard_normal((count, len(self.rows))) @ factor.T
-            scores[name] = model.scores(values)
+        for name, prediction in self.predictions.items():
+            factor = factorised((prediction.covariance + prediction.covariance.T) / 2)
+            values = prediction.mean + rng.standard_normal((count, self.count)) @ factor.T
+            scores[name] = self.models[name].scores(values)
         return combined(self.fitness, scores)

@@ -95,49 +95,62 @@ class GaussianProcess:
     def _latest(self) -> float:
         return 0.0 if self.inputs.times is None else float(self.inputs.times.max())
 
-    @property
-    def _prior_variance(self) -> float:
-        h = self.hyperparameters
-        return h.signal**2 + MEAN_VARIANCE + (h.drift**2 if self.inputs.times is not None else 0.0)
-
-    def _across(self, points: Array) -> Array:
-        """(n, m) covariance of what was observed and what is predicted at (m, d) points."""
+    def at(self, points: Array) -> Prediction:
+        """What is known at (m, d) points."""
         h = self.hyperparameters
         squared = scaled_distances(self.inputs.points, points, self._length_scales)
         across = h.signal**2 * matern(squared) + MEAN_VARIANCE
         if self.inputs.times is not None:
             across += h.drift**2 * drifted(self.inputs.times, np.array([self._latest]))
-        return across
+        explained = solve_triangular(self._factor, across, lower=True, check_finite=False)
+        return Prediction(self, points, across.T @ self._weights, np.asarray(explained))
 
-    def _solved(self, points: Array) -> tuple[Array, Array]:
-        """(m,) means, and the (n, m) observations' share in the points, whitened."""
-        across = self._across(points)
-        mean = across.T @ self._weights
-        return mean, np.asarray(solve_triangular(self._factor, across, lower=True, check_finite=False))
-
-    def predict(self, points: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation at (m, d) points, (m,) each."""
-        mean, explained = self._solved(points)
-        variance = self._prior_variance - np.einsum("ij,ij->j", explained, explained)
-        return mean, np.sqrt(np.maximum(variance, 0.0))
-
-    def predict_jointly(self, points: Array) -> tuple[Array, Array]:
-        """Mean (m,) and covariance (m, m) at (m, d) points."""
-        mean, explained = self._solved(points)
+    def prior(self, first: Array, second: Array) -> Array:
+        """(n, m) covariance of (n, d) and (m, d) points before anything is observed."""
         h = self.hyperparameters
-        prior = h.signal**2 * matern(scaled_distances(points, points, self._length_scales))
-        rest = self._prior_variance - h.signal**2
-        return mean, prior + rest - explained.T @ explained
+        common = MEAN_VARIANCE + (h.drift**2 if self.inputs.times is not None else 0.0)
+        return h.signal**2 * matern(scaled_distances(first, second, self._length_scales)) + common
 
-    def reduction(self, point: Array, points: Array) -> Array:
-        """(m,) by how much the variance at (m, d) points falls once a (d,) point is seen in a new scene."""
-        both = np.vstack([points, point[None]])
-        _, explained = self._solved(both)
-        h = self.hyperparameters
-        prior = h.signal**2 * matern(scaled_distances(points, point[None], self._length_scales))[:, 0]
-        covariances = prior + self._prior_variance - h.signal**2 - explained[:, :-1].T @ explained[:, -1]
-        variance = self._prior_variance - float(explained[:, -1] @ explained[:, -1])
-        return np.asarray(covariances**2 / (max(variance, 0.0) + h.within_episodes))
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What is known of the values at points.
+
+    Parameters
+    ----------
+    process
+        Who knows it.
+    points
+        (m, d) coordinates.
+    mean
+        (m,) means.
+    explained
+        (n, m) square root of what observations take from the covariance.
+    """
+
+    process: GaussianProcess
+    points: Array
+    mean: Array
+    explained: Array
+
+    @cached_property
+    def sd(self) -> Array:
+        """(m,) standard deviations."""
+        before = float(self.process.prior(self.points[:1], self.points[:1]).sum())
+        return np.sqrt(np.maximum(before - np.einsum("ij,ij->j", self.explained, self.explained), 0.0))
+
+    @cached_property
+    def covariance(self) -> Array:
+        """(m, m) covariance of the points."""
+        return self.process.prior(self.points, self.points) - self.explained.T @ self.explained
+
+    def having_seen(self, index: int) -> Prediction:
+        """What would be known once the point of this number is observed in a new scene, at its mean."""
+        prior = self.process.prior(self.points, self.points[index : index + 1])[:, 0]
+        covariances = prior - self.explained.T @ self.explained[:, index]
+        variance = max(float(covariances[index]), 0.0) + self.process.hyperparameters.within_episodes
+        more = np.vstack([self.explained, covariances / np.sqrt(variance)])
+        return Prediction(self.process, self.points, self.mean, more)
 
 
 def covariance(inputs: Inputs, h: Hyperparameters) -> Array:

@@ -146,7 +146,7 @@ class GreyBox:
 
     def posterior_at(self, rows: Array) -> FitnessPosterior:
         """As :meth:`posterior`, for rows that :attr:`system` has scaled."""
-        return FitnessPosterior(self.fitness, self.models, rows)
+        return FitnessPosterior.at(rows, self.fitness, self.models)
 
 
 def _numbered(episodes: Sequence[Hashable]) -> NDArray[np.int64]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.surrogate.evidence import fit_hyperparameters
-from tacos_plugins.surrogate.gaussian_process import GaussianProcess, Inputs
+from tacos_plugins.surrogate.gaussian_process import GaussianProcess, Inputs, Prediction
 from tacos_plugins.surrogate.kernel import Hyperparameters
 from tacos_plugins.surrogate.transforms import Transform
 
@@ -67,17 +67,9 @@ class ScoreModel:
             start = fit_hyperparameters(inputs.take(some), values[some], start=start)
         return cls(GaussianProcess(inputs, values, start), transform, centre, scale, columns)
 
-    def predict(self, rows: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation of the value at (m, names) rows, centred and scaled."""
-        return self.process.predict(rows[:, self.columns])
-
-    def predict_jointly(self, rows: Array) -> tuple[Array, Array]:
-        """Mean (m,) and covariance (m, m) of the values at rows, centred and scaled."""
-        return self.process.predict_jointly(rows[:, self.columns])
-
-    def reduction(self, row: Array, rows: Array) -> Array:
-        """(m,) by how much an observation at a row lowers the variance at rows."""
-        return self.process.reduction(row[self.columns], rows[:, self.columns])
+    def at(self, rows: Array) -> Prediction:
+        """The values at (m, names) rows, centred and scaled."""
+        return self.process.at(rows[:, self.columns])
 
     def scores(self, values: Array) -> Array:
         """The score, averaged over scenes and noise, for values of the process, in its own unit."""
