@@ -8,6 +8,7 @@ that it must not change.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pluggy
@@ -70,3 +71,11 @@ def tacos_analyse_study(record: Any) -> Mapping[str, Any] | None:
 @hookspec
 def tacos_study_finished(result: Mapping[str, Any]) -> None:
     """A study ended; `result` is what stands in ``result.json``."""
+
+
+@hookspec
+def tacos_report(folder: Path) -> Path | None:
+    """Write a report of a results folder into it, and return the file; None where it is not for you.
+
+    Called once a study has ended, and by ``tacos report``. What it raises is shown, and costs no result.
+    """

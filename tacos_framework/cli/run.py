@@ -190,9 +190,10 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
             f"  {name:<20} fitness on unseen scenes {'failed' if fitness is None else f'{fitness:.3f}'}"
         )
     if not best:
-        lines.append("No candidate could be evaluated; log.txt says why.")
+        reason = result.get("failed", {}).get("designed", "log.txt says why")
+        lines.append(f"No candidate could be scored: {reason}.")
     lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
-    lines.append(f"Report: {out / 'report.html'}")
+    lines.append(f"Report: {out / 'report.html'}" if (out / "report.html").exists() else f"Results: {out}")
     return "\n".join(lines)
 
 

@@ -53,6 +53,8 @@ class Task(Protocol):
     ``lower_is_better: ClassVar[frozenset[str]]``
         Those of the scores that are errors, of which reports call the smallest best. Of the others higher is
         better.
+    ``score_meanings: ClassVar[Mapping[str, str]]``
+        What a score says, in a few words, where its name does not tell those who read a report.
     ``score_scales: ClassVar[Mapping[str, ScoreScale]]``
         Which of the scores are counts, and which are shares between 0 and 1; the others may be any number.
     ``depends_on: ClassVar[Mapping[str, Sequence[str]]]``

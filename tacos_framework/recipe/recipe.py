@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, PrivateAttr, T
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.recipe.effect_names import effect_names
+from tacos_framework.recipe.notes import quoting
 from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.settings.yaml_reader import Document, read_yaml_draft
@@ -300,7 +301,9 @@ class Recipe(Settings):
     study: StudySettings = setting(StudySettings(), help="How candidates are compared.")
     compare: Compare | None = setting(None, help="Off-the-shelf cameras to set beside the design.")
     test: Test | None = setting(None, help="Scenes the design is tested on.")
-    notes: tuple[str, ...] = setting((), help="What a reader of the results should know.")
+    notes: tuple[str, ...] = setting(
+        (), help="What a reader of the results should know; {rig.binning} and the like quote the recipe."
+    )
 
     _document: Document | None = PrivateAttr(None)
 
@@ -308,6 +311,12 @@ class Recipe(Settings):
     def _seeds_differ(self) -> Recipe:
         if self.test is not None and self.test.seed == self.seed:
             raise ValueError(f"test.seed and seed are both {self.seed}: the test scenes would not be unseen")
+        return self
+
+    @model_validator(mode="after")
+    def _notes_quote_what_is_there(self) -> Recipe:
+        for note in self.notes:
+            quoting(note, self.as_data())
         return self
 
     @model_validator(mode="after")
@@ -319,6 +328,11 @@ class Recipe(Settings):
                 f"weights, so that each goes on where the one before stopped: set branched or frozen"
             )
         return self
+
+    @property
+    def quoted_notes(self) -> tuple[str, ...]:
+        """The notes, with the settings they quote."""
+        return tuple(quoting(note, self.as_data()) for note in self.notes)
 
     @property
     def scenarios(self) -> tuple[Scenario, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -89,10 +90,7 @@ def run_study(
                 evaluates.close()
         result = running.finish()
         if report:
-            from tacos_framework.report import write_report
-
-            with results.writing():
-                write_report(results.folder)
+            _report(results.folder, plugins)
     return result
 
 
@@ -351,6 +349,7 @@ class Study:
             "cameras": {
                 s.name: self._camera(s, tested.get(s.name)) for s in self.searches if s.best is not None
             },
+            "failed": self._failed(),
             "derived_units": dict(self.plan.rig.cls.derived_quantities),
             "design_space": self.plan.space.as_data(),
             "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
@@ -359,9 +358,15 @@ class Study:
                 for name, node in self.plan.nodes.items()
                 for score in getattr(node.cls, "lower_is_better", ())
             ),
+            "score_meanings": {
+                f"{name}.{score}": meaning
+                for name, node in self.plan.nodes.items()
+                for score, meaning in getattr(node.cls, "score_meanings", {}).items()
+            },
+            "carrier": self._carrier(),
             "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
             "environment": self._environment,
-            "notes": [*self.plan.recipe.notes, *self._automatic_notes(), *self._analysis_notes],
+            "notes": [*self.plan.recipe.quoted_notes, *self._automatic_notes(), *self._analysis_notes],
             "samples": self._samples,
             "command": self._command,
         }
@@ -378,9 +383,8 @@ class Study:
         """What the study claims, and why where it claims nothing."""
         reason = degenerate(self.searches[0], self.plan.recipe) if not self.broken_off else None
         titles = {camera.name: camera.title for camera in self.plan.cameras}
-        left_out = {s.name: s.last_failure or s.stopped or "" for s in self.searches if s.best is None}
         why = f"The study has not ended: {self.broken_off}." if self.broken_off else reason
-        decided = decision(self.plan.recipe, self._test, titles, left_out, why)
+        decided = decision(self.plan.recipe, self._test, titles, self._failed(), why)
         return {**decided, **({"degenerate": reason} if reason else {})}
 
     def _camera(self, search: Search, test: Evaluation | None) -> dict[str, Any]:
@@ -400,13 +404,23 @@ class Study:
             "free": list(search.space.names) if search.space else [],
         }
 
+    def _failed(self) -> dict[str, str]:
+        """Cameras of which no candidate could be scored, and why the last of them could not."""
+        none = (search for search in self.searches if search.best is None and search.generation)
+        return {search.name: search.last_failure or "none was proposed" for search in none}
+
+    def _carrier(self) -> str:
+        """What carries the cameras, as the first scene says that does; empty where none does."""
+        said = (getattr(node.cls, "carrier", "") for node in self.plan.nodes.values())
+        return next(filter(None, said), "")
+
     def _automatic_notes(self) -> Iterator[str]:
         binning = getattr(self.plan.rig.config, "binning", 1)
         if binning != 1:
             yield (
                 f"Pixel counts are scaled down: each simulated pixel averages {binning:g} x {binning:g} "
-                f"photosites, and its noise is that of the average. Resolutions compare with one another, "
-                f"but scores are not those of the full pixel counts."
+                f"photosites, and its noise is that of the average. "
+                f"Scores are not those of the full pixel counts."
             )
         if trainings := max(search.trained_best for search in self.searches):
             yield f"Before the test, the trainable tasks were trained {trainings} times more on each camera."
@@ -416,9 +430,17 @@ class Study:
                     f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
-        failed = [search.name for search in self.searches if search.best is None and search.generation]
-        for name in failed:
-            yield f"No candidate of {name!r} could be evaluated; see generations.jsonl and log.txt for why."
+        titles = {camera.name: camera.title for camera in self.plan.cameras}
+        for name, reason in self._failed().items():
+            yield f"No candidate of the {titles.get(name, 'design')} could be scored: {reason}."
+
+
+def _report(folder: Path, plugins: Plugins) -> None:
+    """Have plugins report on the study; the result stands, whatever becomes of its report."""
+    for failure in plugins.write_reports(folder)[1]:
+        warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
+        log.warning("%s", warning, exc_info=failure.error)
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def _best(evaluation: Evaluation) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -49,6 +49,9 @@ class ObstacleVisibility:
         )
 
     scores: ClassVar[tuple[str, ...]] = ("seen_ratio",)
+    score_meanings: ClassVar[Mapping[str, str]] = {
+        "seen_ratio": "share of obstacles on the path that were seen in time",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -65,6 +65,9 @@ class OrbFeatures:
         ransac_seed: int = setting(0, help="Seed of RANSAC, set anew for each pair.", ge=0, le=2**31 - 1)
 
     scores: ClassVar[tuple[str, ...]] = ("inliers", "inlier_ratio")
+    score_meanings: ClassVar[Mapping[str, str]] = {
+        "inliers": "features matched between frames that agree with one motion",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config

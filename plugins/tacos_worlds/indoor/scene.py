@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ class IndoorScene:
     >>> len(scene.episode(rng=np.random.default_rng(7), illumination_lux=20.0))
     10
     """
+
+    carrier: ClassVar[str] = "person"
 
     class Config(Settings):
         """Settings of the scene."""

@@ -131,6 +131,9 @@ class FasterRcnn:
 
     scores: ClassVar[tuple[str, ...]] = ("ap50", *(f"ap50_{name}" for name in INDOOR_CLASSES))
     score_scales: ClassVar[Mapping[str, ScoreScale]] = dict.fromkeys(scores, "share")
+    score_meanings: ClassVar[Mapping[str, str]] = {
+        "ap50": "average precision of detection, a box counting from an overlap of 50 %",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.report import palette
-from tacos_framework.report.pictures import side_by_side
 from tacos_framework.report.quantities import duration, measured, number, percent, shown, unit_of, words
-from tacos_framework.report.study_data import CameraResult
-from tacos_framework.report.view_geometry import floor_range_m, footprint, half_extents, wedge
+from tacos_report.pictures import side_by_side
+from tacos_report.study_data import CameraResult
+from tacos_report.view_geometry import floor_range_m, footprint, half_extents, wedge
 
 
 @given(st.floats(min_value=-1e9, max_value=1e9).filter(lambda value: abs(value) > 1e-5))

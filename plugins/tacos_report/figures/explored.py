@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.palette import DOT, RULE, camera_colour
 from tacos_framework.report.quantities import quantity, unit_sign, words
-from tacos_framework.report.study_data import Tried
+from tacos_report.study_data import Tried
 
 _COLUMNS = 3
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.palette import DOT, INK, MUTED, RULE, camera_colour
 from tacos_framework.report.quantities import number, row_detail, words
-from tacos_framework.report.study_data import Tried
+from tacos_report.study_data import Tried
 
 _SHOWN = 10
 

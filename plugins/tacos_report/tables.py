@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from tacos_framework.report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_framework.report.quantities import (
     joined,
     measured,
@@ -16,8 +15,12 @@ from tacos_framework.report.quantities import (
     unit_of,
     words,
 )
-from tacos_framework.report.story import floor_words, higher_is_better, score_weights
-from tacos_framework.report.study_data import CameraResult, StudyData
+from tacos_report.comparison import CameraDifference, best_of, difference, score_names
+from tacos_report.story import ground_words, higher_is_better, score_weights
+from tacos_report.study_data import CameraResult, StudyData
+
+OF_PURCHASE = frozenset({"mount_fits", "image_circle_margin_mm", "f_number_min"})
+"""Derived quantities that say whether parts go together: told where it says what to buy."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ def camera_table(study: StudyData) -> list[CameraRow]:
         cells = tuple(_variable_cell(camera, name, study) for camera in study.cameras)
         rows.append(CameraRow(words(name), cells))
     for name in _in_order(camera.derived for camera in study.cameras):
-        if name in variables:
+        if name in variables or name in OF_PURCHASE:
             continue
         unit = study.units.get(name) or unit_of(name)
         cells = tuple(
@@ -57,8 +60,8 @@ def camera_table(study: StudyData) -> list[CameraRow]:
         )
         rows.append(CameraRow(words(name), cells))
     if any("vfov_deg" in camera.derived for camera in study.cameras):
-        floors = tuple(CameraCell(floor_words(camera, study.eye_height_m)) for camera in study.cameras)
-        rows.append(CameraRow("Floor seen ahead", floors))
+        floors = tuple(CameraCell(ground_words(study, camera)) for camera in study.cameras)
+        rows.append(CameraRow(f"{study.ground.capitalize()} seen ahead", floors))
     if any(camera.free for camera in study.others):
         rows.append(CameraRow("Optimised", tuple(_free_cell(camera) for camera in study.cameras)))
     return rows
@@ -90,7 +93,10 @@ def _score_row(study: StudyData, name: str, weights: dict[str, float]) -> Camera
     change = None
     if study.designed is not None and other is not None:
         change = difference(study.designed, other, name, higher_is_better=higher_first)
-    detail = f"weight {weight:g}" if weight is not None else "" if name == "fitness" else "not in the fitness"
+    counted = (
+        f"weight {weight:g}" if weight is not None else "" if name == "fitness" else "not in the fitness"
+    )
+    detail = "; ".join(filter(None, (study.score_meanings.get(name, ""), counted)))
     return CameraRow(words(name), cells, detail, _change_text(change), change.outcome if change else "")
 
 

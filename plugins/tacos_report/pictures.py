@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tacos_framework.report.study_data import CameraResult
-from tacos_framework.report.view_geometry import half_extents, horizon_from_top
+from tacos_report.study_data import CameraResult
+from tacos_report.view_geometry import half_extents, horizon_from_top
 
 _JPEG_QUALITY = 88
 
@@ -20,6 +20,10 @@ class EmbeddedImage:
     uri: str
     width_px: int
     height_px: int
+
+
+MOST_ENLARGED = 1.5
+"""How much larger than its pixels a frame is shown at most [screen px / px]: more would only blur."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,12 @@ def picture(path: Path, widest_px: int, *, lossless: bool = False) -> EmbeddedIm
     return EmbeddedImage(
         f"data:{mime};base64,{base64.b64encode(data.tobytes()).decode()}", width_px, height_px
     )
+
+
+def row_width_px(images: Sequence[EmbeddedImage], places: Sequence[FramePlacement]) -> int:
+    """Width of a row of frames at which none is enlarged beyond `MOST_ENLARGED` [screen px]."""
+    widths = (image.width_px * 100 / place.width for image, place in zip(images, places, strict=True))
+    return round(MOST_ENLARGED * min(widths))
 
 
 def side_by_side(cameras: Sequence[CameraResult], gap: float = 1.6) -> list[FramePlacement]:

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from tacos_framework.fitness import standard_errors
-from tacos_framework.report import story
-from tacos_framework.report.comparison import CameraDifference, difference
-from tacos_framework.report.study_data import CameraResult, Generation, StudyData, Tried
-from tacos_framework.report.tables import score_table
+from tacos_report import story
+from tacos_report.comparison import CameraDifference, difference
+from tacos_report.study_data import CameraResult, Generation, StudyData, Tried
+from tacos_report.tables import score_table
 
 
 def camera(name: str, fitness: float | None, *episodes: float, **scores: float) -> CameraResult:

@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.palette import DOT, INK, MUTED, PAPER, camera_colour
 from tacos_framework.report.quantities import number
-from tacos_framework.report.study_data import Generation, Tried
+from tacos_report.study_data import Generation, Tried
 
 
 def search_curve(generations: Sequence[Generation]) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_report.analysis import Analysis, read_analysis
+from tacos_report.plain_values import finite, mapping, numbers, text, texts
 
 DESIGNED = "designed"
 """The name under which the winner of the search appears among the cameras."""
@@ -21,7 +22,8 @@ class CameraResult:
 
     ``spread`` holds standard errors over test episodes, for scores and for ``fitness``, and ``episodes``
     the numbers of each test episode, in the same order for every camera; ``scores``,
-    ``terms`` and ``fitness`` are empty or None where the test has not run.
+    ``terms`` and ``fitness`` are empty or None where the test has not run. ``scenarios`` has scores and
+    fitness of each scenario by itself, where there is more than one.
     """
 
     name: str
@@ -36,6 +38,7 @@ class CameraResult:
     evaluations: int | None = None
     free: tuple[str, ...] = ()
     samples: tuple[Path, ...] = ()
+    scenarios: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def pitch_deg(self) -> float:
@@ -82,6 +85,9 @@ class StudyData:
     scene_map: Path | None = None
     eye_height_m: float = 1.6
     notes: tuple[str, ...] = ()
+    analysis: Analysis = field(default_factory=Analysis)
+    asks_for_test: bool = True
+    f_number: float | None = None
 
     @property
     def designed(self) -> CameraResult | None:
@@ -92,6 +98,25 @@ class StudyData:
     def others(self) -> tuple[CameraResult, ...]:
         """The cameras it is compared with."""
         return tuple(camera for camera in self.cameras if camera.name != DESIGNED)
+
+    @property
+    def ground(self) -> str:
+        """What the one who carries the cameras moves on."""
+        return "ground" if self.carrier == "car" else "floor"
+
+    @property
+    def carrier(self) -> str:
+        """What carries the cameras, as the scene says: ``person``, ``car``, ...; empty where it does not."""
+        return text(self.result.get("carrier"))
+
+    @property
+    def score_meanings(self) -> Mapping[str, str]:
+        """What scores say, in a few words."""
+        return {name: text(said) for name, said in mapping(self.result.get("score_meanings")).items()}
+
+    def title_of(self, name: str) -> str:
+        """What people call a camera of the study, also where it has no results."""
+        return next((c.title for c in self.cameras if c.name == name), name.replace("_", " "))
 
     @property
     def tested(self) -> bool:
@@ -111,7 +136,7 @@ class StudyData:
     @property
     def best_fitness(self) -> float | None:
         """Fitness of the winner on the scenes it was designed on."""
-        return _finite((self.result.get("best") or {}).get("fitness"))
+        return finite((self.result.get("best") or {}).get("fitness"))
 
     @property
     def units(self) -> Mapping[str, str]:
@@ -136,7 +161,8 @@ def read_study(folder: Path) -> StudyData:
     result = _read_result(folder)
     generations, torn = _read_generations(folder / "generations.jsonl")
     recipe = _text(folder / "recipe.yaml")
-    notes = [str(note) for note in result.get("notes") or []]
+    document = _document(recipe)
+    notes = list(texts(result.get("notes")))
     if torn:
         notes.append("The last line of generations.jsonl is incomplete and was left out.")
     scene_map = result.get("scene_map")
@@ -147,8 +173,11 @@ def read_study(folder: Path) -> StudyData:
         recipe=recipe,
         log=_text(folder / "log.txt"),
         scene_map=_inside(folder, scene_map) if scene_map else None,
-        eye_height_m=_eye_height_m(recipe),
+        eye_height_m=_eye_height_m(document),
         notes=tuple(notes),
+        analysis=read_analysis(result),
+        asks_for_test=not document or document.get("test") is not None,
+        f_number=finite(mapping(document.get("scenario")).get("f_number")),
     )
 
 
@@ -187,8 +216,8 @@ def _generation(row: Mapping[str, Any]) -> Generation:
         Tried(
             generation=number,
             camera=candidate.get("camera") or {},
-            derived=_numbers(candidate.get("derived")),
-            fitness=_finite(candidate.get("fitness")),
+            derived=numbers(candidate.get("derived")),
+            fitness=finite(candidate.get("fitness")),
             failed=candidate.get("failed"),
         )
         for candidate in row.get("candidates") or []
@@ -206,18 +235,19 @@ def _cameras(folder: Path, result: Mapping[str, Any]) -> list[CameraResult]:
 
 
 def _camera(folder: Path, result: Mapping[str, Any], name: str, row: Mapping[str, Any]) -> CameraResult:
-    test = _numbers((result.get("test") or {}).get(name))
+    test = numbers((result.get("test") or {}).get(name))
     title = "Designed camera" if name == DESIGNED else row.get("title") or name.replace("_", " ")
     samples = (result.get("samples") or {}).get(name) or []
     return CameraResult(
         name=name,
         title=str(title),
         camera=row.get("camera") or {},
-        derived=_numbers(row.get("derived")),
+        derived=numbers(row.get("derived")),
         scores={score: value for score, value in test.items() if score != "fitness"},
-        terms=_numbers(row.get("terms")) if test else {},
-        spread=_numbers(row.get("spread")),
-        episodes=tuple(_numbers(episode) for episode in row.get("episodes") or ()),
+        terms=numbers(row.get("terms")) if test else {},
+        scenarios={name: numbers(scores) for name, scores in mapping(row.get("scenarios")).items()},
+        spread=numbers(row.get("spread")),
+        episodes=tuple(numbers(episode) for episode in row.get("episodes") or ()),
         fitness=test.get("fitness"),
         evaluations=row.get("evaluations"),
         free=tuple(row.get("free") or ()),
@@ -231,34 +261,25 @@ def _inside(folder: Path, name: str) -> Path | None:
     return path if path.is_relative_to(folder.resolve()) and path.is_file() else None
 
 
-def _numbers(row: Mapping[str, Any] | None) -> dict[str, float]:
-    pairs = ((name, _finite(value)) for name, value in (row or {}).items())
-    return {name: value for name, value in pairs if value is not None}
-
-
-def _finite(value: Any) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    return float(value) if math.isfinite(value) else None
-
-
 def _text(path: Path) -> str:
     return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
 
 
-def _eye_height_m(recipe: str) -> float:
-    """Middle of the camera height the recipe walks its agent with; the field's default where it has none."""
+def _document(recipe: str) -> Mapping[str, Any]:
     import yaml
 
     try:
-        document = yaml.safe_load(recipe)
+        return mapping(yaml.safe_load(recipe))
     except yaml.YAMLError:
-        document = None
-    nodes = document.get("nodes") if isinstance(document, dict) else None
-    for node in (nodes or {}).values() if isinstance(nodes, dict) else ():
-        height = node.get("camera_height_m") if isinstance(node, dict) else None
-        if isinstance(height, list) and height and all(isinstance(end, int | float) for end in height):
-            return float(sum(height) / len(height))
-        if isinstance(height, int | float):
-            return float(height)
+        return {}
+
+
+def _eye_height_m(recipe: Mapping[str, Any]) -> float:
+    """Middle of the camera height the recipe moves its agent with; the field's default where it has none."""
+    for node in mapping(recipe.get("nodes")).values():
+        height = mapping(node).get("camera_height_m")
+        ends = height if isinstance(height, list) else [height]
+        known = [end for end in map(finite, ends) if end is not None]
+        if known:
+            return sum(known) / len(known)
     return StudyData.eye_height_m

@@ -13,8 +13,8 @@ from matplotlib.patches import Polygon
 from tacos_framework.report.figures.canvas import draw
 from tacos_framework.report.palette import INK, MUTED, RULE, camera_colour
 from tacos_framework.report.quantities import quantity
-from tacos_framework.report.study_data import CameraResult
-from tacos_framework.report.view_geometry import wedge
+from tacos_report.study_data import CameraResult
+from tacos_report.view_geometry import wedge
 
 _REACH_M = 4.0
 _LABEL_GAP_M = 0.32

@@ -8,12 +8,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from tacos_framework.report.study_data import CameraResult
+from tacos_report.study_data import CameraResult
 
 Outcome = Literal["better", "worse", "undecided"]
 
 CONFIDENCE = 0.95
 """How sure the report must be before it calls one of two cameras better."""
+
+
+MOST_SHARE = 2.0
+"""Larger relative changes are told as differences: +200 % still reads as a change, +7842 % does not."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +40,13 @@ class CameraDifference:
 
     @property
     def share(self) -> float | None:
-        """The difference relative to the other camera's value; None where that has no meaning."""
-        return self.value / self.other if self.other > 1e-9 else None
+        """The difference relative to the other camera's value; None where that says little.
+
+        It says little where the other value is near zero, by its uncertainty or beside the difference.
+        """
+        if self.other <= max(1e-9, self.error or 0.0, abs(self.value) / MOST_SHARE):
+            return None
+        return self.value / self.other
 
     @property
     def outcome(self) -> Outcome:

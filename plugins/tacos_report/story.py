@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_framework.report.quantities import (
     duration,
     measured,
@@ -20,9 +19,16 @@ from tacos_framework.report.quantities import (
     unit_of,
     words,
 )
-from tacos_framework.report.study_data import CameraResult, StudyData, Tried
-from tacos_framework.report.view_geometry import floor_range_m
+from tacos_report import verdicts
+from tacos_report.comparison import CameraDifference, best_of, difference, score_names
+from tacos_report.plain_values import mapping, showable, text
+from tacos_report.study_data import DESIGNED, CameraResult, StudyData, Tried
+from tacos_report.view_geometry import floor_range_m
 
+_SCHEMES = {
+    "quantized": "searched by their properties, then the nearest part (the paper's quantized scheme)",
+    "discrete": "searched by their number in the list (the paper's discrete scheme)",
+}
 _PLACES = {"sensor": 0, "focal_length_mm": 1, "pitch_deg": 3}
 
 
@@ -35,10 +41,15 @@ class FailureGroup:
 
 
 def headline(study: StudyData) -> str:
-    """The answer of the study in one sentence."""
+    """The answer of the study, in a sentence or two."""
     if study.designed is None:
         return "No camera was found: not one candidate could be scored."
+    if study.analysis.degenerate:
+        return "This study names no camera: it cannot tell one from another."
     what = f"The best camera found: {design_words(study.designed.camera)}"
+    if (decision := study.analysis.decision) is not None:
+        title = study.title_of(decision.comparison.against)
+        return f"{what}. {verdicts.headline(decision, title, len(study.others))}"
     other = best_of(study.others)
     change = difference(study.designed, other, "fitness") if other else None
     if other is None or change is None:
@@ -61,6 +72,15 @@ def design_words(camera: Mapping[str, Any]) -> str:
     return ", ".join(said.values()) or "one without design variables"
 
 
+def optics_words(camera: Mapping[str, Any], units: Mapping[str, str]) -> str:
+    """What a camera has beside its parts: ``focal length 2.9 mm, pitch −20°``."""
+    return ", ".join(
+        f"{words(name).lower()} {shown(name, camera[name], units.get(name) or unit_of(name))}"
+        for name in in_order(camera)
+        if showable(camera[name])
+    )
+
+
 def in_order(camera: Mapping[str, Any]) -> list[str]:
     """Names of a camera's variables: the sensor first, the mounting last, in whatever order they come."""
     return sorted(camera, key=lambda name: _PLACES.get(name, 2))
@@ -80,17 +100,21 @@ def _variable_words(name: str, value: Any) -> str:
 
 def verdict(study: StudyData) -> str:
     """How sure the comparison is, with the figures behind the headline."""
+    if study.analysis.degenerate:
+        return study.analysis.degenerate
     if study.designed is None:
-        return "The section on failed candidates says why."
+        return _why_none(study)
     if not study.tested:
         best = study.best_fitness
         reached = f" On the scenes it was designed on it reached a fitness of {number(best)}." if best else ""
-        return f"It has not been tried on unseen scenes: the study ended before its test.{reached}"
+        return f"{untested(study)}{reached}"
+    if study.analysis.decision is not None:
+        return verdicts.lead(study.analysis.decision)
     ours = measured(study.designed.fitness or 0.0, study.designed.spread.get("fitness"))
     other = best_of(study.others)
     change = difference(study.designed, other, "fitness") if other else None
     if other is None or change is None:
-        return f"Fitness on unseen scenes: {ours}. The recipe names no camera to compare it with."
+        return f"Fitness on unseen scenes: {ours}. {_why_alone(study)}"
     theirs = measured(change.other, other.spread.get("fitness"))
     figures = f"Fitness on unseen scenes: {ours} against {theirs}, a difference of "
     figures += signed(change.value, change.error)
@@ -99,6 +123,31 @@ def verdict(study: StudyData) -> str:
     if change.outcome == "undecided":
         return f"{figures} (95 % interval), which may be chance: more test scenes would be needed to tell."
     return f"{figures} (95 % interval over the test scenes)."
+
+
+def untested(study: StudyData) -> str:
+    """Why the camera has no scores on unseen scenes."""
+    if not study.asks_for_test:
+        return "It has not been tried on unseen scenes: the recipe has no section test."
+    return "It has not been tried on unseen scenes: the study ended before its test."
+
+
+def _why_none(study: StudyData) -> str:
+    """Why no candidate of the design could be scored, as far as it is known."""
+    groups = failure_groups(study.tried)
+    if groups:
+        return f"Most often the reason was: {groups[0].example.rstrip('.')}."
+    said = text(mapping(study.result.get("failed")).get(DESIGNED))
+    return f"The reason: {said.rstrip('.')}." if said else "The log says why."
+
+
+def _why_alone(study: StudyData) -> str:
+    """Why there is no product beside the camera."""
+    reasons = {each.against: each.why for each in study.analysis.comparisons if each.why}
+    if reasons:
+        said = "; ".join(f"{study.title_of(name)}: {why.rstrip('.')}" for name, why in reasons.items())
+        return f"No camera off the shelf can be compared with it. {said}."
+    return study.analysis.decision_absent or "The recipe names no camera to compare it with."
 
 
 def against_best(study: StudyData) -> str:
@@ -153,17 +202,22 @@ def higher_is_better(study: StudyData, score: str) -> bool:
     return score not in (study.result.get("lower_is_better") or ())
 
 
-def floor_words(camera: CameraResult, eye_height_m: float) -> str:
-    """Which floor a camera sees straight ahead of the agent."""
+def floor_words(camera: CameraResult, eye_height_m: float, ground: str = "floor") -> str:
+    """Which floor, or ground, a camera sees straight ahead of the agent."""
     vfov_deg = camera.derived.get("vfov_deg")
     if vfov_deg is None:
         return "not known"
     seen = floor_range_m(eye_height_m, camera.pitch_deg, vfov_deg)
     if seen is None:
-        return "sees no floor"
+        return f"sees no {ground}"
     near, far = seen
     start = "from the feet on" if near < 0.05 else f"from {quantity(near, 'm', digits=2)}"
     return start if far == float("inf") else f"{start} to {quantity(far, 'm', digits=2)}"
+
+
+def ground_words(study: StudyData, camera: CameraResult) -> str:
+    """Which ground a camera of a study sees straight ahead."""
+    return floor_words(camera, study.eye_height_m, study.ground)
 
 
 def search_words(study: StudyData) -> str:
@@ -217,7 +271,7 @@ def space_words(row: Mapping[str, Any]) -> str:
     values = row.get("values")
     count = values if isinstance(values, int) else len(values) if isinstance(values, list) else None
     choices = _count(count, "choice") if count is not None else str(row.get("kind", ""))
-    return f"{choices}, {row['scheme']} scheme" if row.get("scheme") else choices
+    return f"{choices}, {_SCHEMES.get(str(row['scheme']), row['scheme'])}" if row.get("scheme") else choices
 
 
 def _count(value: int, noun: str) -> str:

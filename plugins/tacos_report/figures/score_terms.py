@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_framework.report.palette import INK, PAPER, RULE, TERMS, camera_colour
 from tacos_framework.report.quantities import measured, number, words
-from tacos_framework.report.study_data import CameraResult
+from tacos_report.study_data import CameraResult
 
 _LIGHT_TEXT_ON = {TERMS[0], TERMS[3], TERMS[5]}
 

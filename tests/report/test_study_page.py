@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from tacos_framework.errors import UserError
-from tacos_framework.report import write_report
+from tacos_report import write_report
 from tests.report.results_folder import write_json, write_results
 
 _VOID = {"meta", "img", "br", "image", "path", "use", "rect", "polygon", "link", "input"}
@@ -216,6 +216,6 @@ def test_a_folder_without_a_result_is_refused(tmp_path: Path) -> None:
 
 
 def test_importing_the_package_loads_no_drawing_code() -> None:
-    code = "import sys, tacos_framework.report; print('matplotlib' in sys.modules, 'jinja2' in sys.modules)"
+    code = "import sys, tacos_report; print('matplotlib' in sys.modules, 'jinja2' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "False"]

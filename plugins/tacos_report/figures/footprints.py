@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from html import escape
 
 from tacos_framework.report.palette import camera_variable
-from tacos_framework.report.study_data import CameraResult
-from tacos_framework.report.view_geometry import Point, footprint, half_extents
+from tacos_report.study_data import CameraResult
+from tacos_report.view_geometry import Point, footprint, half_extents
 
 _MARGIN = 0.7  # of the frame, shown around it for frames that reach beyond
 _UNIT = 1000.0  # drawing units per focal length, so that coordinates stay readable

@@ -5,26 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from tacos_framework.report import story
-from tacos_framework.report.comparison import best_of
-from tacos_framework.report.figures.catalog_choices import catalog_choices
-from tacos_framework.report.figures.explored import Panel, explored
-from tacos_framework.report.figures.footprints import footprints
-from tacos_framework.report.figures.score_terms import score_terms
-from tacos_framework.report.figures.search_curve import search_curve
-from tacos_framework.report.figures.side_view import side_view
-from tacos_framework.report.figures.time_spent import time_spent
-from tacos_framework.report.figures.top_view import top_view
+from tacos_framework.report.page import page_templates
 from tacos_framework.report.palette import camera_variable, stylesheet
-from tacos_framework.report.pictures import picture, side_by_side
 from tacos_framework.report.quantities import measured, row_detail, shown, unit_of, words
-from tacos_framework.report.study_data import StudyData, Tried
-from tacos_framework.report.tables import camera_table, score_table
+from tacos_report import sections, story
+from tacos_report.comparison import best_of
+from tacos_report.figures.catalog_choices import catalog_choices
+from tacos_report.figures.explored import Panel, explored
+from tacos_report.figures.footprints import footprints
+from tacos_report.figures.score_terms import score_terms
+from tacos_report.figures.search_curve import search_curve
+from tacos_report.figures.side_view import side_view
+from tacos_report.figures.time_spent import time_spent
+from tacos_report.figures.top_view import top_view
+from tacos_report.pictures import MOST_ENLARGED, picture, row_width_px, side_by_side
+from tacos_report.plain_values import mapping
+from tacos_report.study_data import StudyData, Tried
+from tacos_report.tables import OF_PURCHASE, camera_table, score_table
 
-_HERO_PX, _FRAME_PX, _MAP_PX = 1280, 640, 1000
+_HERO_PX, _HERO_LEAST_PX, _FRAME_PX, _MAP_PX = 1280, 480, 640, 1000
 _MOMENTS_SHOWN = 3
 _LOG_LINES = 200
 _OPTIONAL = ("name", "stopped", "command", "seed", "tacos")
@@ -32,33 +33,32 @@ _OPTIONAL = ("name", "stopped", "command", "seed", "tacos")
 
 def render(study: StudyData) -> str:
     """The whole page."""
-    environment = Environment(
-        loader=PackageLoader("tacos_framework.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("report.html.j2").render(
-        study=study,
-        result={**dict.fromkeys(_OPTIONAL), **study.result},
-        palette=Markup(stylesheet()),
-        story=story,
-        hero=_hero(study),
-        facts=_facts(study),
-        moments=_moments(study),
-        views=_views(study),
-        legend=[(camera.title, camera_variable(i)) for i, camera in enumerate(study.cameras)],
-        scores=_scores(study),
-        camera_rows=camera_table(study),
-        score_rows=score_table(study),
-        scene_map=picture(study.scene_map, _MAP_PX, lossless=True) if study.scene_map else None,
-        search=Markup(search_curve(study.generations)) if study.scored else None,
-        space=_space(study),
-        time=_time(study.result.get("seconds_by_node")),
-        failures=story.failure_groups(study.tried),
-        environment=_environment(study.result.get("environment")),
-        log="\n".join(study.log.splitlines()[-_LOG_LINES:]),
+    return (
+        page_templates("tacos_report")
+        .get_template("study.html.j2")
+        .render(
+            study=study,
+            result={**dict.fromkeys(_OPTIONAL), **study.result},
+            palette=Markup(stylesheet()),
+            story=story,
+            hero=_hero(study),
+            facts=_facts(study),
+            answers=sections.answers(study),
+            by_scenario=sections.by_scenario(study),
+            moments=_moments(study),
+            views=_views(study),
+            legend=[(camera.title, camera_variable(i)) for i, camera in enumerate(study.cameras)],
+            scores=_scores(study),
+            camera_rows=camera_table(study),
+            score_rows=score_table(study),
+            scene_map=picture(study.scene_map, _MAP_PX, lossless=True) if study.scene_map else None,
+            search=Markup(search_curve(study.generations)) if study.scored else None,
+            space=_space(study),
+            time=_time(study.result.get("seconds_by_node")),
+            failures=story.failure_groups(study.tried),
+            environment=_environment(study.result.get("environment")),
+            log="\n".join(study.log.splitlines()[-_LOG_LINES:]),
+        )
     )
 
 
@@ -72,7 +72,8 @@ def _hero(study: StudyData) -> dict[str, Any] | None:
         return None
     known = {"hfov_deg", "vfov_deg"} <= designed.derived.keys()
     drawing = footprints(study.cameras, image.uri) if known else None
-    return {"image": image, "drawing": Markup(drawing) if drawing else None}
+    widest_px = max(_HERO_LEAST_PX, round(MOST_ENLARGED * image.width_px))
+    return {"image": image, "widest_px": widest_px, "drawing": Markup(drawing) if drawing else None}
 
 
 def _facts(study: StudyData) -> list[tuple[str, str, str]]:
@@ -86,37 +87,46 @@ def _facts(study: StudyData) -> list[tuple[str, str, str]]:
         detail = row_detail(value) if isinstance(value, dict) else ""
         rows.append((words(name), shown(name, value, study.units.get(name)), detail))
     for name, value in designed.derived.items():
-        if name not in designed.camera:
+        if name not in designed.camera and name not in OF_PURCHASE:
             rows.append((words(name), shown(name, value, study.units.get(name)), ""))
     if "vfov_deg" in designed.derived:
-        rows.append(("Floor seen ahead", story.floor_words(designed, study.eye_height_m), ""))
+        rows.append(
+            (
+                f"{study.ground.capitalize()} seen ahead",
+                story.floor_words(designed, study.eye_height_m, study.ground),
+                "",
+            )
+        )
     if designed.fitness is not None:
         reached = measured(designed.fitness, designed.spread.get("fitness"))
         rows.append(("Fitness on unseen scenes", reached, story.against_best(study)))
     return rows
 
 
-def _moments(study: StudyData) -> list[list[dict[str, Any]]]:
-    """Rows of frames of the same moment, one frame per camera, to one angular scale."""
+def _moments(study: StudyData) -> list[dict[str, Any]]:
+    """Rows of frames of the same moment, one frame per camera, to one angular scale, and how wide at most."""
     cameras = [(index, camera) for index, camera in enumerate(study.cameras) if camera.samples]
     if not cameras:
         return []
     placed = side_by_side([camera for _, camera in cameras])
     count = min(_MOMENTS_SHOWN, *(len(camera.samples) for _, camera in cameras))
-    return [
-        [
+    moments = []
+    for moment in range(count):
+        frames: list[dict[str, Any]] = [
             {"camera": camera, "colour": camera_variable(index), "image": image, "place": place}
             for (index, camera), place in zip(cameras, placed, strict=True)
             if (image := picture(camera.samples[moment], _FRAME_PX))
         ]
-        for moment in range(count)
-    ]
+        if frames:
+            images, places = [f["image"] for f in frames], [f["place"] for f in frames]
+            moments.append({"frames": frames, "widest_px": row_width_px(images, places)})
+    return moments
 
 
 def _views(study: StudyData) -> dict[str, Markup]:
     views = {}
     if any("vfov_deg" in camera.derived for camera in study.cameras):
-        views["side"] = Markup(side_view(study.cameras, study.eye_height_m))
+        views["side"] = Markup(side_view(study.cameras, study.eye_height_m, study.carrier, study.ground))
     if any("hfov_deg" in camera.derived for camera in study.cameras):
         views["top"] = Markup(top_view(study.cameras))
     return views
@@ -164,10 +174,15 @@ def _time(seconds_by_node: Mapping[str, float] | None) -> Markup | None:
 
 def _environment(environment: Mapping[str, Any] | None) -> dict[str, Any]:
     """What the study ran on, and the packages apart: they are many."""
-    rows = dict(environment or {})
-    packages = rows.pop("packages", None) or {}
+    rows = {**(environment or {}), **mapping((environment or {}).get("findings"))}
+    packages = mapping(rows.pop("packages", None))
+    rows.pop("findings", None)
     labels = {"gl_renderer": "OpenGL renderer", "cores": "Processor cores", "python": "Python"}
     return {
-        "rows": [(labels.get(name, words(name)), value) for name, value in rows.items()],
+        "rows": [
+            (labels.get(name, words(name)), value)
+            for name, value in rows.items()
+            if isinstance(value, str | int | float)
+        ],
         "packages": packages,
     }
