@@ -1,7 +1,8 @@
 """Every hook a plugin may implement, on one screen.
 
 A hook that raises stops nobody: the plugin is listed as broken, or switched off where it observes a study.
-Those that observe are given copies, which are theirs to keep and to change.
+Those that observe are given copies, which are theirs to keep and to change; an analysis is given a record
+that it must not change.
 """
 
 from __future__ import annotations
@@ -55,6 +56,16 @@ def tacos_generation_finished(generation: int, evaluated: Sequence[Any], best: A
 @hookspec
 def tacos_candidate_failed(candidate: Any, reason: str) -> None:
     """A candidate could not be evaluated, and why: a constraint, a component that refuses it, a defect."""
+
+
+@hookspec
+def tacos_analyse_study(record: Any) -> Mapping[str, Any] | None:
+    """A study is over, all but its result: keys to add to ``result.json``, as plain data.
+
+    `record` is a `tacos_framework.study.record.StudyRecord`, shared with the other plugins. Keys that
+    ``result.json`` has itself, or another plugin has given, are refused. An analysis that raises is left out
+    with a note, and the study ends as it would have.
+    """
 
 
 @hookspec

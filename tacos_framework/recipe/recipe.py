@@ -256,7 +256,24 @@ class Test(Settings):
 
     seed: int = setting(help="Seed of the test scenes.", ge=0)
     frames: int | None = setting(None, help="Frames per episode; as in the design if absent.", ge=1)
-    episodes: int = setting(1, help="Episodes.", ge=1)
+    episodes: int = setting(1, help="Episodes every camera is tested on first.", ge=1)
+    most_episodes: int | None = setting(
+        None,
+        help="Episodes are added until each comparison is decided, up to these; none are if absent.",
+        ge=1,
+    )
+    margin: float = setting(
+        0.01, help="Differences up to this share of the designed camera's fitness do not matter.", ge=0
+    )
+    confidence: float = setting(
+        0.95, help="How sure a verdict must be, over all products and however often is looked.", gt=0.5, lt=1
+    )
+
+    @model_validator(mode="after")
+    def _most_are_no_fewer(self) -> Test:
+        if self.most_episodes is not None and self.most_episodes < self.episodes:
+            raise ValueError(f"most_episodes is {self.most_episodes}, fewer than episodes, {self.episodes}")
+        return self
 
 
 class Recipe(Settings):
