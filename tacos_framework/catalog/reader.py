@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tacos_framework.catalog.checks import CatalogCell, PartChecker, RawPart, checked_value, unit_of
-from tacos_framework.catalog.parts import Catalog, CatalogColumn
+from tacos_framework.catalog.parts import Catalog, CatalogColumn, Grade
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
@@ -36,6 +36,7 @@ class Head(Settings):
 
     title: str = setting(help="One line for people.", min_length=1)
     source: str = setting(help="Where values come from that name no source of their own.", min_length=1)
+    grade: Grade | None = setting(None, help="How far those values can be trusted.")
     licence: str = setting("", help="Terms of use.")
     columns: dict[str, ColumnEntry] = setting(help="The columns.", min_length=1)
     design_columns: tuple[str, ...] | None = setting(
@@ -47,15 +48,17 @@ class PartEntry(Settings):
     """What a part may say beside its values."""
 
     source: str | None = setting(None, help="Where its values come from.")
+    grade: Grade | None = setting(None, help="How far they can be trusted.")
     doubts: tuple[str, ...] = setting((), help="What is probably wrong.")
     notes: tuple[str, ...] = setting((), help="Anything else.")
 
 
 class ValueEntry(Settings):
-    """A value with its own source: ``full_well_e: {value: 11000, source: ...}``."""
+    """A value with its own source: ``full_well_e: {value: 11000, source: ..., grade: measurement}``."""
 
     value: float | str = setting(help="The value.")
     source: str = setting(help="Who says so.", min_length=1)
+    grade: Grade | None = setting(None, help="How far it can be trusted.")
 
 
 def catalog_names() -> tuple[str, ...]:
@@ -146,7 +149,8 @@ def _raw_part(
     cells = {
         key: _cell(document, (*path, key), value, faults) for key, value in entry.items() if key not in own
     }
-    return RawPart(name, where, cells, about.source or head.source, about.doubts, about.notes)
+    grade = about.grade or (head.grade if about.source is None else None)
+    return RawPart(name, where, cells, about.source or head.source, about.doubts, about.notes, grade)
 
 
 def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fault]) -> CatalogCell:
@@ -156,7 +160,9 @@ def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fa
         return CatalogCell(given, where)
     entry, found, _ = check(ValueEntry, given, lambda tail: document.where((*path, *tail)))
     faults += found
-    return CatalogCell(entry.value, where, entry.source) if entry else CatalogCell(None, where, refused=True)
+    if entry is None:
+        return CatalogCell(None, where, refused=True)
+    return CatalogCell(entry.value, where, entry.source, grade=entry.grade)
 
 
 def _from_csv(path: Path) -> Catalog:
@@ -185,15 +191,17 @@ def _from_csv(path: Path) -> Catalog:
                 Fault(where, f"this line has {len(line)} values", f"{len(heading)}, as the first line")
             )
             continue
-        raws.append(_raw_line(where, dict(zip(heading, line, strict=True)), path.name))
+        raws.append(_raw_line(where, dict(zip(heading, line, strict=True)), path.name, faults))
         if not raws[-1].name:
             faults.append(Fault(where, "this part has no name"))
     columns = [_csv_column(name, raws) for name in heading if name not in ("name", *PartEntry.model_fields)]
     return _catalog(path.stem, path.stem, path.name, columns, raws, None, faults, f"{path}:1")
 
 
-def _raw_line(where: str, cells: Mapping[str, str], source: str) -> RawPart:
+def _raw_line(where: str, cells: Mapping[str, str], source: str, faults: list[Fault]) -> RawPart:
     own = ("name", *PartEntry.model_fields)
+    graded, found, _ = check(PartEntry, {"grade": cells.get("grade") or None}, lambda _: where)
+    faults += found
     return RawPart(
         cells["name"],
         where,
@@ -201,6 +209,7 @@ def _raw_line(where: str, cells: Mapping[str, str], source: str) -> RawPart:
         cells.get("source") or source,
         tuple(filter(None, [cells.get("doubts")])),
         tuple(filter(None, [cells.get("notes")])),
+        graded and graded.grade,
     )
 
 

