@@ -49,11 +49,14 @@ class Breach:
         By how much it is broken, above 0, in the unit of the quantity; 1 where that is no number.
     sentence
         The same for people.
+    known
+        False where it is broken as nobody states the quantity.
     """
 
     quantity: str
     amount: float
     sentence: str
+    known: bool = True
 
 
 @dataclass(frozen=True)
@@ -99,7 +102,7 @@ class Constraint:
         why = f" ({self.because})" if self.because else ""
         if value is None:
             said = f"{name} is unknown, which the constraint refuses{why}"
-            return Breach(self.quantity, 1.0, said) if self.unknown == "refuse" else None
+            return Breach(self.quantity, 1.0, said, False) if self.unknown == "refuse" else None
         if isinstance(value, str):
             if not self.any_of or not set(self.any_of).isdisjoint(map(str.strip, value.split(","))):
                 return None

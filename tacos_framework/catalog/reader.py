@@ -31,12 +31,20 @@ class ColumnEntry(Settings):
     positive: bool = setting(True, help="Whether its numbers must be above 0.")
 
 
+class SourceEntry(Settings):
+    """A source that values and parts name by its key."""
+
+    title: str = setting(help="Who says so, in full.", min_length=1)
+    grade: Grade | None = setting(None, help="How far it can be trusted.")
+
+
 class Head(Settings):
     """A YAML catalog, except for its parts."""
 
     title: str = setting(help="One line for people.", min_length=1)
     source: str = setting(help="Where values come from that name no source of their own.", min_length=1)
     grade: Grade | None = setting(None, help="How far those values can be trusted.")
+    sources: dict[str, SourceEntry] = setting({}, help="Sources that stand for many values.")
     licence: str = setting("", help="Terms of use.")
     columns: dict[str, ColumnEntry] = setting(help="The columns.", min_length=1)
     design_columns: tuple[str, ...] | None = setting(
@@ -147,13 +155,25 @@ def _raw_part(
     faults += found
     about = about or PartEntry()
     cells = {
-        key: _cell(document, (*path, key), value, faults) for key, value in entry.items() if key not in own
+        key: _cell(document, (*path, key), value, head, faults)
+        for key, value in entry.items()
+        if key not in own
     }
-    grade = about.grade or (head.grade if about.source is None else None)
-    return RawPart(name, where, cells, about.source or head.source, about.doubts, about.notes, grade)
+    source, grade = _source(head, about.source, about.grade)
+    if about.source is None:
+        source, grade = head.source, about.grade or head.grade
+    return RawPart(name, where, cells, source, about.doubts, about.notes, grade)
 
 
-def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fault]) -> CatalogCell:
+def _source(head: Head, source: str | None, grade: Grade | None) -> tuple[str, Grade | None]:
+    """A source in full and its grade, where it may be the key of one that the head names."""
+    named = head.sources.get(source or "")
+    return (named.title, grade or named.grade) if named else (source or "", grade)
+
+
+def _cell(
+    document: Document, path: tuple[str, ...], given: Any, head: Head, faults: list[Fault]
+) -> CatalogCell:
     """A value alone, or ``{value: ..., source: ...}``."""
     where = document.where(path)
     if not isinstance(given, dict):
@@ -162,7 +182,8 @@ def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fa
     faults += found
     if entry is None:
         return CatalogCell(None, where, refused=True)
-    return CatalogCell(entry.value, where, entry.source, grade=entry.grade)
+    source, grade = _source(head, entry.source, entry.grade)
+    return CatalogCell(entry.value, where, source, grade=grade)
 
 
 def _from_csv(path: Path) -> Catalog:

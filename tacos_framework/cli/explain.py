@@ -148,7 +148,7 @@ def _scored_by(plan: Plan) -> Iterator[str]:
         limits = [f">= {constraint.min:g}"] if constraint.min is not None else []
         limits += [f"<= {constraint.max:g}"] if constraint.max is not None else []
         limits += [f"is {' or '.join(constraint.any_of)}"] if constraint.any_of else []
-        unit = plan.rig.cls.derived_quantities.get(constraint.quantity, "")
+        unit = plan.rig.cls.derived_quantities.get(constraint.quantity, "").removeprefix("1")
         yield f"  only where {constraint.quantity} {' and '.join(limits)} {unit}".rstrip()
     for objective in plan.objectives:
         yield f"  a front of {objective.name}, {objective.aim}"

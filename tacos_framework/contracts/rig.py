@@ -24,6 +24,9 @@ class RigBuilder(Protocol):
     ``buildable``
         A tuple of `tacos_framework.quantities.Constraint`, without which the cameras cannot be built; they
         hold unless the recipe bounds the same quantity.
+    ``alternatives``
+        Groups of variables of which exactly one is given, as a focal length or a lens: a product that fixes
+        one of a group leaves none of the others to be designed.
     ``notes(variables) -> Iterable[str]``
         Sentences on what somebody who builds these cameras should know.
     ``coordinates(variables) -> Mapping[str, float]``

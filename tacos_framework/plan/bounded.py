@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from tacos_framework.catalog import CatalogColumn
+from tacos_framework.catalog import CatalogColumn, CatalogPart
 from tacos_framework.catalog.checks import unit_of
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.checks import scores_of
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
-from tacos_framework.quantities import Constraint, Objective
+from tacos_framework.quantities import Constraint, Objective, quantity
 from tacos_framework.recipe import Bounds
 from tacos_framework.settings import Path
 from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
@@ -95,6 +95,28 @@ def _make_sense(
             findings.add(path, f"no part has {word!r} as {name}", "", did_you_mean(word, words))
         return not strange
     return False
+
+
+def narrowed(space: DesignSpace, constraints: Sequence[Constraint]) -> DesignSpace:
+    """The space without the parts that a constraint on one of their own columns rules out.
+
+    Where that leaves no part the choice stays whole: that nothing keeps the constraint is told with the part
+    that comes nearest.
+    """
+
+    def breaks(row: CatalogPart, variable: str) -> bool:
+        values = {variable: row.as_dict()}
+        own = [c for c in constraints if c.quantity.startswith(f"{variable}.")]
+        return any(c.breach(quantity(c.quantity, values, {})) for c in own)
+
+    variables = []
+    for variable in space.variables:
+        if isinstance(variable, CatalogChoice):
+            excluded = {row.name for row in variable.rows if breaks(row, variable.name)}
+            if len(excluded) < len(variable.rows):
+                variable = replace(variable, excluded=frozenset(excluded))
+        variables.append(variable)
+    return DesignSpace(variables)
 
 
 def find_objectives(

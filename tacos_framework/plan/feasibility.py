@@ -80,7 +80,9 @@ def infeasible(
         return None  # the rig refuses them all, which is told elsewhere
     names = dict.fromkeys(name for _, broken in seen for name in broken)
     nearest = {
-        name: min((broken[name] for _, broken in seen if name in broken), key=lambda b: b.amount)
+        name: min(
+            (broken[name] for _, broken in seen if name in broken), key=lambda b: (not b.known, b.amount)
+        )
         for name in names
         if all(name in broken for _, broken in seen)
     }
@@ -119,8 +121,7 @@ def _nearest(seen: Sequence[tuple[tuple[float, ...], dict[str, Breach]]]) -> tup
 
 def product_infeasible(plan: Plan, camera: OffTheShelf) -> Infeasible | None:
     """Why an off-the-shelf camera keeps no constraint, however what it leaves free is chosen."""
-    fixed = [name for name in camera.fixes if name in plan.space.names]
-    return infeasible(plan, plan.space.fix(fixed), camera.fixes)
+    return infeasible(plan, plan.free_of(camera), camera.fixes)
 
 
 def check_feasible(findings: RecipeFindings, plan: Plan) -> None:

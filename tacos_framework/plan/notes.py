@@ -10,13 +10,17 @@ from tacos_framework.plan.plan import Plan
 from tacos_framework.quantities import quantity
 from tacos_framework.variables.design_space import CatalogChoice
 
+NAMED = 10
+"""Parts that a note names before it counts the others."""
+
 
 def notes_on_constraints(plan: Plan) -> Iterator[str]:
     """On constraints that parts keep as nobody knows better, and on products that break one."""
     for name, variable, parts in _unknown_parts(plan):
+        more = f" and {len(parts) - NAMED} more" if len(parts) > NAMED else ""
         yield (
             f"The constraint on {name} lets pass what nobody states, which is so for "
-            f"{', '.join(parts)} ({variable}); unknown: refuse leaves them out."
+            f"{', '.join(parts[:NAMED])}{more} ({variable}); unknown: refuse leaves them out."
         )
     for camera in plan.cameras:
         if found := product_infeasible(plan, camera):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.catalog import OffTheShelf
@@ -16,7 +16,7 @@ from tacos_framework.plan.targets import Target, target_of
 from tacos_framework.quantities import Breach, Constraint, Objective, quantity
 from tacos_framework.recipe import Recipe
 from tacos_framework.settings import Settings
-from tacos_framework.variables.design_space import DesignSpace
+from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 F_NUMBER_MIN = "f_number_min"
 """The derived quantity of a rig that says how far its lens opens, where it knows its lens."""
@@ -81,9 +81,13 @@ class Plan:
         derived
             What the rig derives from them.
         """
-        values = {**self.fixed, **values}
+        values = {**self._still_fixed(values), **values}
+        choices = [v.name for v in self.space.variables if isinstance(v, CatalogChoice)]
+        whole = any(name not in values for name in choices)  # a product, which somebody has built already
         found = []
         for constraint in (*self.constraints, *self._widest_aperture(values)):
+            if whole:
+                constraint = replace(constraint, unknown="allow")
             part = values.get(constraint.quantity.partition(".")[0])
             name = part.get("name", "") if isinstance(part, Mapping) else ""
             found.append(constraint.breach(quantity(constraint.quantity, values, derived), name))
@@ -95,7 +99,7 @@ class Plan:
 
     def unknown(self, values: Mapping[str, Any], derived: Mapping[str, float]) -> tuple[str, ...]:
         """Bounded quantities that nobody states for this candidate, and that its constraints allow."""
-        values = {**self.fixed, **values}
+        values = {**self._still_fixed(values), **values}
         return tuple(c.quantity for c in self.constraints if quantity(c.quantity, values, derived) is None)
 
     def _widest_aperture(self, values: Mapping[str, Any]) -> tuple[Constraint, ...]:
@@ -109,6 +113,22 @@ class Plan:
         because = f"exposures are taken at f/{f_number:g}"
         return (Constraint(F_NUMBER_MIN, max=f_number, because=because),)
 
+    def free_of(self, camera: OffTheShelf) -> DesignSpace:
+        """The variables that an off-the-shelf camera leaves free."""
+        settled = {*camera.fixes, *self._replaced_by(camera.fixes)}
+        return self.space.fix([name for name in self.space.names if name in settled])
+
+    def _replaced_by(self, given: Mapping[str, Any]) -> set[str]:
+        """Variables of the rig that others stand for: a focal length for a lens."""
+        groups = [
+            group for group in getattr(self.rig.cls, "alternatives", ()) if not given.keys().isdisjoint(group)
+        ]
+        return {name for group in groups for name in group if name not in given}
+
+    def _still_fixed(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        replaced = self._replaced_by(given)
+        return {name: value for name, value in self.fixed.items() if name not in replaced}
+
     def rig_variables(self, values: Mapping[str, Any]) -> Settings:
         """The rig's variables for plain values of the design variables.
 
@@ -118,4 +138,4 @@ class Plan:
             When the rig refuses a value.
         """
         own = {name: value for name, value in values.items() if "." not in name}
-        return self.rig.cls.Variables.model_validate_json(json.dumps({**self.fixed, **own}))
+        return self.rig.cls.Variables.model_validate_json(json.dumps({**self._still_fixed(own), **own}))

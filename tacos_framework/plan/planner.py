@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.fitness import Fitness, FitnessTerm
-from tacos_framework.plan.bounded import boundable, find_constraints, find_objectives
+from tacos_framework.plan.bounded import boundable, find_constraints, find_objectives, narrowed
 from tacos_framework.plan.checks import check_scenarios, check_scores, find_cameras
 from tacos_framework.plan.design import find_space
 from tacos_framework.plan.effects import find_effects
@@ -67,7 +67,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
         nodes=nodes,
         rig=rig,
         fixed=fixed,
-        space=space,
+        space=narrowed(space, constraints),
         fitness=_fitness(recipe),
         constraints=constraints + own,
         effects=tuple(effects.values()),

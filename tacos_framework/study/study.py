@@ -125,7 +125,7 @@ class Study:
         yield Search(DESIGNED, self.plan, self.plan.space, {}, None, dict(states))
         budget = self.plan.recipe.compare.evaluations if self.plan.recipe.compare else None
         for camera in self.plan.cameras:
-            free = self.plan.space.fix([name for name in camera.fixes if name in self.plan.space.names])
+            free = self.plan.free_of(camera)
             space = free if free.variables else None
             yield Search(camera.name, self.plan, space, dict(camera.fixes), budget, dict(states))
 

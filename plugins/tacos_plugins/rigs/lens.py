@@ -14,7 +14,7 @@ from tacos_plugins.rigs.mounted_camera import SensorPart
 
 FITS = {"M12": ("M12",), "M8": ("M8",), "CS": ("CS",), "C": ("C", "CS")}
 """Mount of a lens -> mounts of cameras that take it. C and CS share their thread; a C lens sits 17.526 mm
-before the sensor, a CS lens 12.526 mm, so a ring of 5 mm brings a C lens to a CS camera, nothing the reverse."""
+before the sensor, a CS lens 12.526 mm, so that a ring of 5 mm brings a C lens to a CS camera."""
 
 LENS_UNITS = {"f_number_min": "1", "image_circle_margin_mm": "mm", "mount_fits": "1"}
 """Names and units of what :func:`derived_fit` gives."""

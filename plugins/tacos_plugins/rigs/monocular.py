@@ -59,6 +59,7 @@ class MonocularRig:
             return self
 
     derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, **LENS_UNITS}
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("focal_length_mm", "lens"),)
     buildable: ClassVar[tuple[Constraint, ...]] = (COVERED,)
 
     def __init__(self, config: Config) -> None:
