@@ -22,9 +22,15 @@ def notes_on_constraints(plan: Plan) -> Iterator[str]:
             f"The constraint on {name} lets pass what nobody states, which is so for "
             f"{', '.join(parts[:NAMED])}{more} ({variable}); unknown: refuse leaves them out."
         )
-    for camera in plan.cameras:
-        if found := product_infeasible(plan, camera):
-            yield f"{camera.title} ({camera.name}) breaks a constraint: {found.sentence}."
+    titles = {camera.name: camera.title for camera in plan.cameras}
+    for product, why in inadmissible(plan).items():
+        yield f"{titles[product]} ({product}) breaks a constraint: {why}."
+
+
+def inadmissible(plan: Plan) -> dict[str, str]:
+    """Products that break a constraint however what they leave free is chosen: name and why."""
+    found = {camera.name: product_infeasible(plan, camera) for camera in plan.cameras}
+    return {name: broken.sentence for name, broken in found.items() if broken is not None}
 
 
 def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:

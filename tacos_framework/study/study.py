@@ -18,7 +18,7 @@ from tacos_framework.contracts import Executor, JobRunner, State
 from tacos_framework.environment import describe_environment
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plan.notes import notes_on_camera, notes_on_constraints
+from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints
 from tacos_framework.plugins import Plugins
 from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
@@ -348,7 +348,7 @@ class Study:
         if (best := self.searches[0].best) is not None:
             yield from notes_on_camera(self.plan, best.values)
         failed = [search.name for search in self.searches if search.best is None and search.generation]
-        for name in failed:
+        for name in (name for name in failed if name not in inadmissible(self.plan)):
             yield f"No candidate of {name!r} could be evaluated; see generations.jsonl and log.txt for why."
 
 

@@ -50,3 +50,11 @@ class RigConformance(ComponentConformance):
 
     def test_its_derived_quantities_have_units(self) -> None:
         assert all(self.component.derived_quantities.values())
+
+    def test_what_it_says_beside_its_cameras_is_well_formed(self) -> None:
+        bounded = {constraint.quantity for constraint in getattr(self.component, "buildable", ())}
+        assert bounded <= set(self.component.derived_quantities)
+        names = {name for group in getattr(self.component, "alternatives", ()) for name in group}
+        assert names <= set(self.component.Variables.model_fields)
+        notes = getattr(self.make(), "notes", None)
+        assert notes is None or all(isinstance(note, str) for note in notes(self.make_variables()))

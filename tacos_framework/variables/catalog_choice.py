@@ -158,7 +158,7 @@ class CatalogChoice:
             "catalog": self.catalog.name,
             "values": len(self.rows),
             "left_out": [part.name for part in self.left_out],
-            "excluded": sorted(self.excluded),
+            **({"excluded": sorted(self.excluded)} if self.excluded else {}),
             "scheme": self.scheme,
             "columns": list(self.design_columns),
             "distance": self.distance,
