@@ -26,7 +26,6 @@ from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import train
 from tacos_framework.values import Episode, Exposure, FrameBatch
 
-
 KEPT_BYTES = 2**30
 """Memory the worlds of a simulation may take that are kept for candidates to come [bytes]."""
 
@@ -102,9 +101,10 @@ class Simulation:
                 with self.plan.rig.calling("derived"):
                     derived = dict(self._rig.derived(variables))
                 evaluation = replace(evaluation, derived=derived)
-                if broken := self.plan.broken(derived):
-                    said = [sentence for c in self.plan.constraints for sentence in c.broken(derived)]
-                    return replace(evaluation, failed="; ".join(said), broken=broken)
+                if breaches := self.plan.breaches(values, derived):
+                    said = "; ".join(each.sentence for each in breaches)
+                    amounts = {each.quantity: each.amount for each in breaches}
+                    return replace(evaluation, failed=said, broken=amounts)
                 contexts = self._contexts(values, variables, clock)
                 scored = self._scored(evaluation, contexts, episodes, states, training)
                 return scored if partial else judged(scored, self.plan.fitness)
