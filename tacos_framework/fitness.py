@@ -149,6 +149,15 @@ class Constraint:
             sentences.append(f"{found}, above the largest allowed value {self.max:.6g}")
         return sentences
 
+    def excess(self, derived: Mapping[str, float]) -> float:
+        """How far the quantity lies beyond a bound, in its unit; 0 where it keeps both, 1 where it is NaN."""
+        value = derived[self.quantity]
+        if math.isnan(value):
+            return 1.0
+        below = 0.0 if self.min is None else self.min - value
+        above = 0.0 if self.max is None else value - self.max
+        return max(below, above, 0.0)
+
 
 def mean_scores(episodes: Iterable[Scores]) -> dict[str, float]:
     """For each score its mean over the episodes that report it.

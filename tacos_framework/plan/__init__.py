@@ -23,8 +23,8 @@
 from __future__ import annotations
 
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
-from tacos_framework.plan.plan import Plan
+from tacos_framework.plan.plan import REFUSED, Plan
 from tacos_framework.plan.planner import make_plan
 from tacos_framework.plan.targets import Target, target_of
 
-__all__ = ["ConfiguredComponent", "EffectPart", "Plan", "Target", "make_plan", "target_of"]
+__all__ = ["REFUSED", "ConfiguredComponent", "EffectPart", "Plan", "Target", "make_plan", "target_of"]

@@ -17,6 +17,9 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.settings import Settings
 from tacos_framework.variables.design_space import DesignSpace
 
+REFUSED: Mapping[str, float] = {"rig": 1.0}
+"""What a candidate breaks that the rig refuses; there is no telling by how much."""
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -72,3 +75,8 @@ class Plan:
         """
         own = {name: value for name, value in values.items() if "." not in name}
         return self.rig.cls.Variables.model_validate_json(json.dumps({**self.fixed, **own}))
+
+    def broken(self, derived: Mapping[str, float]) -> dict[str, float]:
+        """By how much derived quantities break each constraint they break, in the unit of the quantity."""
+        excesses = {constraint.quantity: constraint.excess(derived) for constraint in self.constraints}
+        return {quantity: excess for quantity, excess in excesses.items() if excess > 0}

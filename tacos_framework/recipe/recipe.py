@@ -204,6 +204,17 @@ class StudySettings(Settings):
         "fail_candidate",
         help="What a defect of a component does that shows with one candidate: fail it, or stop the study.",
     )
+    finalists: int = setting(
+        3,
+        help=(
+            "Most promising candidates, scored once more on episodes of their own; the best of them wins. "
+            "With 1 none is, unless scores do not compare."
+        ),
+        ge=1,
+    )
+    final_episodes: int | None = setting(
+        None, help="Episodes the finalists are scored on; as many as `episodes` if absent.", ge=1
+    )
     race: RaceSettings | None = setting(
         None, help="Drop candidates that are clearly behind, block by block; {} for the default rules."
     )

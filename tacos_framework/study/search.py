@@ -7,18 +7,22 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from tacos_framework.cache import content_key
-from tacos_framework.contracts import Evaluated, Executor, State
+from tacos_framework.contracts import Asked, Evaluated, Executor, State
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
 from tacos_framework.study.asking import GuardedOptimizer
 from tacos_framework.study.failing import FailuresInARow, KeepsFailing, limit_of
 from tacos_framework.study.pipelined import score_pipelined
+from tacos_framework.study.problem import design_problem
 from tacos_framework.study.scoring import score_in_a_race
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework.study.shards import score_sharded
+from tacos_framework.variables.design_space import DesignSpace
 
-FINALISTS = 3
-"""Candidates scored once more on common episodes where the search's own scores do not compare."""
+MOST_BROKEN_IN_A_ROW = 1000
+"""After so many candidates in a row that break a constraint, no more are asked for."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +55,15 @@ class Search:
         Values of the other variables, plain.
     budget
         Evaluations after which it stops even if the optimizer would go on; None leaves it to the optimizer.
+        Candidates that break a constraint are none.
     states
         States of trainable tasks.
+    partly_scored
+        Whether a candidate was scored on some of the episodes only.
+    last_failure
+        Why the last candidate that failed did, in a sentence.
+    finalists
+        The candidates scored once more at the end, on episodes of their own.
     """
 
     name: str
@@ -66,7 +77,11 @@ class Search:
     evaluations: int = 0
     images: int = 0
     stopped: str | None = None
+    partly_scored: bool = False
+    broken_in_a_row: int = 0
+    last_failure: str | None = None
     finalists_rescored: bool = False
+    finalists: list[Evaluation] = field(default_factory=list)
     trained_best: int = 0
     best: Evaluation | None = None
     failing: FailuresInARow = field(default_factory=FailuresInARow)
@@ -77,7 +92,8 @@ class Search:
         self.optimizer: GuardedOptimizer | None = None
         if self.space is not None:
             rng = generator(self.plan.recipe.seed, "optimizer", self.name)
-            self.optimizer = GuardedOptimizer(self.plan.optimizer, self.space, rng)
+            problem = design_problem(self.plan, self.fixed, weights_learn=self._training)
+            self.optimizer = GuardedOptimizer(self.plan.optimizer, self.space, rng, problem)
 
     # what is simulated ------------------------------------------------------------------------------------
 
@@ -92,14 +108,15 @@ class Search:
         modes = {t.weights for n in self.plan.trainable if (t := self.plan.recipe.nodes[n].train) is not None}
         return next((mode for mode in ("shared", "branched") if mode in modes), "frozen")
 
-    def _episodes(self, purpose: str) -> tuple[EpisodeSpec, ...]:
+    def _episodes(self, purpose: str, count: int) -> tuple[EpisodeSpec, ...]:
+        """As many episodes for a purpose, cut into blocks; the place in them is the number of an episode."""
         recipe = self.plan.recipe
         era = self.generation if recipe.study.renew_episodes == "each_generation" else 0
-        study = recipe.study
+        blocks = recipe.study.blocks
         return tuple(
-            EpisodeSpec(recipe.seed, (purpose, era, i), block=(block, study.blocks))
-            for block in range(study.blocks)  # every world early: those that race are compared in all
-            for i in range(study.episodes)
+            EpisodeSpec(recipe.seed, (purpose, era, i), block=(block, blocks))
+            for block in range(blocks)  # every world early: those that race are compared in all
+            for i in range(count)
         )
 
     def _training_episode(self, candidate: int) -> EpisodeSpec | None:
@@ -116,9 +133,14 @@ class Search:
                 return EpisodeSpec(seed, ("train", self.generation, candidate))
 
     @property
-    def comparable(self) -> bool:
-        """Whether fitness compares across generations: same episodes, same weights."""
+    def _repeatable(self) -> bool:
+        """Whether a candidate gets the same scores in another generation: same episodes, same weights."""
         return self.plan.recipe.study.renew_episodes == "never" and not self._training
+
+    @property
+    def comparable(self) -> bool:
+        """Whether the fitness of all candidates compares: the same for all, and all episodes for each."""
+        return self._repeatable and not self.partly_scored
 
     def expected_candidates(self) -> int | None:
         """How many candidates are still to come, elites counted each time, if that is known."""
@@ -145,15 +167,13 @@ class Search:
         KeepsFailing
             When candidates fail one after the other by the same defect of a component.
         """
-        asked: list[Candidate] = self.optimizer.ask() if self.optimizer else []
-        wanted = [{**self.fixed, **candidate.as_dict()} for candidate in asked]
-        if self.optimizer is None:
-            wanted = [dict(self.fixed)]
-        elif not asked:
+        asked = self.optimizer.ask() if self.optimizer else []
+        if self.optimizer and not asked:
             self.stopped = self._stop()
             return []
+        jobs = self._jobs(asked)
         failing, seen = replace(self.failing), list[Evaluation]()
-        limit = limit_of(None if self.generation else len(wanted))
+        limit = limit_of(None if self.generation else len(jobs))
 
         def see(evaluation: Evaluation) -> None:
             on_evaluated(evaluation)
@@ -161,13 +181,16 @@ class Search:
             failing.saw(evaluation, limit)
 
         try:
-            evaluations, states = self._evaluate(wanted, executor, evaluate, see)
+            found, states = self._evaluate(jobs, executor, evaluate, see)
         except KeepsFailing as error:
             error.evaluations = seen
             raise
         self.failing = failing
+        numbers = [self._numbers(each) for each in asked] or [self._numbers(None)]
+        evaluations = [replace(e, episode_numbers=n) for e, n in zip(found, numbers, strict=True)]
         if self.optimizer:
-            self.optimizer.tell([Evaluated(c, e.fitness) for c, e in zip(asked, evaluations, strict=True)])
+            self.optimizer.tell([_told(a, e) for a, e in zip(asked, evaluations, strict=True)])
+        self.partly_scored |= any(len(n) < self._episode_count for n in numbers)
         self._remember(evaluations)
         self.states = states
         self.generation += 1
@@ -176,22 +199,49 @@ class Search:
 
     def _stop(self) -> str | None:
         if self.optimizer is None:
-            if self._training and self.evaluations < (self.budget or 1):
+            if self._training and self.evaluations < (self.budget or 1) and not self.broken_in_a_row:
                 return None  # its tasks train on it as long as they may on the others
             return "nothing is left free to search"
+        if self.broken_in_a_row >= MOST_BROKEN_IN_A_ROW:
+            many = self.broken_in_a_row
+            return f"{many} candidates in a row broke a constraint, the last as {self.last_failure}"
         if self.budget is not None and self.evaluations >= self.budget:
             return f"{self.evaluations} evaluations, the budget of {self.budget}, are spent"
         return self.optimizer.stop()
 
+    @property
+    def _episode_count(self) -> int:
+        """How many episodes there are to score a candidate on, blocks counted each."""
+        return self.plan.recipe.study.episodes * self.plan.recipe.study.blocks
+
+    def _numbers(self, asked: Asked | None) -> tuple[int, ...]:
+        """The episodes a candidate is scored on."""
+        return (
+            tuple(range(self._episode_count)) if asked is None or asked.episodes is None else asked.episodes
+        )
+
+    def _jobs(self, asked: Sequence[Asked]) -> list[ScoreJob]:
+        """What scoring each candidate is; the one there is, where nothing is free."""
+        episodes = self._episodes("design", self.plan.recipe.study.episodes)
+        if self.optimizer is None:
+            return [ScoreJob(dict(self.fixed), episodes, self.states, self._training_episode(0))]
+        jobs = []
+        for i, each in enumerate(asked):
+            numbers = self._numbers(each)
+            if self.plan.recipe.study.race is not None and len(numbers) < len(episodes):
+                raise UserError(_race_of_parts(self.plan, self.optimizer.origin, numbers))
+            values = {**self.fixed, **each.candidate.as_dict()}
+            specs = tuple(episodes[number] for number in numbers)
+            jobs.append(ScoreJob(values, specs, self.states, self._training_episode(i)))
+        return jobs
+
     def _evaluate(
         self,
-        wanted: Sequence[dict[str, Any]],
+        jobs: Sequence[ScoreJob],
         executor: Executor,
         evaluate: Evaluator,
         on_evaluated: Callable[[Evaluation], None],
     ) -> tuple[list[Evaluation], dict[str, State]]:
-        episodes = self._episodes("design")
-        jobs = [ScoreJob(v, episodes, self.states, self._training_episode(i)) for i, v in enumerate(wanted)]
         if self._training and self._weights == "shared":
             evaluations, states = [], dict(self.states)
             for evaluation in score_pipelined(jobs, self.plan.fitness, executor, evaluate):
@@ -220,7 +270,7 @@ class Search:
         for key, evaluation in zip(jobs, self._scored(jobs, keys, executor, evaluate), strict=True):
             fresh[key] = evaluation
             on_evaluated(evaluation)
-        if self.comparable:  # otherwise no later generation can ask the same again
+        if self._repeatable:  # otherwise no later generation can ask the same again
             known = {key: e for key, e in fresh.items() if e.raised is None}  # a defect may be mended
             self.cache.update({key: replace(e, states={}) for key, e in known.items()})
         evaluations, given = [], set()
@@ -250,9 +300,11 @@ class Search:
     def _remember(self, evaluations: Sequence[Evaluation]) -> None:
         self.n_observed += len(evaluations)
         for evaluation in evaluations:
-            self.evaluations += not evaluation.cached
+            self.evaluations += not (evaluation.cached or evaluation.broken)
             self.images += evaluation.images
+            self.broken_in_a_row = self.broken_in_a_row + 1 if evaluation.broken else 0
             if evaluation.fitness is None:
+                self.last_failure = evaluation.failed
                 continue
             key = content_key(evaluation.values)
             old = self.candidate_stats.get(key, CandidateStats(evaluation.values, 0.0, 0))
@@ -265,25 +317,41 @@ class Search:
     def rescore_finalists(
         self, executor: Executor, evaluate: Evaluator, on_evaluated: Callable[[Evaluation], None]
     ) -> list[Evaluation]:
-        """Where scores of different generations do not compare, score the best few on common episodes.
+        """Score the best few once more, on episodes that none was chosen by; `best` is then the best of them.
 
-        Returns the evaluations; `best` is the winner.
+        The best of many noisy scores is too good to be true (the winner's curse), and scores of different
+        episodes, or of weights that have learnt meanwhile, do not even compare. Nothing is scored where
+        there is nothing to choose between.
+
+        Returns
+        -------
+        The evaluations of the finalists, the most promising first.
         """
         self.finalists_rescored = True
-        if self.comparable or len(self.candidate_stats) < 2:
+        wanted = self._finalists()
+        settled = self.comparable and len(wanted) < 2
+        if not wanted or settled or len(self.candidate_stats) < 2:
             return []
-        ranked = sorted(self.candidate_stats.values(), key=lambda stats: -stats.mean_fitness)[:FINALISTS]
-        episodes = tuple(replace(spec, name=("final", *spec.name[1:])) for spec in self._episodes("final"))
-        jobs = [ScoreJob(stats.values, episodes, self.states) for stats in ranked]
-        evaluations = []
-        for evaluation in executor.map(evaluate, jobs):
-            evaluations.append(evaluation)
+        study = self.plan.recipe.study
+        episodes = self._episodes("final", study.final_episodes or study.episodes)
+        jobs = [ScoreJob(values, episodes, self.states) for values in wanted]
+        for found in score_sharded(jobs, self.plan.fitness, executor, evaluate):
+            evaluation = replace(found, episode_numbers=tuple(range(len(episodes))))
+            self.finalists.append(evaluation)
             on_evaluated(evaluation)
-        self.evaluations += len(evaluations)
-        self.images += sum(evaluation.images for evaluation in evaluations)
-        if scored := [e for e in evaluations if e.fitness is not None]:
+            self.evaluations += not evaluation.broken
+            self.images += evaluation.images
+        if scored := [e for e in self.finalists if e.fitness is not None]:
             self.best = max(scored, key=_fitness)
-        return evaluations
+        return self.finalists
+
+    def _finalists(self) -> list[Mapping[str, Any]]:
+        """The most promising candidates: those the optimizer recommends, else those of best mean fitness."""
+        count = self.plan.recipe.study.finalists
+        if self.optimizer and (recommended := self.optimizer.recommend(count)):
+            return [{**self.fixed, **candidate.as_dict()} for candidate in recommended]
+        ranked = sorted(self.candidate_stats.values(), key=lambda stats: -stats.mean_fitness)
+        return [stats.values for stats in ranked[:count]]
 
     # the network of the camera that was chosen ------------------------------------------------------------
 
@@ -315,7 +383,11 @@ class Search:
             "evaluations": self.evaluations,
             "images": self.images,
             "stopped": self.stopped,
+            "partly_scored": self.partly_scored,
+            "broken_in_a_row": self.broken_in_a_row,
+            "last_failure": self.last_failure,
             "finalists_rescored": self.finalists_rescored,
+            "finalists": [as_data(evaluation) for evaluation in self.finalists],
             "trained_best": self.trained_best,
             "best": self.best and as_data(self.best),
             "failing": asdict(self.failing),
@@ -331,7 +403,11 @@ class Search:
         self.evaluations = state["evaluations"]
         self.images = state["images"]
         self.stopped = state["stopped"]
+        self.partly_scored = state["partly_scored"]
+        self.broken_in_a_row = state["broken_in_a_row"]
+        self.last_failure = state["last_failure"]
         self.finalists_rescored = state["finalists_rescored"]
+        self.finalists = [Evaluation(**evaluation) for evaluation in state["finalists"]]
         self.trained_best = state["trained_best"]
         self.best = Evaluation(**state["best"]) if state["best"] else None
         self.candidate_stats = {
@@ -342,6 +418,30 @@ class Search:
         self.states = states
         if self.optimizer:
             self.optimizer.restore(state["optimizer"])
+
+
+def _told(asked: Asked, evaluation: Evaluation) -> Evaluated:
+    """What the optimizer is told of a candidate."""
+    episodes = evaluation.scores_by_episode
+    return Evaluated(
+        asked.candidate,
+        evaluation.fitness,
+        failed=evaluation.failed,
+        episodes=episodes,
+        standard_errors=standard_errors(list(episodes.values())),
+        broken=evaluation.broken,
+        images=evaluation.images,
+    )
+
+
+def _race_of_parts(plan: Plan, optimizer: str, numbers: Sequence[int]) -> Fault:
+    return Fault(
+        plan.recipe.where(("study", "race")),
+        f"candidates cannot race: {optimizer} asks for one to be scored on episodes "
+        f"{', '.join(map(str, numbers))} only",
+        "an optimizer that has all candidates scored on all episodes",
+        "Take study.race out, or set the optimizer to score candidates on all episodes.",
+    )
 
 
 def _key(job: ScoreJob, weights: str) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import __version__
-from tacos_framework.cache import content_key
 from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import Executor, JobRunner, State
 from tacos_framework.environment import describe_environment
@@ -25,6 +24,7 @@ from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress, Silent
+from tacos_framework.study.records import candidate_record
 from tacos_framework.study.search import Search, as_data
 from tacos_framework.study.shards import score_sharded
 from tacos_framework.values import FrameBatch
@@ -205,7 +205,7 @@ class Study:
             "generation": number,
             "seconds": round(seconds, 3),
             "frames": sum(evaluation.images for evaluation in evaluations),
-            "candidates": [_line(evaluation) for evaluation in evaluations],
+            "candidates": [candidate_record(evaluation) for evaluation in evaluations],
             "best": best and {"camera": best.values, "fitness": best.fitness, "scores": best.scores},
         }
         self.results.append_line("generations.jsonl", line)
@@ -323,6 +323,7 @@ class Study:
             "episodes": list(test.episodes) if test else [],
             "spread": standard_errors(test.episodes) if test else {},
             "evaluations": search.evaluations,
+            "finalists": [candidate_record(evaluation) for evaluation in search.finalists],
             **({"scenarios": test.scenarios} if test and test.scenarios else {}),
             "free": list(search.space.names) if search.space else [],
         }
@@ -357,22 +358,6 @@ def _best(evaluation: Evaluation) -> dict[str, Any]:
         "scores": data["scores"],
         "terms": data["terms"],
         **({"scenarios": data["scenarios"]} if data["scenarios"] else {}),
-    }
-
-
-def _line(evaluation: Evaluation) -> dict[str, Any]:
-    """A candidate's part of a line of ``generations.jsonl``."""
-    return {
-        "key": content_key(evaluation.values),
-        "camera": evaluation.values,
-        "derived": evaluation.derived,
-        "fitness": evaluation.fitness,
-        "scores": evaluation.scores,
-        "terms": evaluation.terms,
-        "failed": evaluation.failed,
-        "cached": evaluation.cached,
-        "dropped": evaluation.dropped,
-        **({"scenarios": evaluation.scenarios} if evaluation.scenarios else {}),
     }
 
 
