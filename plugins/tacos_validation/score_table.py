@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Executor, Scores, State
+from tacos_framework.fitness import Fitness
 from tacos_framework.plan import Plan
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, merged_evaluation
+from tacos_framework.simulation.evaluation import Raised
+from tacos_framework.study.problem import broken_by
 
 FILE = "scores.jsonl"
+KEPT = ("scores", "failed", "images", "seconds")
+"""What that file has of a row."""
 
 Wanted = tuple[Mapping[str, Any], EpisodeSpec]
 """Plain values of a camera, and an episode to score it on."""
@@ -32,12 +37,18 @@ class TableRow:
         Images rendered.
     seconds
         Time it took, summed over nodes [s].
+    broken
+        By how much the camera breaks each constraint.
+    raised
+        The defect behind `failed`, if it is one.
     """
 
     scores: Mapping[str, Scores]
     failed: str | None
     images: int
     seconds: float
+    broken: Mapping[str, float] = field(default_factory=dict)
+    raised: Raised | None = None
 
 
 class ScoreTable:
@@ -45,7 +56,8 @@ class ScoreTable:
 
     Worlds, paths and noise follow from the episode alone, so a score is a function of camera and episode,
     and a table of them answers whoever asks. Rows that stand in the results folder already are taken over
-    if they are of an equal study; a camera that failed by a defect is tried again.
+    if they are of an equal study; a camera that failed by a defect is tried again. One that breaks a
+    constraint is not worth a row on disk: nothing is rendered for it.
 
     Parameters
     ----------
@@ -69,7 +81,7 @@ class ScoreTable:
         results: Results,
         states: Mapping[str, State] | None = None,
     ) -> None:
-        self._fitness = plan.fitness
+        self._plan = plan
         self._evaluate = evaluate
         self._executor = executor
         self._results = results
@@ -80,8 +92,7 @@ class ScoreTable:
         results.write_lines(FILE, kept)  # a last line that was cut short goes
         for line in kept:
             if line["study"] == self._study:
-                row = {name: line[name] for name in ("scores", "failed", "images", "seconds")}
-                self._rows[line["key"]] = TableRow(**row)
+                self._rows[line["key"]] = TableRow(**{name: line[name] for name in KEPT})
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -90,6 +101,11 @@ class ScoreTable:
     def images(self) -> int:
         """Images rendered for all that is in it."""
         return sum(row.images for row in self._rows.values())
+
+    @property
+    def seconds(self) -> float:
+        """Time that took, summed over nodes and workers [s]."""
+        return sum(row.seconds for row in self._rows.values())
 
     def lacking(self, wanted: Iterable[Wanted]) -> list[Wanted]:
         """What is wanted and not in the table yet, each once."""
@@ -106,13 +122,20 @@ class ScoreTable:
         on_row
             Called with a short note as each row comes.
         """
-        new = sorted(self.lacking(wanted), key=lambda pair: repr(pair[1]))  # a stable sort
+        new = []
+        for values, spec in sorted(self.lacking(wanted), key=lambda pair: repr(pair[1])):  # a stable sort
+            if broken_by(self._plan, values):
+                refused = ScoreJob(values, (spec,)).run(self._evaluate.simulation)
+                self._rows[_key(values, spec)] = _row(refused)
+                on_row(refused.failed or "")
+            else:
+                new.append((values, spec))
         jobs = [ScoreJob(values, (spec,), self._states, partial=True) for values, spec in new]
         for (values, spec), evaluation in zip(new, self._executor.map(self._evaluate, jobs), strict=True):
             row, key = _row(evaluation), _key(values, spec)
             self._rows[key] = row
-            if evaluation.raised is None:
-                self._results.append_line(FILE, {"study": self._study, "key": key, **asdict(row)})
+            if row.raised is None:
+                self._results.append_line(FILE, {"study": self._study, "key": key, **_kept(row)})
             on_row(row.failed or "")
 
     def row(self, values: Mapping[str, Any], spec: EpisodeSpec) -> TableRow:
@@ -121,15 +144,15 @@ class ScoreTable:
 
     def evaluation(self, values: Mapping[str, Any], specs: Sequence[EpisodeSpec]) -> Evaluation:
         """What a study would have found for a camera on these episodes; all must be in the table."""
-        return judged(values, [self.row(values, spec) for spec in specs], self._fitness)
+        return evaluation_of(values, [self.row(values, spec) for spec in specs], self._plan.fitness)
 
 
-def judged(values: Mapping[str, Any], rows: Sequence[TableRow], fitness: Any) -> Evaluation:
+def evaluation_of(values: Mapping[str, Any], rows: Sequence[TableRow], fitness: Fitness) -> Evaluation:
     """The evaluation of a camera from its rows; one may stand among them more than once."""
-    return merged_evaluation([_evaluation(values, row) for row in rows], fitness)
+    return merged_evaluation([_partial(values, row) for row in rows], fitness)
 
 
-def _evaluation(values: Mapping[str, Any], row: TableRow) -> Evaluation:
+def _partial(values: Mapping[str, Any], row: TableRow) -> Evaluation:
     alone = set(row.scores) == {""}
     return Evaluation(
         values=values,
@@ -138,6 +161,8 @@ def _evaluation(values: Mapping[str, Any], row: TableRow) -> Evaluation:
         scenario_episodes={} if alone else {name: (scores,) for name, scores in row.scores.items()},
         images=row.images,
         seconds={"all": row.seconds},
+        broken=row.broken,
+        raised=row.raised,
     )
 
 
@@ -146,7 +171,12 @@ def _row(evaluation: Evaluation) -> TableRow:
     if evaluation.episodes:
         columns = {"": evaluation.episodes[0]}
     seconds = sum(evaluation.seconds.values())
-    return TableRow(columns, evaluation.failed, evaluation.images, seconds)
+    images, broken, raised = evaluation.images, evaluation.broken, evaluation.raised
+    return TableRow(columns, evaluation.failed, images, seconds, broken, raised)
+
+
+def _kept(row: TableRow) -> dict[str, Any]:
+    return {name: getattr(row, name) for name in KEPT}
 
 
 def _key(values: Mapping[str, Any], spec: EpisodeSpec) -> str:

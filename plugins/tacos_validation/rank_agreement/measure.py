@@ -23,7 +23,7 @@ from tacos_validation.rank_agreement.cameras import RankedCamera, cameras_of
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
 from tacos_validation.rank_agreement.pages import page, summary, table_csv
 from tacos_validation.rank_agreement.settings import RankAgreementConfig
-from tacos_validation.score_table import ScoreTable, TableRow, judged
+from tacos_validation.score_table import ScoreTable, TableRow, evaluation_of
 
 Rows = Mapping[str, Sequence[TableRow]]
 """For each camera its scores on each scene."""
@@ -154,7 +154,7 @@ class _Judge:
 
     def _evaluation(self, camera: str, scenes: Sequence[int]) -> Evaluation:
         rows = self._rows[camera]
-        return judged(self._values[camera], [rows[scene] for scene in scenes], self._fitness)
+        return evaluation_of(self._values[camera], [rows[scene] for scene in scenes], self._fitness)
 
 
 def _by_score(
