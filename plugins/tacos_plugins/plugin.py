@@ -214,6 +214,10 @@ OPTIMIZERS = {
         "genetic:Genetic",
         "The paper's genetic algorithm: elites, uniform crossover, factor and offset mutation.",
     ),
+    "physical-gp": (
+        "physical_gp.optimizer:PhysicalGp",
+        "Gaussian processes of the scores along physical coordinates: few images for a good camera.",
+    ),
     "random": (
         "random_search:RandomSearch",
         "Independent uniform draws: the baseline any search must beat.",

@@ -50,3 +50,13 @@ class RigConformance(ComponentConformance):
 
     def test_its_derived_quantities_have_units(self) -> None:
         assert all(self.component.derived_quantities.values())
+
+    def test_its_coordinates_are_finite_numbers(self) -> None:
+        """Where it declares any (`RigBuilder.coordinates`)."""
+        rig = self.make()
+        if not hasattr(rig, "coordinates"):
+            return
+        found = rig.coordinates(self.make_variables())
+        wrong = {name: value for name, value in found.items() if not math.isfinite(value)}
+        assert found, "coordinates() names none; leave it out where derived quantities may stand for them"
+        assert not wrong, f"coordinates must be finite: {wrong}"

@@ -7,7 +7,13 @@ from typing import ClassVar
 
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Rig
-from tacos_plugins.rigs.mounted_camera import DERIVED_UNITS, SensorPart, derived_optics, mounted_camera
+from tacos_plugins.rigs.mounted_camera import (
+    DERIVED_UNITS,
+    SensorPart,
+    derived_optics,
+    image_coordinates,
+    mounted_camera,
+)
 
 
 class MonocularRig:
@@ -62,3 +68,7 @@ class MonocularRig:
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Fields of view and sizes of the sensor as manufactured, whatever the binning."""
         return derived_optics(variables.sensor, variables.focal_length_mm)
+
+    def coordinates(self, variables: Variables) -> Mapping[str, float]:
+        """What images depend on; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
+        return image_coordinates(variables.sensor, variables.focal_length_mm, variables.pitch_deg)

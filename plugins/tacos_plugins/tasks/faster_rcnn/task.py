@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, Literal
 
@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torchvision.models.detection import FasterRCNN
 
-from tacos_framework.contracts import Budget, Scores, State
+from tacos_framework.contracts import Budget, Scores, ScoreScale, State
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch
@@ -130,6 +130,7 @@ class FasterRcnn:
     Training: ClassVar[type[Settings]] = DetectorTraining
 
     scores: ClassVar[tuple[str, ...]] = ("ap50", *(f"ap50_{name}" for name in INDOOR_CLASSES))
+    score_scales: ClassVar[Mapping[str, ScoreScale]] = dict.fromkeys(scores, "share")
 
     def __init__(self, config: Config) -> None:
         self.config = config
