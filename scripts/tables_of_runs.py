@@ -66,7 +66,7 @@ def _optimizers(result: Mapping[str, Any]) -> Iterator[str]:
     rows = [
         (
             each["optimizer"],
-            _spread(each["images"], 0),
+            _spread(each["images"], 0, "never"),
             f"{each['reached']:.0%}",
             *(_ratio(each["ratios"][other]) for other in others),
         )
@@ -82,12 +82,12 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
         yield f"| {' | '.join(row)} |"
 
 
-def _spread(found: Mapping[str, Any] | None, digits: int) -> str:
-    """A median with its quartiles."""
+def _spread(found: Mapping[str, Any] | None, digits: int, if_infinite: str = "nothing yet") -> str:
+    """A median with its quartiles; what a run has not done or reached stands in words."""
     if found is None:
-        return ""
-    low, median, high = (_number(found[part], digits) for part in ("low", "median", "high"))
-    return f"{median} [{low}, {high}]"
+        return "not run"
+    low, median, high = (_number(found[part], digits, if_infinite) for part in ("low", "median", "high"))
+    return median if low == median == high else f"{median} [{low}, {high}]"
 
 
 def _ratio(found: Mapping[str, Any]) -> str:
@@ -96,8 +96,8 @@ def _ratio(found: Mapping[str, Any]) -> str:
     return f"{'at least ' if found['at_least'] else ''}{found['value']:.1f}"
 
 
-def _number(value: float | None, digits: int = 3) -> str:
-    return "none" if value is None else f"{value:.{digits}f}"
+def _number(value: float | None, digits: int = 3, if_infinite: str = "none") -> str:
+    return if_infinite if value is None else f"{value:.{digits}f}"
 
 
 def main() -> None:

@@ -19,11 +19,13 @@ from toy_study import FROM_CATALOG, merged
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
+from tacos_framework.simulation import Evaluation
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_validation.rank_agreement.agreement import agreement, places, tau_b
+from tacos_validation.rank_agreement.agreement import Agreement, agreement, places, tau_b
 from tacos_validation.rank_agreement.measure import RankAgreement
+from tacos_validation.rank_agreement.outcome import RankedLight, RankOutcome
 
 LOCAL = Use(use="executor.local")
 PARTS = ["PYTHON300", "LUX1310", "IMX432", "IMX252"]
@@ -182,6 +184,26 @@ def test_a_camera_that_breaks_a_constraint_is_named(study, toys, tmp_path):
     assert "hfov_deg is 97.6" in result["left_out"][0]["why"]
     assert "oak_d_pro_wide" not in {row["camera"] for row in result["table"]}
     assert "oak_d_pro_wide has no place" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_cameras_that_the_small_study_cannot_tell_apart_fail_it():
+    """Tau-b forgives ties: four sensors that find nothing leave it at 0.93."""
+    fitness = {
+        "quick": dict(zip("abcdefghij", [6, 5, 4, 3, 2, 1, 0, 0, 0, 0], strict=True)),
+        "full": dict(zip("abcdefghij", range(10, 0, -1), strict=True)),
+    }
+    evaluations = {
+        size: {name: Evaluation(values={}, fitness=float(value)) for name, value in own.items()}
+        for size, own in fitness.items()
+    }
+    tau = tau_b(list(fitness["quick"].values()), list(fitness["full"].values()))
+    assert tau == pytest.approx(0.93, abs=0.005)
+    light = RankedLight("night", Agreement(tau, None), {}, evaluations)
+    outcome = RankOutcome("small", 0.8, 10, 0.95, 1, (light,), ())
+    assert light.not_told_apart == ("g", "h", "i", "j")
+    assert outcome.passes is False
+    assert "the same fitness to cameras that differ at full size: g, h, i, j." in outcome.doubts[0]
+    assert light.order("quick") == list("abcdefghij")
 
 
 def test_all_equal_is_no_order(study, toys, tmp_path):

@@ -127,7 +127,7 @@ class CompareOptimizers:
         )
         return Comparison(
             problem=self.config.problem,
-            target_of=f"{asked.optimizer} after {asked.rounds} rounds",
+            target_of=f"{asked.optimizer} after {asked.rounds} round{'s' if asked.rounds > 1 else ''}",
             target=target,
             target_images=target_images,
             best_known=fitness(best),
@@ -136,8 +136,18 @@ class CompareOptimizers:
             runs=judged,
             standings=found,
             rendered=table.images,
-            notes=(*notes, *_early_stops(runs, asked.optimizer, asked.rounds)),
+            notes=(
+                *notes,
+                *_early_stops(runs, asked.optimizer, asked.rounds),
+                *self._short_of(target_images),
+            ),
         )
+
+    def _short_of(self, target_images: float) -> list[str]:
+        last = self.config.checkpoints[-1]
+        if target_images <= last:
+            return []
+        return [f"The target took {target_images:.0f} images; the last checkpoint of most runs is {last}."]
 
 
 def _stands(run: Run) -> list[Any]:

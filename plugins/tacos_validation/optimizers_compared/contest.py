@@ -67,8 +67,8 @@ class Run:
     """A run of an optimizer; `go` takes it to its end.
 
     Its recommendation at a checkpoint is the last it gives before it would render more images than that.
-    An optimizer without a say in it stands for the candidate of the best mean fitness so far, which it may
-    have found in the middle of a round.
+    An optimizer without a say in it, or that has not been asked yet, stands for the candidate of the best
+    mean fitness so far, which it may have found in the middle of a round.
 
     Parameters
     ----------
@@ -93,6 +93,7 @@ class Run:
     candidates: int = 0
     thought_seconds: float = 0.0
     _latest: Stand = Stand(0, 0, None)
+    _has_recommended: bool = False
     _largest_round: int = 0
     _fitness: dict[str, list[float]] = field(default_factory=dict)
 
@@ -108,8 +109,8 @@ class Run:
         while not self.stopped:
             before, known = self.search.images, source.seconds
             began = time.perf_counter()
-            if self._recommends and before + self._largest_round > self.checkpoints[len(self.stands)]:
-                self._latest = self._recommendation()
+            if before and self._recommends and before + self._largest_round > self._next_checkpoint:
+                self._latest, self._has_recommended = self._recommendation(), True
             evaluations = self.search.step(cast("Executor", source), evaluate, lambda _: None)
             self.thought_seconds += time.perf_counter() - began - (source.seconds - known)
             self._see(before, evaluations)
@@ -118,6 +119,10 @@ class Run:
         if self.search.images <= self.checkpoints[-1]:
             self._latest = self._recommendation()
         self._pass_checkpoints(self.checkpoints[-1] + 1)
+
+    @property
+    def _next_checkpoint(self) -> int:
+        return self.checkpoints[len(self.stands)]
 
     @property
     def _recommends(self) -> bool:
@@ -133,7 +138,7 @@ class Run:
             self.candidates += 1
             spent += evaluation.images
             self._pass_checkpoints(spent)
-            if evaluation.fitness is None or self._recommends:
+            if evaluation.fitness is None or self._has_recommended:
                 continue
             own = self._fitness.setdefault(content_key(evaluation.values), [])
             own.append(evaluation.fitness)

@@ -48,6 +48,21 @@ class RankedLight:
         """The place of each ranked camera."""
         return places(self.fitness(size))
 
+    def order(self, size: str) -> list[str]:
+        """The ranked cameras, the best first; those with equal places as they stand at full size."""
+        own, full = self.places(size), self.places("full")
+        return sorted(self.ranked, key=lambda name: (own[name], full[name]))
+
+    @property
+    def not_told_apart(self) -> tuple[str, ...]:
+        """Cameras to which the small study gives one fitness, though they differ at full size."""
+        quick, full = (self.fitness(size) for size in SIZES)
+        return tuple(
+            name
+            for name in self.ranked
+            if any(quick[name] == quick[other] and full[name] != full[other] for other in self.ranked)
+        )
+
     def left_out(self) -> list[dict[str, str]]:
         """The cameras without a place, and why."""
         return [
@@ -101,6 +116,11 @@ class RankOutcome:
                 )
             elif tau < self.gate:
                 found.append(f"By {light.name} tau is {tau:.2f}, below {self.gate:g}.")
+            if tau is not None and (equal := light.not_told_apart):
+                found.append(
+                    f"By {light.name} the study gives the same fitness to cameras that differ at full size: "
+                    f"{', '.join(equal)}."
+                )
         return tuple(found)
 
     @property
@@ -150,5 +170,5 @@ def _rows(light: RankedLight) -> list[dict[str, Any]]:
             **{f"rank_{size}": ranks[size][name] for size in SIZES},
             "scores": {size: dict(light.evaluations[size][name].scores) for size in SIZES},
         }
-        for name in sorted(light.ranked, key=lambda name: ranks["full"][name])
+        for name in light.order("full")
     ]

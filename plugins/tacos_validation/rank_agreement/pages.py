@@ -86,8 +86,8 @@ def _tau(light: RankedLight, confidence: float) -> str:
 
 
 def _slopes(light: RankedLight, outcome: RankOutcome) -> Drawing:
-    """A line for each camera from its place in one order to that in the other."""
-    quick, full = (light.places(size) for size in SIZES)
+    """A line for each camera from its place in one order to that in the other, equal ones side by side."""
+    quick, full = ({name: i for i, name in enumerate(light.order(size), 1)} for size in SIZES)
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
@@ -124,7 +124,7 @@ def _table(light: RankedLight, outcome: RankOutcome) -> Table:
             f"{fitness['quick'][name]:.3f}",
             f"{fitness['full'][name]:.3f}",
         )
-        for name in sorted(light.ranked, key=lambda name: ranks["full"][name])
+        for name in light.order("full")
     )
     scores = ", ".join(
         f"{score} {'all equal' if tau is None else f'{tau:.2f}'}" for score, tau in light.by_score.items()
