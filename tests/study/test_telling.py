@@ -135,10 +135,11 @@ def test_scores_are_told_with_the_errors_of_their_means(plugins, tmp_path):
         assert told.standard_errors["width.closeness"] == pytest.approx(expected)
 
 
-def test_workers_and_breaks_do_not_change_it(plugins, tmp_path, monkeypatch):
+@pytest.mark.parametrize("begun", [5, 8 + 3, 8 + 3 * 3 + 1], ids=["search", "finalists", "test"])
+def test_a_break_does_not_change_it(plugins, tmp_path, monkeypatch, begun):
     whole = run(recipe_of({}), plugins, tmp_path / "whole")
     monkeypatch.setattr(toy_plugin.WidthTask, "begun", 0)
-    monkeypatch.setattr(toy_plugin.WidthTask, "interrupt_at", 5)
+    monkeypatch.setattr(toy_plugin.WidthTask, "interrupt_at", begun)
     assert run(recipe_of({}), plugins, tmp_path / "broken")["stopped"] == "interrupted by the user"
     assert comparable(run(recipe_of({}), plugins, tmp_path / "broken", resume=True)) == comparable(whole)
 
