@@ -12,7 +12,9 @@ import numpy as np
 
 from tacos_framework.contracts import Asked, DesignProblem, Evaluated
 from tacos_framework.errors import ContractBroken
+from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import ConfiguredComponent
+from tacos_framework.simulation import Evaluation
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 
@@ -162,6 +164,20 @@ class GuardedOptimizer:
 
     def _refuse(self, given: str, expected: str) -> NoReturn:
         raise ContractBroken(f"{self._part.origin}: {given}; expected {expected}")
+
+
+def told_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
+    """What an optimizer is told of a candidate."""
+    episodes = evaluation.scores_by_episode
+    return Evaluated(
+        asked.candidate,
+        evaluation.fitness,
+        failed=evaluation.failed,
+        episodes=episodes,
+        standard_errors=standard_errors(list(episodes.values())),
+        broken=evaluation.broken,
+        images=evaluation.images,
+    )
 
 
 def takes_problem(optimizer: type[Any]) -> bool:

@@ -7,13 +7,13 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from tacos_framework.cache import content_key
-from tacos_framework.contracts import Asked, Evaluated, Executor, State
+from tacos_framework.contracts import Asked, Executor, State
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
-from tacos_framework.study.asking import GuardedOptimizer
+from tacos_framework.study.asking import GuardedOptimizer, told_of
+from tacos_framework.study.episodes import scored_episodes, training_episode
 from tacos_framework.study.failing import FailuresInARow, KeepsFailing, limit_of
 from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.study.problem import design_problem
@@ -109,28 +109,11 @@ class Search:
         return next((mode for mode in ("shared", "branched") if mode in modes), "frozen")
 
     def _episodes(self, purpose: str, count: int) -> tuple[EpisodeSpec, ...]:
-        """As many episodes for a purpose, cut into blocks; the place in them is the number of an episode."""
-        recipe = self.plan.recipe
-        era = self.generation if recipe.study.renew_episodes == "each_generation" else 0
-        blocks = recipe.study.blocks
-        return tuple(
-            EpisodeSpec(recipe.seed, (purpose, era, i), block=(block, blocks))
-            for block in range(blocks)  # every world early: those that race are compared in all
-            for i in range(count)
-        )
+        return scored_episodes(self.plan.recipe, purpose, count, self.generation)
 
     def _training_episode(self, candidate: int) -> EpisodeSpec | None:
         """The episode a candidate, counted in its generation, trains on; None where no task is trained."""
-        if not self._training:
-            return None
-        study, seed = self.plan.recipe.study, self.plan.recipe.seed
-        match study.renew_training or study.renew_episodes:
-            case "never":
-                return EpisodeSpec(seed, ("train", 0, 0))
-            case "each_generation":
-                return EpisodeSpec(seed, ("train", self.generation, 0))
-            case "each_candidate":
-                return EpisodeSpec(seed, ("train", self.generation, candidate))
+        return training_episode(self.plan.recipe, self.generation, candidate) if self._training else None
 
     @property
     def _repeatable(self) -> bool:
@@ -189,7 +172,7 @@ class Search:
         numbers = [self._numbers(each) for each in asked] or [self._numbers(None)]
         evaluations = [replace(e, episode_numbers=n) for e, n in zip(found, numbers, strict=True)]
         if self.optimizer:
-            self.optimizer.tell([_told(a, e) for a, e in zip(asked, evaluations, strict=True)])
+            self.optimizer.tell([told_of(a, e) for a, e in zip(asked, evaluations, strict=True)])
         self.partly_scored |= any(len(n) < self._episode_count for n in numbers)
         self._remember(evaluations)
         self.states = states
@@ -335,15 +318,16 @@ class Search:
         study = self.plan.recipe.study
         episodes = self._episodes("final", study.final_episodes or study.episodes)
         jobs = [ScoreJob(values, episodes, self.states) for values in wanted]
+        finalists = []
         for found in score_sharded(jobs, self.plan.fitness, executor, evaluate):
-            evaluation = replace(found, episode_numbers=tuple(range(len(episodes))))
-            self.finalists.append(evaluation)
-            on_evaluated(evaluation)
-            self.evaluations += not evaluation.broken
-            self.images += evaluation.images
-        if scored := [e for e in self.finalists if e.fitness is not None]:
+            finalists.append(replace(found, episode_numbers=tuple(range(len(episodes)))))
+            on_evaluated(finalists[-1])
+        self.evaluations += sum(not evaluation.broken for evaluation in finalists)
+        self.images += sum(evaluation.images for evaluation in finalists)
+        self.finalists = finalists
+        if scored := [e for e in finalists if e.fitness is not None]:
             self.best = max(scored, key=_fitness)
-        return self.finalists
+        return finalists
 
     def _finalists(self) -> list[Mapping[str, Any]]:
         """The most promising candidates: those the optimizer recommends, else those of best mean fitness."""
@@ -418,20 +402,6 @@ class Search:
         self.states = states
         if self.optimizer:
             self.optimizer.restore(state["optimizer"])
-
-
-def _told(asked: Asked, evaluation: Evaluation) -> Evaluated:
-    """What the optimizer is told of a candidate."""
-    episodes = evaluation.scores_by_episode
-    return Evaluated(
-        asked.candidate,
-        evaluation.fitness,
-        failed=evaluation.failed,
-        episodes=episodes,
-        standard_errors=standard_errors(list(episodes.values())),
-        broken=evaluation.broken,
-        images=evaluation.images,
-    )
 
 
 def _race_of_parts(plan: Plan, optimizer: str, numbers: Sequence[int]) -> Fault:
