@@ -126,10 +126,31 @@ Variable = Annotated[
 
 
 class Bounds(Settings):
-    """Bounds on a derived quantity."""
+    """What a derived quantity, or a column of a part, must be."""
+
+    model_config = ConfigDict(populate_by_name=True)
 
     min: float | None = setting(None, help="Smallest allowed value.")
     max: float | None = setting(None, help="Largest allowed value.")
+    word: str | None = setting(None, help="The only allowed word, as in global.", alias="is")
+    any_of: tuple[str, ...] = setting((), help="Allowed words, where there are several.")
+    unknown: Literal["allow", "refuse"] = setting(
+        "allow", help="What becomes of a part whose value nobody states."
+    )
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All allowed words; none where it bounds numbers."""
+        return self.any_of if self.word is None else (self.word, *self.any_of)
+
+
+class Aim(Settings):
+    """One of several aims that a front trades off."""
+
+    quantity: str = setting(
+        help="A derived quantity, a column such as sensor.power_w, a score, or fitness.", min_length=1
+    )
+    aim: Literal["max", "min"] = setting(help="Whether much or little of it is wanted.")
 
 
 class Scenario(Settings):
@@ -289,13 +310,16 @@ class Recipe(Settings):
     seed: int = setting(0, help="Everything random follows from it.", ge=0)
     rig: Use = setting(help="The component that builds cameras; variables given here are fixed.")
     design: dict[str, Variable] = setting(help="Variables of the rig, or node.setting.", min_length=1)
-    constraints: dict[str, Bounds] = setting({}, help="Bounds on quantities the rig derives.")
+    constraints: dict[str, Bounds] = setting(
+        {}, help="Bounds on quantities the rig derives, and on columns of parts (sensor.full_well_e)."
+    )
     scenario: Scenarios = setting(
         Scenario(), help="Light and exposure; or a list of several, each with a name and a weight."
     )
     effects: tuple[EffectUse, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
     nodes: dict[Name, NodeUse] = setting(help="The graph: components, wired by their ports.", min_length=1)
     fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
+    objectives: tuple[Aim, ...] = setting((), help="Aims that a front trades off, the fitness among them.")
     optimizer: Use = setting(help="The derivative-free optimizer.")
     executor: Use | None = setting(None, help="Where candidates are evaluated; in this process if absent.")
     study: StudySettings = setting(StudySettings(), help="How candidates are compared.")

@@ -95,9 +95,9 @@ class Simulation:
                 with self.plan.rig.calling("derived"):
                     derived = dict(self._rig.derived(variables))
                 evaluation = replace(evaluation, derived=derived)
-                if broken := self.plan.broken(derived):
-                    said = [sentence for c in self.plan.constraints for sentence in c.broken(derived)]
-                    return replace(evaluation, failed="; ".join(said), broken=broken)
+                if breaches := self.plan.breaches(values, derived):
+                    said = "; ".join(breach.sentence for breach in breaches)
+                    return replace(evaluation, failed=said, broken=self.plan.broken(values, derived))
                 contexts = self._contexts(values, variables, clock)
                 scored = self._scored(evaluation, contexts, episodes, states, training)
                 return scored if partial else judged(scored, self.plan.fitness)

@@ -18,6 +18,7 @@ from tacos_framework.contracts import Executor, JobRunner, State
 from tacos_framework.environment import describe_environment
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints
 from tacos_framework.plugins import Plugins
 from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
@@ -132,7 +133,7 @@ class Study:
         yield Search(DESIGNED, self.plan, self.plan.space, {}, None, dict(states))
         budget = self.plan.recipe.compare.evaluations if self.plan.recipe.compare else None
         for camera in self.plan.cameras:
-            free = self.plan.space.fix([name for name in camera.fixes if name in self.plan.space.names])
+            free = self.plan.free_of(camera)
             space = free if free.variables else None
             yield Search(camera.name, self.plan, space, dict(camera.fixes), budget, dict(states))
 
@@ -430,8 +431,12 @@ class Study:
                     f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
+        yield from notes_on_constraints(self.plan)
+        if (best := self.searches[0].best) is not None:
+            yield from notes_on_camera(self.plan, best.values)
         titles = {camera.name: camera.title for camera in self.plan.cameras}
-        for name, reason in self._failed().items():
+        known = inadmissible(self.plan)
+        for name, reason in ((n, why) for n, why in self._failed().items() if n not in known):
             yield f"No candidate of the {titles.get(name, 'design')} could be scored: {reason}."
 
 
