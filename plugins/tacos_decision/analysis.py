@@ -45,7 +45,7 @@ def analyse(record: StudyRecord) -> dict[str, Any]:
     best_fitness = max(found.means.values())
     return {
         "ranking": ranking(model, pool, found, share * abs(best_fitness)),
-        "ranking_left_out": left_out(pool, found),
+        "ranking_left_out": left_out(model, pool, found),
         "equivalent": equivalence(model, pool, found, share),
         "importance": importance(model, pool, found.best),
         **_front(model, pool),

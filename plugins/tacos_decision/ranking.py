@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tacos_decision.model import CameraModel, interval
+from tacos_decision.model import TIME, CameraModel, interval
 from tacos_decision.optimum import BestOfParts
 from tacos_decision.pool import Pool, joined, part_names
 from tacos_framework.study.record import StudiedCamera, Values
@@ -38,6 +38,7 @@ def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -
     draws = model.draws([*cameras, *(product.camera for product in products if product.camera is not None)])
     low, high = interval(draws)
     mean = draws.mean(axis=0)
+    unknown = _unknown(model, cameras)
     rows = []
     for i, (name, camera) in enumerate(entries):
         scored = model.episodes_of(camera)
@@ -54,13 +55,13 @@ def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -
                 },
                 "rescored": any(each.stage in SCORED_AGAIN for each in scored),
                 "episodes": len(scored),
-                "unknown": unknown_of(model, pool, camera),
+                "unknown": unknown[i],
             }
         )
     return sorted(rows, key=lambda row: -row["fitness"])
 
 
-def left_out(pool: Pool, found: BestOfParts) -> list[dict[str, str]]:
+def left_out(model: CameraModel, pool: Pool, found: BestOfParts) -> list[dict[str, str]]:
     """The key ``ranking_left_out``: parts that cannot keep a constraint, and parts too little is known of."""
     rows = []
     for i, choice in enumerate(pool.catalogs):
@@ -71,6 +72,11 @@ def left_out(pool: Pool, found: BestOfParts) -> list[dict[str, str]]:
             broken = [amounts for names, amounts in found.impossible.items() if names[i] == part.name]
             nearest = min(broken, key=lambda amounts: sum(amounts.values()), default={})
             rows.append({"part": part.name, "why": _impossible(nearest)})
+        bounds = ", ".join(n for n in model.record.recipe.constraints if n.startswith(f"{choice.name}."))
+        rows += [
+            {"part": name, "why": f"the constraint on {bounds} rules it out"}
+            for name in sorted(choice.excluded)
+        ]
         rows += [
             {"part": part.name, "why": f"its {', '.join(missing)} is not known, which the design needs"}
             for part in choice.left_out
@@ -79,19 +85,15 @@ def left_out(pool: Pool, found: BestOfParts) -> list[dict[str, str]]:
     return rows
 
 
-def unknown_of(model: CameraModel, pool: Pool, camera: Values) -> list[str]:
-    """What is constrained or matters, and is not known of a camera: columns and derived quantities."""
-    constrained = list(model.record.recipe.constraints)
-    derived = model.record.derived(camera)
-    unknown = [name for name in constrained if name in derived and derived[name] != derived[name]]
-    for choice in pool.catalogs:
-        part = camera.get(choice.name)
-        columns = [name for name in constrained if name.startswith(f"{choice.name}.")]
-        if isinstance(part, Mapping):
-            unknown += [name for name in columns if part.get(name.partition(".")[2]) is None]
-    known = model.record.coordinates(camera)
-    unknown += [name for name in model.box.system.names if name not in known and name != "generation"]
-    return list(dict.fromkeys(unknown))
+def _unknown(model: CameraModel, cameras: Sequence[Values]) -> list[list[str]]:
+    """What is bounded or matters, and is not known of each camera, though it is of others."""
+    unknown = []
+    for camera in cameras:
+        known = model.record.coordinates(camera)
+        unlocated = [name for name in model.box.system.names if name not in known and name != TIME]
+        unknown.append(dict.fromkeys([*model.record.unknown(camera), *unlocated]))
+    everywhere = set.intersection(*map(set, unknown))  # a rig without a lens has no image circle
+    return [[name for name in names if name not in everywhere] for names in unknown]
 
 
 def _entries_of_parts(

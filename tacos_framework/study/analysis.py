@@ -42,6 +42,9 @@ def make_record(
     titles = {camera.name: camera.title for camera in plan.cameras}
     renew = plan.recipe.study.renew_episodes == "each_generation"
 
+    def derived(values: Values) -> Mapping[str, float]:
+        return dict(plan.rig.instance.derived(plan.rig_variables(values)))
+
     def score_episodes(cameras: Sequence[Values], count: int) -> list[list[ScoredEpisode]]:
         found = score(cameras, count)
         return [list(_of_evaluation(each, "analysis", "analysis", designed.generation)) for each in found]
@@ -76,12 +79,13 @@ def make_record(
                 for episode in _of_evaluation(evaluation, "test", "test", designed.generation)
             ),
         ),
-        derived=lambda values: dict(plan.rig.instance.derived(plan.rig_variables(values))),
+        derived=derived,
         coordinates=partial(coordinates_of, plan),
         broken=partial(broken_by, plan),
+        unknown=lambda values: plan.unknown(values, derived(values)),
         score=score_episodes,
         degenerate=degenerate,
-        objectives=getattr(plan, "objectives", ()),
+        objectives=plan.objectives,
     )
 
 

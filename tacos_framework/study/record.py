@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from tacos_framework.contracts import DesignProblem, Scores
+from tacos_framework.quantities import Objective
 from tacos_framework.recipe import Recipe
 from tacos_framework.variables.design_space import DesignSpace
 
@@ -77,6 +78,8 @@ class StudyRecord:
         The rig's derived quantities for plain values, and what images depend on.
     broken
         By how much plain values break each constraint; empty where they keep all.
+    unknown
+        Bounded quantities that nobody states for plain values, and that their constraints let pass.
     score
         Score further cameras in as many fresh episodes, the same for all; they are rendered now and count.
         Gives the scores of each camera's episodes, none for one that fails.
@@ -95,9 +98,10 @@ class StudyRecord:
     derived: Callable[[Values], Mapping[str, float]]
     coordinates: Callable[[Values], Mapping[str, float]]
     broken: Callable[[Values], Mapping[str, float]]
+    unknown: Callable[[Values], tuple[str, ...]]
     score: Callable[[Sequence[Values], int], list[list[ScoredEpisode]]]
     degenerate: str | None = None
-    objectives: tuple[Any, ...] = ()
+    objectives: tuple[Objective, ...] = ()
 
     @property
     def products(self) -> tuple[StudiedCamera, ...]:

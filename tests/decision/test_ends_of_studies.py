@@ -113,7 +113,7 @@ def test_several_scenarios_and_tasks_that_learn_are_analysed_too(tmp_path):
     [
         ({"test": {"episodes": 1, "most_episodes": 1}}, "a single scene"),
         ({"fitness": [{"score": "width.closeness", "weight": 0}]}, "score zero"),
-        ({"constraints": {"hfov_deg": {"max": 0.001}}}, "No camera could be scored"),
+        ({"nodes": {"width": {"fail_above_deg": 0.001}}}, "No camera could be scored"),
     ],
 )
 def test_where_there_is_no_winner_none_is_named(tmp_path, sections, said):
