@@ -118,6 +118,8 @@ class Study:
         self._samples: dict[str, list[str]] = {}
         workers = getattr(executor, "workers", 1)
         self._environment = describe_environment(workers, plugins.findings())
+        self._inadmissible = inadmissible(plan)
+        self._notes_on_constraints = tuple(notes_on_constraints(plan))
         self.searches = list(self._make_searches())
 
     def _make_searches(self) -> Iterator[Search]:
@@ -344,11 +346,11 @@ class Study:
                     f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
-        yield from notes_on_constraints(self.plan)
+        yield from self._notes_on_constraints
         if (best := self.searches[0].best) is not None:
             yield from notes_on_camera(self.plan, best.values)
         failed = [search.name for search in self.searches if search.best is None and search.generation]
-        for name in (name for name in failed if name not in inadmissible(self.plan)):
+        for name in (name for name in failed if name not in self._inadmissible):
             yield f"No candidate of {name!r} could be evaluated; see generations.jsonl and log.txt for why."
 
 
