@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from toy_study import toy_recipe
 
@@ -116,7 +116,7 @@ def problem(tmp_path_factory) -> Path:
     return path
 
 
-def asked(path: Path, **settings: Any) -> ProcedureRecipe:
+def asked(path: Path, **changed: Any) -> ProcedureRecipe:
     base = {
         "problem": str(path),
         "grid": {"focal_length_mm": 0.25, "pitch_deg": 10},
@@ -128,7 +128,7 @@ def asked(path: Path, **settings: Any) -> ProcedureRecipe:
         "target": {"optimizer": "genetic", "rounds": 2},
         "against": ["genetic", "random"],
     }
-    return ProcedureRecipe("procedure.compare-optimizers", base | settings, name="c", executor=LOCAL)
+    return ProcedureRecipe("procedure.compare-optimizers", base | changed, name="c", executor=LOCAL)
 
 
 @pytest.fixture(scope="module")
@@ -317,15 +317,11 @@ class TestCompareOptimizers(ProcedureConformance):
 # the grid ---------------------------------------------------------------------------------------------------
 
 
-@given(
-    st.floats(-100, 100),
-    st.floats(0.1, 50),
-    st.floats(0.05, 30),
-    st.floats(0, 1),
-)
-def test_what_is_decoded_is_the_nearest_step(lower, span, step, share):
-    variable = Stepped("x", lower, lower + span, step=step)
-    asked_for = lower + share * span
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.integers(-100, 100), st.integers(1, 500), st.integers(1, 300), st.floats(0, 1))
+def test_what_is_decoded_is_the_nearest_step(lower, tenths, step_tenths, share):
+    variable = Stepped("x", lower, lower + tenths / 10, step=step_tenths / 10)
+    asked_for = lower + share * tenths / 10
     value, genes = variable.decode((asked_for,))
     nearest = min(variable.points, key=lambda point: abs(point - asked_for))
     assert abs(value - asked_for) == pytest.approx(abs(nearest - asked_for), abs=1e-8)
@@ -365,6 +361,7 @@ def a_run(*fitness: float) -> JudgedRun:
     return JudgedRun("x", 0, {each: each for each in at}, dict(zip(at, fitness, strict=True)))
 
 
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=12))
 def test_quartiles_are_numpys(values):
     found = quartiles(values)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from toy_study import FROM_CATALOG, merged
 
@@ -45,7 +45,7 @@ def study(tmp_path_factory) -> Path:
     return path
 
 
-def asked(path: Path, **settings: Any) -> ProcedureRecipe:
+def asked(path: Path, **changed: Any) -> ProcedureRecipe:
     base = {
         "study": str(path),
         "full": {"rig.binning": 64},
@@ -54,7 +54,7 @@ def asked(path: Path, **settings: Any) -> ProcedureRecipe:
         "fewest": 2,
         "resamples": 20,
     }
-    return ProcedureRecipe("procedure.rank-agreement", base | settings, name="r", executor=LOCAL)
+    return ProcedureRecipe("procedure.rank-agreement", base | changed, name="r", executor=LOCAL)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def ranked(study, toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
 # statistics -------------------------------------------------------------------------------------------------
 
 
-@settings(deadline=None)  # the first call loads scipy
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])  # the first call loads scipy
 @given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=9))
 def test_tau_is_kendalls_by_counting_pairs(pairs):
     concordant = discordant = only_first = only_second = 0
@@ -87,7 +87,7 @@ def test_tau_is_kendalls_by_counting_pairs(pairs):
         assert found == pytest.approx((concordant - discordant) / scale)
 
 
-@settings(deadline=None)  # the first call loads scipy
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])  # the first call loads scipy
 @given(st.dictionaries(st.text(max_size=3), st.integers(-3, 3), min_size=1, max_size=8))
 def test_places_count_those_that_are_better(fitness):
     for name, place in places(fitness).items():

@@ -88,6 +88,7 @@ def _tau(light: RankedLight, confidence: float) -> str:
 def _slopes(light: RankedLight, outcome: RankOutcome) -> Drawing:
     """A line for each camera from its place in one order to that in the other, equal ones side by side."""
     quick, full = ({name: i for i, name in enumerate(light.order(size), 1)} for size in SIZES)
+    equal = light.not_told_apart
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
@@ -97,7 +98,14 @@ def _slopes(light: RankedLight, outcome: RankOutcome) -> Drawing:
             axes.plot(
                 [0, 1], [quick[name], full[name]], color=colour, linewidth=1.6, marker="o", markersize=4
             )
-            axes.text(-0.04, quick[name], name, ha="right", va="center", color=INK)
+            axes.text(
+                -0.04,
+                quick[name],
+                f"{name}{' (equal)' * (name in equal)}",
+                ha="right",
+                va="center",
+                color=INK,
+            )
             axes.text(1.04, full[name], name, ha="left", va="center", color=INK)
         axes.set_xlim(-0.8, 1.8)
         axes.set_ylim(len(light.ranked) + 0.6, 0.4)
