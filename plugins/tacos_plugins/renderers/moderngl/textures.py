@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Material
-from tacos_plugins.renderers.moderngl.context import describe_gl, add_level
+from tacos_plugins.renderers.moderngl.context import add_level, describe_gl
 
 GREATEST_TEXTURE_PX = 1024
 """Larger textures are reduced to this edge [px]."""
