@@ -95,14 +95,12 @@ def broken_by(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
         variables = plan.rig_variables(values)
     except ValidationError:
         return dict(REFUSED)
-    if not plan.constraints:
-        return {}
     try:
         with plan.rig.calling("derived"):
             derived = dict(plan.rig.instance.derived(variables))
     except Exception:  # noqa: BLE001 - a defect of the rig: the candidate's evaluation says so, if it is asked
         return {}
-    return plan.broken(derived)
+    return plan.broken(values, derived)
 
 
 def _split(plan: Plan, values: Mapping[str, Any]) -> tuple[list[str], list[str]]:

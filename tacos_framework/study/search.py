@@ -92,13 +92,14 @@ class Search:
         self.optimizer: GuardedOptimizer | None = None
         if self.space is not None:
             rng = generator(self.plan.recipe.seed, "optimizer", self.name)
-            problem = design_problem(self.plan, self.fixed, weights_learn=self._training)
+            problem = design_problem(self.plan, self.fixed, weights_learn=self.training)
             self.optimizer = GuardedOptimizer(self.plan.optimizer, self.space, rng, problem)
 
     # what is simulated ------------------------------------------------------------------------------------
 
     @property
-    def _training(self) -> bool:
+    def training(self) -> bool:
+        """Whether tasks learn while it goes on."""
         trains = (self.plan.recipe.nodes[name].train for name in self.plan.trainable)
         return any(train is not None and train.weights != "frozen" for train in trains)
 
@@ -113,12 +114,12 @@ class Search:
 
     def _training_episode(self, candidate: int) -> EpisodeSpec | None:
         """The episode a candidate, counted in its generation, trains on; None where no task is trained."""
-        return training_episode(self.plan.recipe, self.generation, candidate) if self._training else None
+        return training_episode(self.plan.recipe, self.generation, candidate) if self.training else None
 
     @property
     def _repeatable(self) -> bool:
         """Whether a candidate gets the same scores in another generation: same episodes, same weights."""
-        return self.plan.recipe.study.renew_episodes == "never" and not self._training
+        return self.plan.recipe.study.renew_episodes == "never" and not self.training
 
     @property
     def comparable(self) -> bool:
@@ -128,7 +129,7 @@ class Search:
     def expected_candidates(self) -> int | None:
         """How many candidates are still to come, elites counted each time, if that is known."""
         if self.optimizer is None:
-            return max(0, (self.budget or 1) - self.n_observed) if self._training else 1
+            return max(0, (self.budget or 1) - self.n_observed) if self.training else 1
         known = [n for n in (self.optimizer.expected_candidates, self.budget) if n is not None]
         return max(0, min(known) - self.n_observed) if known else None
 
@@ -182,7 +183,7 @@ class Search:
 
     def _stop(self) -> str | None:
         if self.optimizer is None:
-            if self._training and self.evaluations < (self.budget or 1) and not self.broken_in_a_row:
+            if self.training and self.evaluations < (self.budget or 1) and not self.broken_in_a_row:
                 return None  # its tasks train on it as long as they may on the others
             return "nothing is left free to search"
         if self.broken_in_a_row >= MOST_BROKEN_IN_A_ROW:
@@ -225,7 +226,7 @@ class Search:
         evaluate: Evaluator,
         on_evaluated: Callable[[Evaluation], None],
     ) -> tuple[list[Evaluation], dict[str, State]]:
-        if self._training and self._weights == "shared":
+        if self.training and self._weights == "shared":
             evaluations, states = [], dict(self.states)
             for evaluation in score_pipelined(jobs, self.plan.fitness, executor, evaluate):
                 states.update(evaluation.states)
@@ -234,7 +235,7 @@ class Search:
             return evaluations, states
         evaluations = self._cached_map(jobs, executor, evaluate, on_evaluated)
         states = dict(self.states)
-        if self._training and (scored := [e for e in evaluations if e.fitness is not None]):
+        if self.training and (scored := [e for e in evaluations if e.fitness is not None]):
             states.update(max(scored, key=_fitness).states)
         return evaluations, states
 
@@ -273,7 +274,7 @@ class Search:
         """The evaluations of jobs, by a race where the recipe asks for one."""
         rules = self.plan.recipe.study.race
         if rules is None:
-            return executor.map(evaluate, list(jobs.values()))
+            return score_sharded(list(jobs.values()), self.plan.fitness, executor, evaluate)
         known = {key: self.cache[key] for key in keys if key in self.cache}
         if self.best is not None and self.comparable:
             known["best"] = self.best
@@ -311,7 +312,7 @@ class Search:
         The evaluations of the finalists, the most promising first.
         """
         self.finalists_rescored = True
-        wanted = self._finalists()
+        wanted = self.most_promising(self.plan.recipe.study.finalists)
         settled = self.comparable and len(wanted) < 2
         if not wanted or settled or len(self.candidate_stats) < 2:
             return []
@@ -329,9 +330,8 @@ class Search:
             self.best = max(scored, key=_fitness)
         return finalists
 
-    def _finalists(self) -> list[Mapping[str, Any]]:
-        """The most promising candidates: those the optimizer recommends, else those of best mean fitness."""
-        count = self.plan.recipe.study.finalists
+    def most_promising(self, count: int) -> list[Mapping[str, Any]]:
+        """Values of the candidates the optimizer recommends, else of those with the best mean fitness."""
         if self.optimizer and (recommended := self.optimizer.recommend(count)):
             return [{**self.fixed, **candidate.as_dict()} for candidate in recommended]
         ranked = sorted(self.candidate_stats.values(), key=lambda stats: -stats.mean_fitness)
@@ -346,7 +346,7 @@ class Search:
 
     def next_training_on_best(self) -> ScoreJob | None:
         """The next training on the best camera, if one is left."""
-        if self.best is None or not self._training or self.trained_best >= self.plan.recipe.study.train_best:
+        if self.best is None or not self.training or self.trained_best >= self.plan.recipe.study.train_best:
             return None
         training = EpisodeSpec(self.plan.recipe.seed, ("train_best", self.trained_best))
         return ScoreJob(self.best.values, (), self.states, training, partial=True)

@@ -177,11 +177,13 @@ def test_a_budget_is_spent_on_what_can_be_built(plugins):
 
 def test_a_search_in_which_nothing_can_be_built_ends_and_names_the_constraint(plugins, tmp_path, monkeypatch):
     monkeypatch.setattr(searching, "MOST_BROKEN_IN_A_ROW", 10)
-    recipe = recipe_of({"rounds": 1000}, constraints={"vfov_deg": {"max": 1}})
+    recipe = recipe_of(
+        {"rounds": 1000}, constraints={"vfov_deg": {"max": 9.2}}
+    )  # one corner of the space keeps it
     result = run(recipe, plugins, tmp_path / "out")
     assert result["best"] is None
     assert result["stopped"].startswith("10 candidates in a row broke a constraint, the last as vfov_deg is ")
-    assert result["stopped"].endswith("above the largest allowed value 1")
+    assert result["stopped"].endswith("above the largest allowed value 9.2")
     assert (result["evaluations"], result["frames_rendered"]) == (0, 0)
 
 

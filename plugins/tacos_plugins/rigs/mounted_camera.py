@@ -34,6 +34,10 @@ class SensorPart(Settings):
         None, help="Electrons per second without light, if known.", unit="e-/s", ge=0
     )
 
+    mounts: str | None = setting(
+        None, help="Lens mounts of cameras that are sold with it, as in C, CS, M12; if known."
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _from_catalog(cls, given: Any) -> Any:
@@ -48,6 +52,11 @@ class SensorPart(Settings):
     def height_mm(self) -> float:
         """Height of the active area [mm]."""
         return self.height_px * self.pixel_um * 1e-3
+
+    @property
+    def diagonal_mm(self) -> float:
+        """Diagonal of the active area [mm]."""
+        return math.hypot(self.width_mm, self.height_mm)
 
     @property
     def electrons(self) -> Electrons:
@@ -120,11 +129,10 @@ def derived_optics(sensor: SensorPart, focal_length_mm: float) -> dict[str, floa
 
     Pixels per degree hold at the image centre; a pinhole image has more of them towards its edges.
     """
-    diagonal_mm = math.hypot(sensor.width_mm, sensor.height_mm)
     return {
         "hfov_deg": field_of_view_deg(sensor.width_mm, focal_length_mm),
         "vfov_deg": field_of_view_deg(sensor.height_mm, focal_length_mm),
-        "dfov_deg": field_of_view_deg(diagonal_mm, focal_length_mm),
+        "dfov_deg": field_of_view_deg(sensor.diagonal_mm, focal_length_mm),
         "megapixels": sensor.width_px * sensor.height_px * 1e-6,
         "sensor_width_mm": sensor.width_mm,
         "sensor_height_mm": sensor.height_mm,

@@ -71,6 +71,7 @@ class StereoRig:
             return self
 
     derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, "baseline_m": "m"}
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("hfov_deg", "focal_length_mm"),)
 
     def __init__(self, config: Config) -> None:
         self.config = config

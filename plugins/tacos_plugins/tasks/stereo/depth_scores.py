@@ -19,6 +19,16 @@ ERRORS = frozenset(SCORES) - {"inverse_log_error"}
 SCALES: dict[str, ScoreScale] = {"d1": "share"}
 """Those of them that are no plain numbers."""
 
+MEANINGS = {
+    "log_error": "mean error of the logarithm of depth",
+    "inverse_log_error": "one over the mean error of the logarithm of depth",
+    "rmse_m": "root of the mean squared error of depth",
+    "d1": "share of pixels whose disparity is off by more than 3 px and 5 %",
+    "log_error_all": "the same, the sky included",
+    "rmse_all_m": "the same, the sky included",
+}
+"""What they say, for reports."""
+
 LEAST_LOG_ERROR = 1e-3
 """Log errors below count as this much in their inverse, which would have no bound otherwise [1]."""
 
