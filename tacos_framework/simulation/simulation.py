@@ -26,7 +26,6 @@ from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import train
 from tacos_framework.values import Episode, Exposure, FrameBatch
 
-
 KEPT_BYTES = 2**30
 """Memory the worlds of a simulation may take that are kept for candidates to come [bytes]."""
 

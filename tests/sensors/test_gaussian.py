@@ -46,6 +46,8 @@ def test_bins_are_narrow_where_they_are_looked_up():
     inner = table[TAIL_BINS:-TAIL_BINS]
     assert np.diff(table).min() > 0
     assert np.diff(inner).max() < 0.005
-    np.testing.assert_allclose(inner, stats.norm.ppf((np.arange(1 << 16) + 0.5) / (1 << 16))[TAIL_BINS:-TAIL_BINS], atol=3e-5)
+    np.testing.assert_allclose(
+        inner, stats.norm.ppf((np.arange(1 << 16) + 0.5) / (1 << 16))[TAIL_BINS:-TAIL_BINS], atol=3e-5
+    )
     np.testing.assert_array_equal(table, -table[::-1])
     assert np.mean(table**2) == pytest.approx(1, abs=1e-6)

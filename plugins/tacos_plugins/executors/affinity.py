@@ -49,7 +49,9 @@ def assigned(
             given[worker] = job
 
     for worker, at_hand in enumerate(idle):
-        give(worker, next((job for job, needs in left.items() if needs is not None and needs in at_hand), None))
+        give(
+            worker, next((job for job, needs in left.items() if needs is not None and needs in at_hand), None)
+        )
     for worker in (each for each in range(len(idle)) if each not in given):
         give(worker, next((job for job, needs in left.items() if needs is None or needs not in taken), None))
     for worker in (each for each in range(len(idle)) if each not in given):
