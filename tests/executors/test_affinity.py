@@ -12,11 +12,11 @@ from tacos_plugins.executors.affinity import assigned
 from tacos_plugins.executors.process import ProcessExecutor
 from tests.executors import jobs
 
-worlds = st.none() | st.sampled_from("abcde")
-at_hand = st.sets(worlds, max_size=3)
+worlds = st.sampled_from([None, *"abcd"])
+at_hand = st.sets(worlds, max_size=2)
 
 
-@given(waiting=st.lists(worlds, max_size=8), idle=st.lists(at_hand, max_size=4), busy=at_hand)
+@given(waiting=st.lists(worlds, max_size=6), idle=st.lists(at_hand, max_size=3), busy=at_hand)
 def test_no_worker_idles_while_a_job_waits_and_no_job_is_given_twice(waiting, idle, busy):
     given_out = assigned(waiting, idle, busy)
     assert len(given_out) == min(len(waiting), len(idle))
@@ -24,7 +24,7 @@ def test_no_worker_idles_while_a_job_waits_and_no_job_is_given_twice(waiting, id
     assert all(0 <= job < len(waiting) for job in given_out.values())
 
 
-@given(waiting=st.lists(worlds, max_size=8), idle=st.lists(at_hand, max_size=4), busy=at_hand)
+@given(waiting=st.lists(worlds, max_size=6), idle=st.lists(at_hand, max_size=3), busy=at_hand)
 def test_a_world_is_made_twice_only_where_a_worker_would_idle(waiting, idle, busy):
     given_out = assigned(waiting, idle, busy)
     made_already = {*busy, *(world for has in idle for world in has)}
