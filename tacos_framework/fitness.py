@@ -1,4 +1,4 @@
-"""From the scores of tasks to one number per candidate, and the constraints a candidate must keep."""
+"""From the scores of tasks to one number per candidate."""
 
 from __future__ import annotations
 
@@ -114,40 +114,6 @@ class Fitness:
         """The weights of the scenarios in a mean over them; their sum is 1."""
         total = math.fsum(weight for _, weight in self.scenarios)
         return {name: weight / total for name, weight in self.scenarios}
-
-
-@dataclass(frozen=True)
-class Constraint:
-    """Bounds on a quantity the rig derives from the variables; either may be None.
-
-    Parameters
-    ----------
-    quantity
-        Its name, which ends in its unit: ``hfov_deg``.
-    min, max
-        Smallest and largest allowed value.
-    """
-
-    quantity: str
-    min: float | None = None
-    max: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.min is None and self.max is None:
-            raise ValueError(f"the constraint on {self.quantity} has no bound")
-        if self.min is not None and self.max is not None and self.min > self.max:
-            raise ValueError(f"the constraint on {self.quantity} has min {self.min:g} above max {self.max:g}")
-
-    def broken(self, derived: Mapping[str, float]) -> list[str]:
-        """One sentence for each bound that is broken; NaN breaks every bound."""
-        value = derived[self.quantity]
-        found = f"{self.quantity} is {value:.6g}"
-        sentences = []
-        if self.min is not None and not value >= self.min:
-            sentences.append(f"{found}, below the smallest allowed value {self.min:.6g}")
-        if self.max is not None and not value <= self.max:
-            sentences.append(f"{found}, above the largest allowed value {self.max:.6g}")
-        return sentences
 
 
 def mean_scores(episodes: Iterable[Scores]) -> dict[str, float]:

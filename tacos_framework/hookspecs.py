@@ -1,12 +1,14 @@
 """Every hook a plugin may implement, on one screen.
 
 A hook that raises stops nobody: the plugin is listed as broken, or switched off where it observes a study.
-Those that observe are given copies, which are theirs to keep and to change.
+Those that observe are given copies, which are theirs to keep and to change; an analysis is given a record
+that it must not change.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pluggy
@@ -57,5 +59,23 @@ def tacos_candidate_failed(candidate: Any, reason: str) -> None:
 
 
 @hookspec
+def tacos_analyse_study(record: Any) -> Mapping[str, Any] | None:
+    """A study is over, all but its result: keys to add to ``result.json``, as plain data.
+
+    `record` is a `tacos_framework.study.record.StudyRecord`, shared with the other plugins. Keys that
+    ``result.json`` has itself, or another plugin has given, are refused. An analysis that raises is left out
+    with a note, and the study ends as it would have.
+    """
+
+
+@hookspec
 def tacos_study_finished(result: Mapping[str, Any]) -> None:
     """A study ended; `result` is what stands in ``result.json``."""
+
+
+@hookspec
+def tacos_report(folder: Path) -> Path | None:
+    """Write a report of a results folder into it, and return the file; None where it is not for you.
+
+    Called once a study has ended, and by ``tacos report``. What it raises is shown, and costs no result.
+    """

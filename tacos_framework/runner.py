@@ -53,7 +53,7 @@ def run(
     command
         How the run was started, for the report.
     report
-        Also write ``report.html`` of a study; procedures write theirs always.
+        Also have plugins report on a study (``report.html``); procedures write theirs always.
 
     Returns
     -------

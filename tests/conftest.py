@@ -24,8 +24,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 @pytest.fixture(scope="session")
 def toys() -> Plugins:
-    """The installed plugins and the toys."""
+    """The installed plugins and the toys, without the analysis of studies, which takes a second for each."""
     plugins = Plugins.discover()
+    plugins._plugins = [plugin for plugin in plugins._plugins if plugin.name != "decision"]
     plugins.register(toy_plugin)
     return plugins
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -118,6 +119,17 @@ def _subset_closures(problem: Problem, best: Fitted, before: float) -> dict[tupl
     return values
 
 
+def _times(nats: float) -> str:
+    """A ratio of likelihoods, given by its logarithm [nat], in words.
+
+    >>> _times(0.7), _times(5.0), _times(23.0)
+    ('2.0 times', '148 times', 'more than a million times')
+    """
+    if nats > math.log(1e6):
+        return "more than a million times"
+    return f"{math.exp(nats):.{1 if nats < math.log(10) else 0}f} times"
+
+
 def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> dict[str, Parameter]:
     found: dict[str, Parameter] = {}
     settings = term.settings
@@ -156,7 +168,10 @@ def _evidence(
     scores = attribution.slots[term.name]
     rivals = {name: score for name, score in scores.items() if name not in ("", term.name)}
     second = max(rivals, key=lambda name: rivals[name]) if rivals else None
-    lead = f"; held out it beats {second} by {scores[term.name] - rivals[second]:.0f} nat" if second else ""
+    lead = ""
+    if second:
+        ahead = scores[term.name] - rivals[second]
+        lead = f"; captures held out are {_times(ahead)} likelier with it than with {second}"
     if without is None:
         return f"The captures ask for it{lead}."
     gain: dict[str, float] = {}

@@ -189,7 +189,7 @@ TASKS = {
     ),
     "obstacle-visibility": (
         "obstacle_visibility:ObstacleVisibility",
-        "Share of thresholds on the path that were seen before they were stepped on.",
+        "Share of thresholds on the path that were seen before they were stepped on, and how early.",
     ),
     "sgbm": (
         "sgbm:Sgbm",
@@ -213,6 +213,10 @@ OPTIMIZERS = {
     "genetic": (
         "genetic:Genetic",
         "The paper's genetic algorithm: elites, uniform crossover, factor and offset mutation.",
+    ),
+    "physical-gp": (
+        "physical_gp.optimizer:PhysicalGp",
+        "Gaussian processes of the scores along physical coordinates: few images for a good camera.",
     ),
     "random": (
         "random_search:RandomSearch",

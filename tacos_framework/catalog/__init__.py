@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from tacos_framework.catalog.cameras import OffTheShelf, camera_names, load_cameras
-from tacos_framework.catalog.parts import Catalog, CatalogColumn, CatalogPart
+from tacos_framework.catalog.parts import Catalog, CatalogColumn, CatalogPart, Grade
 from tacos_framework.catalog.reader import catalog_names, find_catalog, read_catalog
 
 __all__ = [
     "Catalog",
     "CatalogColumn",
     "CatalogPart",
+    "Grade",
     "OffTheShelf",
     "camera_names",
     "catalog_names",

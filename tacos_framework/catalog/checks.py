@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tacos_framework.catalog.parts import CatalogColumn, CatalogPart, Value
+from tacos_framework.catalog.parts import CatalogColumn, CatalogPart, Grade, Value
 from tacos_framework.errors import Fault, did_you_mean
 
 UNITS = {
@@ -28,6 +28,9 @@ UNITS = {
     "g": "g",
     "w": "W",
     "fps": "1/s",
+    "percent": "%",
+    "eur": "EUR",
+    "usd": "USD",
 }
 """The unit that the end of a column's name stands for: ``pixel_um`` is in um."""
 
@@ -48,6 +51,7 @@ class CatalogCell:
     where: str
     source: str | None = None
     refused: bool = False
+    grade: Grade | None = None
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,7 @@ class RawPart:
     source: str
     doubts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    grade: Grade | None = None
 
 
 @dataclass
@@ -84,7 +89,7 @@ class PartChecker:
             twin = next((p for p in parts if p.values == part.values), None)
             if twin is not None:
                 doubt = f"All values are those of {twin.name}."
-                part = CatalogPart(part.name, part.values, part.provenance, (*part.doubts, doubt), part.notes)
+                part = replace(part, doubts=(*part.doubts, doubt))
             parts.append(part)
         return tuple(parts)
 
@@ -104,13 +109,16 @@ class PartChecker:
                 self.faults.append(Fault(cell.where, what, "", did_you_mean(name, names)))
         values: dict[str, Value] = {}
         provenance: dict[str, str] = {}
+        grades: dict[str, Grade] = {}
         for column in self.columns:
             given = raw.cells.get(column.name)
             values[column.name] = self._value(raw, column, given)
             if given is not None and values[column.name] is not None:
                 provenance[column.name] = given.source or raw.source
+                if grade := given.grade or (raw.grade if given.source is None else None):
+                    grades[column.name] = grade
         doubts = (*raw.doubts, *_settle_sizes(values, provenance))
-        return CatalogPart(raw.name, values, provenance, doubts, raw.notes)
+        return CatalogPart(raw.name, values, provenance, doubts, raw.notes, grades)
 
     def _value(self, raw: RawPart, column: CatalogColumn, cell: CatalogCell | None) -> Value:
         if cell is not None and cell.refused:

@@ -11,6 +11,13 @@ from tacos_framework.errors import did_you_mean
 Value = float | int | str | None
 """A value of a part; None where no source states it."""
 
+Grade = Literal[
+    "data sheet", "camera maker", "measurement", "transcription", "reseller", "derived", "hobby list"
+]
+"""How far a value can be trusted, the best first: stated by the maker of the part; by the maker of a camera
+with it (EMVA 1288, a manual); measured by somebody who says how; one of these as copied by a third party;
+stated by a shop; computed from other values; said by a list or program not checked against the maker."""
+
 
 @dataclass(frozen=True)
 class CatalogColumn:
@@ -56,6 +63,8 @@ class CatalogPart:
         Sentences about values that are probably wrong.
     notes
         Sentences on anything else, such as what was cross-checked.
+    grades
+        How far a value can be trusted, where the catalog says so.
     """
 
     name: str
@@ -63,6 +72,7 @@ class CatalogPart:
     provenance: Mapping[str, str] = field(default_factory=dict, compare=False)
     doubts: tuple[str, ...] = field(default=(), compare=False)
     notes: tuple[str, ...] = field(default=(), compare=False)
+    grades: Mapping[str, Grade] = field(default_factory=dict, compare=False)
 
     def __hash__(self) -> int:
         return hash((self.name, frozenset(self.values.items())))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tacos_framework.catalog.checks import CatalogCell, PartChecker, RawPart, checked_value, unit_of
-from tacos_framework.catalog.parts import Catalog, CatalogColumn
+from tacos_framework.catalog.parts import Catalog, CatalogColumn, Grade
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
@@ -31,11 +31,20 @@ class ColumnEntry(Settings):
     positive: bool = setting(True, help="Whether its numbers must be above 0.")
 
 
+class SourceEntry(Settings):
+    """A source that values and parts name by its key."""
+
+    title: str = setting(help="Who says so, in full.", min_length=1)
+    grade: Grade | None = setting(None, help="How far it can be trusted.")
+
+
 class Head(Settings):
     """A YAML catalog, except for its parts."""
 
     title: str = setting(help="One line for people.", min_length=1)
     source: str = setting(help="Where values come from that name no source of their own.", min_length=1)
+    grade: Grade | None = setting(None, help="How far those values can be trusted.")
+    sources: dict[str, SourceEntry] = setting({}, help="Sources that stand for many values.")
     licence: str = setting("", help="Terms of use.")
     columns: dict[str, ColumnEntry] = setting(help="The columns.", min_length=1)
     design_columns: tuple[str, ...] | None = setting(
@@ -47,15 +56,17 @@ class PartEntry(Settings):
     """What a part may say beside its values."""
 
     source: str | None = setting(None, help="Where its values come from.")
+    grade: Grade | None = setting(None, help="How far they can be trusted.")
     doubts: tuple[str, ...] = setting((), help="What is probably wrong.")
     notes: tuple[str, ...] = setting((), help="Anything else.")
 
 
 class ValueEntry(Settings):
-    """A value with its own source: ``full_well_e: {value: 11000, source: ...}``."""
+    """A value with its own source: ``full_well_e: {value: 11000, source: ..., grade: measurement}``."""
 
     value: float | str = setting(help="The value.")
     source: str = setting(help="Who says so.", min_length=1)
+    grade: Grade | None = setting(None, help="How far it can be trusted.")
 
 
 def catalog_names() -> tuple[str, ...]:
@@ -144,19 +155,35 @@ def _raw_part(
     faults += found
     about = about or PartEntry()
     cells = {
-        key: _cell(document, (*path, key), value, faults) for key, value in entry.items() if key not in own
+        key: _cell(document, (*path, key), value, head, faults)
+        for key, value in entry.items()
+        if key not in own
     }
-    return RawPart(name, where, cells, about.source or head.source, about.doubts, about.notes)
+    source, grade = _source(head, about.source, about.grade)
+    if about.source is None:
+        source, grade = head.source, about.grade or head.grade
+    return RawPart(name, where, cells, source, about.doubts, about.notes, grade)
 
 
-def _cell(document: Document, path: tuple[str, ...], given: Any, faults: list[Fault]) -> CatalogCell:
+def _source(head: Head, source: str | None, grade: Grade | None) -> tuple[str, Grade | None]:
+    """A source in full and its grade, where it may be the key of one that the head names."""
+    named = head.sources.get(source or "")
+    return (named.title, grade or named.grade) if named else (source or "", grade)
+
+
+def _cell(
+    document: Document, path: tuple[str, ...], given: Any, head: Head, faults: list[Fault]
+) -> CatalogCell:
     """A value alone, or ``{value: ..., source: ...}``."""
     where = document.where(path)
     if not isinstance(given, dict):
         return CatalogCell(given, where)
     entry, found, _ = check(ValueEntry, given, lambda tail: document.where((*path, *tail)))
     faults += found
-    return CatalogCell(entry.value, where, entry.source) if entry else CatalogCell(None, where, refused=True)
+    if entry is None:
+        return CatalogCell(None, where, refused=True)
+    source, grade = _source(head, entry.source, entry.grade)
+    return CatalogCell(entry.value, where, source, grade=grade)
 
 
 def _from_csv(path: Path) -> Catalog:
@@ -185,15 +212,17 @@ def _from_csv(path: Path) -> Catalog:
                 Fault(where, f"this line has {len(line)} values", f"{len(heading)}, as the first line")
             )
             continue
-        raws.append(_raw_line(where, dict(zip(heading, line, strict=True)), path.name))
+        raws.append(_raw_line(where, dict(zip(heading, line, strict=True)), path.name, faults))
         if not raws[-1].name:
             faults.append(Fault(where, "this part has no name"))
     columns = [_csv_column(name, raws) for name in heading if name not in ("name", *PartEntry.model_fields)]
     return _catalog(path.stem, path.stem, path.name, columns, raws, None, faults, f"{path}:1")
 
 
-def _raw_line(where: str, cells: Mapping[str, str], source: str) -> RawPart:
+def _raw_line(where: str, cells: Mapping[str, str], source: str, faults: list[Fault]) -> RawPart:
     own = ("name", *PartEntry.model_fields)
+    graded, found, _ = check(PartEntry, {"grade": cells.get("grade") or None}, lambda _: where)
+    faults += found
     return RawPart(
         cells["name"],
         where,
@@ -201,6 +230,7 @@ def _raw_line(where: str, cells: Mapping[str, str], source: str) -> RawPart:
         cells.get("source") or source,
         tuple(filter(None, [cells.get("doubts")])),
         tuple(filter(None, [cells.get("notes")])),
+        graded and graded.grade,
     )
 
 

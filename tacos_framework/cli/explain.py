@@ -144,9 +144,13 @@ def _scored_by(plan: Plan) -> Iterator[str]:
     yield "Scored by"
     for term in plan.recipe.fitness:
         yield f"  {term.weight:g} x {term.score}"
-    for name, bounds in plan.recipe.constraints.items():
-        limits = [f">= {bounds.min:g}"] if bounds.min is not None else []
-        limits += [f"<= {bounds.max:g}"] if bounds.max is not None else []
-        yield f"  only where {name} {' and '.join(limits)} {plan.rig.cls.derived_quantities[name]}"
+    for constraint in plan.constraints:
+        limits = [f">= {constraint.min:g}"] if constraint.min is not None else []
+        limits += [f"<= {constraint.max:g}"] if constraint.max is not None else []
+        limits += [f"is {' or '.join(constraint.any_of)}"] if constraint.any_of else []
+        unit = plan.rig.cls.derived_quantities.get(constraint.quantity, "").removeprefix("1")
+        yield f"  only where {constraint.quantity} {' and '.join(limits)} {unit}".rstrip()
+    for objective in plan.objectives:
+        yield f"  a front of {objective.name}, {objective.aim}"
     for camera in plan.cameras:
         yield f"  beside {camera.name}: {camera.title}"

@@ -67,6 +67,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: argparse.Namespace, command: str) -> int:
+    from tacos_framework.plan import Plan
+    from tacos_framework.plan.notes import notes_on_constraints
     from tacos_framework.plugins import Plugins
     from tacos_framework.recipe import Recipe
 
@@ -80,6 +82,8 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
         print(explanation())
     if arguments.check:
         print(f"{arguments.recipe}: no faults.")
+        for note in notes_on_constraints(plan) if isinstance(plan, Plan) else ():
+            print(f"note: {note}")
     if arguments.check or arguments.explain:
         return DONE
 
@@ -190,9 +194,10 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
             f"  {name:<20} fitness on unseen scenes {'failed' if fitness is None else f'{fitness:.3f}'}"
         )
     if not best:
-        lines.append("No candidate could be evaluated; log.txt says why.")
+        reason = result.get("failed", {}).get("designed", "log.txt says why")
+        lines.append(f"No candidate could be scored: {reason}.")
     lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
-    lines.append(f"Report: {out / 'report.html'}")
+    lines.append(f"Report: {out / 'report.html'}" if (out / "report.html").exists() else f"Results: {out}")
     return "\n".join(lines)
 
 

@@ -21,7 +21,7 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
-    report = commands.add_parser("report", help="write report.html of a results folder anew")
+    report = commands.add_parser("report", help="write the report of a study anew")
     report.add_argument("folder", metavar="DIR", type=Path, help="results folder of a run")
     for command in plugins.commands(taken=tuple(commands.choices)):
         try:
@@ -41,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     own: dict[str, Callable[[argparse.Namespace], int]] = {
         "plugins": lambda arguments: _plugins(plugins),
         "doctor": lambda arguments: _doctor(plugins),
-        "report": _report,
+        "report": lambda arguments: _report(arguments.folder, plugins),
     }
     commands = {command.name: command.run for command in plugins.commands()} | own
     return exit_status(lambda: commands[arguments.command](arguments))
@@ -98,13 +98,18 @@ def _torch() -> EnvironmentFinding:
     )
 
 
-def _report(arguments: argparse.Namespace) -> int:
+def _report(folder: Path, plugins: Plugins) -> int:
     from tacos_framework.errors import Fault, UserError
-    from tacos_framework.report import write_report
 
-    if not (arguments.folder / "result.json").is_file():
-        raise UserError(
-            Fault(str(arguments.folder), "there is no result.json", "the results folder of a run")
-        )
-    print(write_report(arguments.folder))
+    if not (folder / "result.json").is_file():
+        raise UserError(Fault(str(folder), "there is no result.json", "the results folder of a run"))
+    written, failures = plugins.write_reports(folder)
+    for path in written:
+        print(path)
+    for failure in failures:
+        assert failure.error is not None
+        raise failure.error
+    if not written:
+        remedy = "A procedure writes its report as it runs; `tacos plugins` lists what is broken."
+        raise UserError(Fault(str(folder), "no plugin reports on it", "results of a study", remedy))
     return DONE

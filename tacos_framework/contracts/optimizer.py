@@ -21,18 +21,22 @@ class DesignProblem:
     fitness
         The weighted sum of scores, `tacos_framework.fitness.Fitness`.
     episodes
-        How many episodes there are to score a candidate on.
+        How many episodes there are to score a candidate on; where the recipe cuts episodes into blocks, each
+        block counts as one.
     coordinates
-        What images depend on, by name, for a candidate: what the rig declares, and the other variables.
+        What images depend on, by name, for a candidate that breaks nothing: what the rig declares, and the
+        other variables. The names are the same for all candidates.
     broken
         By how much a candidate breaks each constraint, in the unit of its quantity; empty where it keeps
-        all. Nothing is rendered for it.
+        all. What the rig refuses breaks ``rig`` by 1. Nothing is rendered for it.
     scales
-        The kind of number of each score of the fitness that says so.
+        The kind of number of each score of the fitness that says so, by ``node.score``.
     depends_on
         The coordinates a score depends on, for scores that say so; the others depend on all.
     weights_learn
         Whether tasks learn meanwhile, so that equal candidates get other scores later.
+    episodes_renew
+        Whether each round brings other episodes, so that a number names another one in the next round.
     """
 
     fitness: Any
@@ -42,6 +46,7 @@ class DesignProblem:
     scales: Mapping[str, ScoreScale] = field(default_factory=dict)
     depends_on: Mapping[str, Sequence[str]] = field(default_factory=dict)
     weights_learn: bool = False
+    episodes_renew: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,7 @@ class Asked:
     candidate
         A `tacos_framework.variables.design_space.Candidate`.
     episodes
-        The episodes to score it on, counted from 0; None for all there are.
+        The episodes to score it on, counted from 0, each once; None for all there are.
     """
 
     candidate: Any
@@ -74,7 +79,8 @@ class Evaluated:
         Why, in a sentence.
     episodes
         The scores of each episode it was scored on, by number; with several scenarios they are called
-        ``scenario/node.score``.
+        ``scenario/node.score``. They are there as well where it failed only because none of these episodes
+        gives a score that the fitness takes.
     standard_errors
         Of the mean of each score over those episodes, where there are two or more.
     broken

@@ -15,8 +15,20 @@ class RigBuilder(Protocol):
     ``Variables`` is a `Settings` class whose fields are what a recipe may design or fix; fields without a
     default must be given by the recipe, as a design variable or as a fixed value under ``rig:``.
 
-    A further member is optional:
+    Derived quantities that a missing value leaves unknown, such as the margin of an image circle that
+    nobody states, are left out. One that is called ``f_number_min`` is the smallest f-number of the lens: no
+    scenario may open it further.
 
+    Further members are optional:
+
+    ``buildable``
+        A tuple of `tacos_framework.quantities.Constraint`, without which the cameras cannot be built; they
+        hold unless the recipe bounds the same quantity.
+    ``alternatives``
+        Groups of variables of which exactly one is given, as a focal length or a lens: a product that fixes
+        one of a group leaves none of the others to be designed.
+    ``notes(variables) -> Iterable[str]``
+        Sentences on what somebody who builds these cameras should know.
     ``coordinates(variables) -> Mapping[str, float]``
         What images depend on, as numbers along which they change evenly: angles, logarithms of pixel counts
         and pitch. A model of the scores learns along them what candidates have in common. Without it, the

@@ -11,7 +11,13 @@ from tacos_framework.values import Episode
 
 
 class Scene(Protocol):
-    """Makes worlds and the agent's trips through them."""
+    """Makes worlds and the agent's trips through them.
+
+    A further member is optional:
+
+    ``carrier: ClassVar[str]``
+        What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it.
+    """
 
     Config: ClassVar[type[Settings]]
 

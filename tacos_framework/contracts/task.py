@@ -53,6 +53,8 @@ class Task(Protocol):
     ``lower_is_better: ClassVar[frozenset[str]]``
         Those of the scores that are errors, of which reports call the smallest best. Of the others higher is
         better.
+    ``score_meanings: ClassVar[Mapping[str, str]]``
+        What a score says, in a few words, where its name does not tell those who read a report.
     ``score_scales: ClassVar[Mapping[str, ScoreScale]]``
         Which of the scores are counts, and which are shares between 0 and 1; the others may be any number.
     ``depends_on: ClassVar[Mapping[str, Sequence[str]]]``
@@ -73,11 +75,14 @@ class Task(Protocol):
 class Trainable(Protocol):
     """A task that learns. State goes in and comes out; the object itself keeps none.
 
-    A further member is optional:
+    Further members are optional:
 
     ``Training: ClassVar[type[Settings]]``
         The settings it takes from the recipe's ``train:`` through `Budget.settings`; those given are then
         checked with the recipe, before anything is computed.
+    ``untrained() -> str | None``
+        Why `initial_state` knows nothing yet, in a sentence that says where trained weights come from; None
+        where it has been trained before. What is untrained is refused where a recipe freezes it.
     """
 
     scores: ClassVar[tuple[str, ...]]

@@ -14,7 +14,10 @@
 ``starting``    settings that are given only as design variables
 ``cameras``     whether the cameras named are those of the rig
 ``camera_fit``  whether sensors and tasks can work with any camera the design may choose
-``checks``      constraints, scenarios, fitness, and the cameras off the shelf
+``checks``      scenarios, fitness, and the cameras off the shelf
+``bounded``     what constraints bound and objectives aim at
+``feasibility`` whether any camera keeps the constraints
+``notes``       what nobody knows about parts that keep them, and which products do not
 ``building``    components outside of a graph
 ``procedure``   recipes that are no study
 ==============  ========================================================================================
@@ -23,8 +26,8 @@
 from __future__ import annotations
 
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
-from tacos_framework.plan.plan import Plan
+from tacos_framework.plan.plan import REFUSED, Plan
 from tacos_framework.plan.planner import make_plan
 from tacos_framework.plan.targets import Target, target_of
 
-__all__ = ["ConfiguredComponent", "EffectPart", "Plan", "Target", "make_plan", "target_of"]
+__all__ = ["REFUSED", "ConfiguredComponent", "EffectPart", "Plan", "Target", "make_plan", "target_of"]

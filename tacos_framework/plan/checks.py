@@ -1,4 +1,4 @@
-"""What designs are scored by: constraints, fitness, and the cameras off the shelf beside them."""
+"""What designs are scored by: scenarios, fitness, and the cameras off the shelf beside them."""
 
 from __future__ import annotations
 
@@ -9,18 +9,6 @@ from tacos_framework.errors import UserError, did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.recipe import NamedScenario, Recipe, Weighted
-
-
-def check_constraints(findings: RecipeFindings, rig: ConfiguredComponent | None) -> None:
-    """Constraints bound what the rig derives, and can be met."""
-    for name, bounds in findings.recipe.constraints.items():
-        path = ("constraints", name)
-        if rig is not None and name not in (known := rig.cls.derived_quantities):
-            findings.add(path, f"{rig.use} derives no {name!r}", "", did_you_mean(name, known))
-        if bounds.min is None and bounds.max is None:
-            findings.add(path, f"{name!r} has no bound", "min, max, or both")
-        elif bounds.min is not None and bounds.max is not None and bounds.min > bounds.max:
-            findings.add(path, f"min {bounds.min:g} is above max {bounds.max:g}")
 
 
 def check_scenarios(findings: RecipeFindings) -> None:
@@ -37,7 +25,7 @@ def check_scenarios(findings: RecipeFindings) -> None:
 def check_scores(findings: RecipeFindings, nodes: Mapping[str, ConfiguredComponent]) -> None:
     """The fitness takes scores that tasks report, each once."""
     recipe = findings.recipe
-    scores = {f"{name}.{score}" for name, part in nodes.items() for score in getattr(part.cls, "scores", ())}
+    scores = scores_of(nodes)
     seen: set[str] = set()
     for i, term in enumerate(recipe.fitness):
         path = ("fitness", i, "score")
@@ -47,6 +35,11 @@ def check_scores(findings: RecipeFindings, nodes: Mapping[str, ConfiguredCompone
         if term.score not in scores and _could_exist(term, recipe, nodes):
             remedy = did_you_mean(term.score, scores)
             findings.add(path, f"no task reports {term.score!r}", "node.score", remedy)
+
+
+def scores_of(nodes: Mapping[str, ConfiguredComponent]) -> set[str]:
+    """Names of all scores that tasks of the recipe report."""
+    return {f"{name}.{score}" for name, part in nodes.items() for score in getattr(part.cls, "scores", ())}
 
 
 def _could_exist(term: Weighted, recipe: Recipe, nodes: Mapping[str, ConfiguredComponent]) -> bool:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.fitness import Constraint, Fitness, FitnessTerm
-from tacos_framework.plan.checks import check_constraints, check_scenarios, check_scores, find_cameras
+from tacos_framework.fitness import Fitness, FitnessTerm
+from tacos_framework.plan.bounded import boundable, find_constraints, find_objectives, narrowed
+from tacos_framework.plan.checks import check_scenarios, check_scores, find_cameras
 from tacos_framework.plan.design import find_space
 from tacos_framework.plan.effects import find_effects
+from tacos_framework.plan.feasibility import check_feasible
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.nodes import find_nodes
 from tacos_framework.plan.plan import Plan
@@ -48,27 +50,34 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     effects = find_effects(findings)
     check_scenarios(findings)
     space = find_space(findings, rig, fixed, nodes, effects)
-    check_constraints(findings, rig)
+    known = boundable(rig, fixed, space)
+    constraints = find_constraints(findings, known)
+    objectives = find_objectives(findings, known, nodes)
     check_scores(findings, nodes)
     optimizer = findings.part(recipe.optimizer, "optimizer", ("optimizer",)) if recipe.optimizer else None
     executor = findings.executor()
     cameras = find_cameras(findings, rig)
     if findings.faults or not (graph and rig and space and optimizer and executor):
         return None
-    return Plan(
+    bounded = {constraint.quantity for constraint in constraints}
+    own = tuple(c for c in getattr(rig.cls, "buildable", ()) if c.quantity not in bounded)
+    plan = Plan(
         recipe=recipe,
         graph=graph,
         nodes=nodes,
         rig=rig,
         fixed=fixed,
-        space=space,
+        space=narrowed(space, constraints),
         fitness=_fitness(recipe),
-        constraints=tuple(Constraint(name, b.min, b.max) for name, b in recipe.constraints.items()),
+        constraints=constraints + own,
         effects=tuple(effects.values()),
         optimizer=optimizer,
         executor=executor,
         cameras=cameras,
+        objectives=objectives,
     )
+    check_feasible(findings, plan)
+    return plan
 
 
 def _fitness(recipe: Recipe) -> Fitness:

@@ -26,12 +26,15 @@ class Call:
         What the framework can supply by keyword.
     asked_for
         Whether a method is given only the keywords it asks for, rather than all of them.
+    offered
+        Further keywords, of which a method is given those it names among its parameters.
     """
 
     verb: str
     given: tuple[str, ...] | None = ()
     supplied: tuple[str, ...] = ()
     asked_for: bool = False
+    offered: tuple[str, ...] = ()
 
     def faults(self, cls: type[Any]) -> Iterator[str]:
         """What keeps a class from being called so, in sentences."""
@@ -49,14 +52,18 @@ class Call:
         else:
             yield from self._position_faults(name, parameters, self.given)
 
+    @property
+    def _by_keyword(self) -> tuple[str, ...]:
+        return (*self.supplied, *self.offered)
+
     def _keyword_faults(self, name: str, parameters: Parameters) -> Iterator[str]:
         alone = [p for p in parameters if p.kind is p.KEYWORD_ONLY]
         for parameter in alone:
-            if parameter.default is parameter.empty and parameter.name not in self.supplied:
-                supplied = ", ".join(self.supplied) or "nothing"
+            if parameter.default is parameter.empty and parameter.name not in self._by_keyword:
+                supplied = ", ".join(self._by_keyword) or "nothing"
                 yield (
                     f"{name} asks for {parameter.name!r}, which the framework does not supply: {supplied} "
-                    f"can be had by keyword. {did_you_mean(parameter.name, self.supplied)}"
+                    f"can be had by keyword. {did_you_mean(parameter.name, self._by_keyword)}"
                 ).rstrip()
         if self.asked_for or any(p.kind is p.VAR_KEYWORD for p in parameters):
             return
@@ -69,7 +76,7 @@ class Call:
         if any(p.kind is p.VAR_POSITIONAL for p in parameters):
             return
         room = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-        by_position = [p for p in room if p.name not in self.supplied]
+        by_position = [p for p in room if p.name not in self._by_keyword]
         needed = [p for p in by_position if p.default is p.empty]
         if len(needed) > len(given):
             extra = ", ".join(repr(p.name) for p in needed[len(given) :])
@@ -151,7 +158,7 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("fit", ("batches",), ("state", "budget", "rng")),
     ),
     "optimizer": (
-        Call("__init__", ("config",), ("space", "rng")),
+        Call("__init__", ("config",), ("space", "rng"), offered=("problem",)),
         Call("ask"),
         Call("tell", ("evaluated",)),
         Call("stop"),
@@ -173,7 +180,10 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("moments", ("mean_dn", "variance_dn2"), ("geometry", "context")),
         Call("guesses_from", ("captures",)),
     ),
+    "rig": (Call("coordinates", ("variables",)),),
     "sensor": (Call("lacks", ("rig",)),),
-    "task": (Call("lacks", ("rig",)),),
+    "task": (Call("lacks", ("rig",)), Call("untrained")),
+    "optimizer": (Call("recommend", ("count",)),),
+    "procedure": (Call("check", (), ("seed", "plugins"), asked_for=True),),
 }
 """How those members are called that a component may have."""

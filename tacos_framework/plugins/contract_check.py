@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, get_args
 
 from tacos_framework.components import Component
-from tacos_framework.contracts import PROTOCOLS, STAGES, VERBS, learns
+from tacos_framework.contracts import PROTOCOLS, STAGES, VERBS, ScoreScale, learns
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plugins.contract_calls import CALLS, OPTIONAL_CALLS, scorer_faults
 from tacos_framework.settings import Settings
@@ -99,6 +99,17 @@ def _score_misfits(cls: type[Any]) -> Iterator[str]:
         if score not in scores:
             meant = did_you_mean(str(score), scores)
             yield f"{name}.lower_is_better has {score!r}, which is no score of it. {meant}"
+    for attribute in ("score_scales", "depends_on"):
+        given = getattr(cls, attribute, {})
+        if not isinstance(given, Mapping) or not set(given) <= set(scores):
+            yield f"{name}.{attribute} is {given!r}, not a mapping with scores of it as keys"
+            continue
+        for score, value in given.items():
+            if attribute == "score_scales" and value not in get_args(ScoreScale):
+                known = ", ".join(get_args(ScoreScale))
+                yield f"{name}.score_scales has {value!r} for {score!r}, not one of {known}"
+            if attribute == "depends_on" and not _are_texts(value, tuple, list):
+                yield f"{name}.depends_on has {value!r} for {score!r}, not a tuple of names of coordinates"
 
 
 def _called_wrongly(kind: str, cls: type[Any]) -> Iterator[str]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any, TypeVar
 
 import pluggy
@@ -185,6 +186,19 @@ class Plugins:
             for plugin in self._plugins
             for page in self._offered(plugin, "tacos_reference_pages", ReferencePage)
         ]
+
+    def write_reports(self, folder: Path) -> tuple[list[Path], list[PluginFailure]]:
+        """Have plugins report on a results folder: the files they wrote, and what failed."""
+        written: list[Path] = []
+        failures = []
+        for plugin in self._plugins:
+            call = self._hook_of(plugin, "tacos_report")
+            files, error = tried(partial(call, folder=folder))
+            written += files or ()
+            if error is not None:
+                said = f"its tacos_report failed: {in_words(error)}"
+                failures.append(PluginFailure(plugin.source, said, error))
+        return written, failures
 
     def observers(self) -> Observers:
         """Those who listen to a study; for one study, as those that fail are told no more."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
@@ -56,6 +57,25 @@ class Observers:
             if error is not None:
                 self._switch_off(observer, hook, error)
 
+    def ask(self, hook: str, **told: Any) -> tuple[dict[str, Any], list[str]]:
+        """The keys that those who answer a hook give, and sentences on those whose answer cannot be used.
+
+        What they are told is not copied: it says itself that it must not be changed. Of two that give one
+        key the first keeps it.
+        """
+        answers: dict[str, Any] = {}
+        faults = []
+        for observer in list(self._listening):
+            if (listen := observer.hooks.get(hook)) is None:
+                continue
+            given, error = tried(partial(_plain_keys, listen, told, answers))
+            if error is not None:
+                self._switch_off(observer, hook, error)
+                faults.append(f"The analysis of {observer} is left out, as it raised {in_words(error)}.")
+            else:
+                answers.update(given or {})
+        return answers, faults
+
     def _switch_off(self, observer: Observer, hook: str, error: BaseException) -> None:
         self._listening.remove(observer)
         warning = (
@@ -64,3 +84,23 @@ class Observers:
         )
         log.warning("%s", warning, exc_info=error)
         print(f"warning: {warning}", file=sys.stderr)
+
+
+def _plain_keys(
+    listen: Callable[..., Any], told: Mapping[str, Any], known: Mapping[str, Any]
+) -> dict[str, Any]:
+    """What a hook answers, as plain data.
+
+    Raises
+    ------
+    ValueError, TypeError
+        When it is no mapping, has a key of another, or holds what JSON cannot.
+    """
+    keys: dict[str, Any] = {}
+    for answer in listen(**told):
+        if not isinstance(answer, Mapping):
+            raise TypeError(f"it answers {type(answer).__name__}, where keys and values are expected")
+        if taken := sorted(set(answer) & (set(known) | set(keys))):
+            raise ValueError(f"it answers {', '.join(taken)}, which another plugin answers")
+        keys.update(json.loads(json.dumps(dict(answer), allow_nan=False)))
+    return keys

@@ -16,7 +16,9 @@ from tacos_framework.recipe.loading import find_recipe, load_recipe, read_any_re
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure
 from tacos_framework.recipe.recipe import (
     FORMAT,
+    Aim,
     Between,
+    Bounds,
     Choose,
     Compare,
     EffectUse,
@@ -37,7 +39,9 @@ from tacos_framework.recipe.recipe import (
 
 __all__ = [
     "FORMAT",
+    "Aim",
     "Between",
+    "Bounds",
     "Choose",
     "Compare",
     "EffectUse",

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, PrivateAttr, T
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.recipe.effect_names import effect_names
+from tacos_framework.recipe.notes import quoting
 from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.settings.yaml_reader import Document, read_yaml_draft
@@ -125,10 +126,31 @@ Variable = Annotated[
 
 
 class Bounds(Settings):
-    """Bounds on a derived quantity."""
+    """What a derived quantity, or a column of a part, must be."""
+
+    model_config = ConfigDict(populate_by_name=True)
 
     min: float | None = setting(None, help="Smallest allowed value.")
     max: float | None = setting(None, help="Largest allowed value.")
+    word: str | None = setting(None, help="The only allowed word, as in global.", alias="is")
+    any_of: tuple[str, ...] = setting((), help="Allowed words, where there are several.")
+    unknown: Literal["allow", "refuse"] = setting(
+        "allow", help="What becomes of a part whose value nobody states."
+    )
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All allowed words; none where it bounds numbers."""
+        return self.any_of if self.word is None else (self.word, *self.any_of)
+
+
+class Aim(Settings):
+    """One of several aims that a front trades off."""
+
+    quantity: str = setting(
+        help="A derived quantity, a column such as sensor.power_w, a score, or fitness.", min_length=1
+    )
+    aim: Literal["max", "min"] = setting(help="Whether much or little of it is wanted.")
 
 
 class Scenario(Settings):
@@ -204,6 +226,17 @@ class StudySettings(Settings):
         "fail_candidate",
         help="What a defect of a component does that shows with one candidate: fail it, or stop the study.",
     )
+    finalists: int = setting(
+        3,
+        help=(
+            "Most promising candidates, scored once more on episodes of their own; the best of them wins. "
+            "With 1 none is, unless scores do not compare."
+        ),
+        ge=1,
+    )
+    final_episodes: int | None = setting(
+        None, help="Episodes the finalists are scored on; as many as `episodes` if absent.", ge=1
+    )
     race: RaceSettings | None = setting(
         None, help="Drop candidates that are clearly behind, block by block; {} for the default rules."
     )
@@ -244,7 +277,24 @@ class Test(Settings):
 
     seed: int = setting(help="Seed of the test scenes.", ge=0)
     frames: int | None = setting(None, help="Frames per episode; as in the design if absent.", ge=1)
-    episodes: int = setting(1, help="Episodes.", ge=1)
+    episodes: int = setting(1, help="Episodes every camera is tested on first.", ge=1)
+    most_episodes: int | None = setting(
+        None,
+        help="Episodes are added until each comparison is decided, up to these; none are if absent.",
+        ge=1,
+    )
+    margin: float = setting(
+        0.01, help="Differences up to this share of the designed camera's fitness do not matter.", ge=0
+    )
+    confidence: float = setting(
+        0.95, help="How sure a verdict must be, over all products and however often is looked.", gt=0.5, lt=1
+    )
+
+    @model_validator(mode="after")
+    def _most_are_no_fewer(self) -> Test:
+        if self.most_episodes is not None and self.most_episodes < self.episodes:
+            raise ValueError(f"most_episodes is {self.most_episodes}, fewer than episodes, {self.episodes}")
+        return self
 
 
 class Recipe(Settings):
@@ -260,19 +310,24 @@ class Recipe(Settings):
     seed: int = setting(0, help="Everything random follows from it.", ge=0)
     rig: Use = setting(help="The component that builds cameras; variables given here are fixed.")
     design: dict[str, Variable] = setting(help="Variables of the rig, or node.setting.", min_length=1)
-    constraints: dict[str, Bounds] = setting({}, help="Bounds on quantities the rig derives.")
+    constraints: dict[str, Bounds] = setting(
+        {}, help="Bounds on quantities the rig derives, and on columns of parts (sensor.full_well_e)."
+    )
     scenario: Scenarios = setting(
         Scenario(), help="Light and exposure; or a list of several, each with a name and a weight."
     )
     effects: tuple[EffectUse, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
     nodes: dict[Name, NodeUse] = setting(help="The graph: components, wired by their ports.", min_length=1)
     fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
+    objectives: tuple[Aim, ...] = setting((), help="Aims that a front trades off, the fitness among them.")
     optimizer: Use = setting(help="The derivative-free optimizer.")
     executor: Use | None = setting(None, help="Where candidates are evaluated; in this process if absent.")
     study: StudySettings = setting(StudySettings(), help="How candidates are compared.")
     compare: Compare | None = setting(None, help="Off-the-shelf cameras to set beside the design.")
     test: Test | None = setting(None, help="Scenes the design is tested on.")
-    notes: tuple[str, ...] = setting((), help="What a reader of the results should know.")
+    notes: tuple[str, ...] = setting(
+        (), help="What a reader of the results should know; {rig.binning} and the like quote the recipe."
+    )
 
     _document: Document | None = PrivateAttr(None)
 
@@ -280,6 +335,12 @@ class Recipe(Settings):
     def _seeds_differ(self) -> Recipe:
         if self.test is not None and self.test.seed == self.seed:
             raise ValueError(f"test.seed and seed are both {self.seed}: the test scenes would not be unseen")
+        return self
+
+    @model_validator(mode="after")
+    def _notes_quote_what_is_there(self) -> Recipe:
+        for note in self.notes:
+            quoting(note, self.as_data())
         return self
 
     @model_validator(mode="after")
@@ -291,6 +352,11 @@ class Recipe(Settings):
                 f"weights, so that each goes on where the one before stopped: set branched or frozen"
             )
         return self
+
+    @property
+    def quoted_notes(self) -> tuple[str, ...]:
+        """The notes, with the settings they quote."""
+        return tuple(quoting(note, self.as_data()) for note in self.notes)
 
     @property
     def scenarios(self) -> tuple[Scenario, ...]:

@@ -6,10 +6,13 @@ import base64
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,16 @@ class SideBySide:
     kind: Literal["row"] = "row"
 
 
-Block = Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide
+@dataclass(frozen=True)
+class Folded:
+    """A table that opens when its summary is clicked: for rows that few want to see."""
+
+    summary: str
+    table: Table
+    kind: Literal["folded"] = "folded"
+
+
+Block = Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide | Folded
 
 
 @dataclass(frozen=True)
@@ -134,20 +146,33 @@ def image_uri(image: NDArray[np.uint8]) -> str:
 
 def write_page(path: Path, page: Page) -> None:
     """Write the page as one HTML file that fetches nothing."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
     from tacos_framework.report.palette import stylesheet
 
+    template = page_templates().get_template("page.html.j2")
+    write_html(path, template.render(page=page, palette=Markup(stylesheet())))
+
+
+def page_templates(*packages: str) -> Environment:
+    """Templates of these packages, then those that all pages share, ``page.css`` for one; text is escaped."""
+    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
     environment = Environment(
-        loader=PackageLoader("tacos_framework.report"),
+        loader=ChoiceLoader([PackageLoader(package) for package in (*packages, "tacos_framework.report")]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters["svg"] = Markup
-    text = environment.get_template("page.html.j2").render(page=page, palette=Markup(stylesheet()))
+    return environment
+
+
+def write_html(path: Path, text: str) -> Path:
+    """Write a page whole or not at all: a reader never meets half of it."""
     partial = path.with_name(f"{path.name}.partial")
     partial.write_text(text, encoding="utf-8")
-    partial.replace(path)  # a reader never meets half a page
+    partial.replace(path)
+    return path

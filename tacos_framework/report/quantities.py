@@ -5,8 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-_UNIT_SIGNS = {"deg": "°", "um": "µm", "um2": "µm²", "1": "", "percent": "%", "cd_m2": "cd/m²"}
-_UNIT_SUFFIXES = ("deg", "mm", "um", "m", "px", "db", "lux", "s", "ms")
+_UNIT_SIGNS = {
+    "deg": "°", "um": "µm", "um2": "µm²", "1": "", "percent": "%", "cd_m2": "cd/m²", "e": "e⁻", "e_s": "e⁻/s",
+    "mw": "mW", "usd": "USD", "hz": "Hz", "fps": "frames/s",
+}  # fmt: skip
+_UNIT_SUFFIXES = (
+    "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "g", "usd", "hz", "fps",
+)  # fmt: skip
 _WORDS = {
     "hfov_deg": "Horizontal field of view",
     "vfov_deg": "Vertical field of view",
@@ -14,6 +19,7 @@ _WORDS = {
     "megapixels": "Pixel count",
     "pixel_um": "Pixel size",
     "pixels_per_deg": "Angular resolution",
+    "f_number_min": "Smallest f-number",
     "fitness": "Fitness",
 }
 _NARROW_SPACE = "\u202f"
@@ -25,6 +31,8 @@ def unit_of(name: str) -> str:
     suffix = name.rpartition("_")[2]
     if name == "megapixels":
         return "MP"
+    if name.endswith("_e_s"):
+        return "e_s"
     if suffix == "db":
         return "dB"
     return suffix if suffix in _UNIT_SUFFIXES and "_" in name else ""
@@ -45,8 +53,8 @@ def words(name: str) -> str:
     node, dot, score = name.rpartition(".")
     if dot:
         return f"{node.replace('_', ' ')}: {score.replace('_', ' ')}"
-    unit = name.rpartition("_")[2]
-    stem = name[: -len(unit) - 1] if unit_of(name) and "_" in name else name
+    unit = unit_of(name)
+    stem = name[: -len(unit) - 1] if unit and "_" in name else name
     text = stem.replace("_", " ")
     return text[:1].upper() + text[1:]
 

@@ -23,7 +23,7 @@ from tacos_framework.settings.yaml_writer import to_yaml
 
 log = logging.getLogger(__name__)
 
-FORMAT = 2
+FORMAT = 3
 """Format of ``checkpoint.json``; another one cannot be resumed."""
 
 PARTIAL = ".partial"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
@@ -106,10 +108,11 @@ def includes_pedestal(config: type[BaseModel], name: str) -> bool:
     return bool(_extra(config, name).get("with_pedestal"))
 
 
-def physical_settings(config: type[BaseModel]) -> dict[str, str]:
+@cache
+def physical_settings(config: type[BaseModel]) -> Mapping[str, str]:
     """The physical settings of a class, each with the one in pixels or digital numbers it stands for."""
     counterparts = {name: _extra(config, name).get("physical_of") for name in config.model_fields}
-    return {name: str(of) for name, of in counterparts.items() if of}
+    return MappingProxyType({name: str(of) for name, of in counterparts.items() if of})
 
 
 def _extra(config: type[BaseModel], name: str) -> Mapping[str, JsonValue]:

@@ -49,9 +49,10 @@ class Evaluation:
     terms
         What each score contributes to the fitness.
     failed
-        Why there are no scores, in a sentence.
+        Why there is no fitness, in a sentence.
     episodes
         Scores and fitness of each episode by itself, so that cameras can be compared episode by episode.
+        They stay where it failed only because none of them gives a score that the fitness takes.
     images
         Images rendered.
     seconds
@@ -69,6 +70,10 @@ class Evaluation:
         stands for, not the sum of `terms`, which are of the episodes it saw.
     raised
         The error behind `failed`, where a component has a defect rather than nothing to say.
+    broken
+        By how much it breaks each constraint, as `DesignProblem.broken` has it; nothing was rendered then.
+    episode_numbers
+        Which of the episodes of the study those are, counted from 0; empty where nobody counts them.
     """
 
     values: Mapping[str, Any]
@@ -86,6 +91,16 @@ class Evaluation:
     raised: Raised | None = None
     scenario_episodes: Mapping[str, Sequence[Scores]] = field(default_factory=dict)
     scenarios: Mapping[str, Scores] = field(default_factory=dict)
+    broken: Mapping[str, float] = field(default_factory=dict)
+    episode_numbers: tuple[int, ...] = ()
+
+    @property
+    def scores_by_episode(self) -> dict[int, dict[str, float]]:
+        """What the tasks reported in each episode, by its number; named as in `blocks`, without fitness."""
+        return {
+            number: {name: value for name, value in scores.items() if name.rpartition("/")[2] != "fitness"}
+            for number, scores in zip(self.episode_numbers, self.blocks, strict=False)  # a race may end early
+        }
 
     @property
     def blocks(self) -> tuple[Scores, ...]:
@@ -131,6 +146,14 @@ def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
         terms=fitness.terms(scores),
         episodes=tuple(_episode_with_fitness(episode, fitness) for episode in evaluation.episodes),
     )
+
+
+def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+    """As `with_fitness`; it has failed where its episodes do not give every score the fitness takes."""
+    try:
+        return with_fitness(evaluation, fitness)
+    except CandidateFailed as error:
+        return replace(evaluation, failed=str(error))
 
 
 def _judged_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
@@ -194,7 +217,4 @@ def merged_evaluation(partials: Sequence[Evaluation], fitness: Fitness) -> Evalu
         for name in dict.fromkeys(name for partial in partials for name in partial.scenario_episodes)
     }
     whole = replace(partials[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds)
-    try:
-        return with_fitness(whole, fitness)
-    except CandidateFailed as error:
-        return replace(whole, failed=str(error), episodes=(), scenario_episodes={})
+    return judged(whole, fitness)

@@ -12,7 +12,7 @@ from tacos_framework.cache import LRUCache, content_key
 from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
-from tacos_framework.plan import ConfiguredComponent, EffectPart, Plan
+from tacos_framework.plan import REFUSED, ConfiguredComponent, EffectPart, Plan
 from tacos_framework.plugins import culprit_of
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import NamedScenario
@@ -20,7 +20,7 @@ from tacos_framework.settings import Settings
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.evaluation import Evaluation, failed_by, with_fitness
+from tacos_framework.simulation.evaluation import Evaluation, failed_by, judged
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import train
@@ -95,17 +95,19 @@ class Simulation:
             try:
                 variables = self.plan.rig_variables(values)
             except ValidationError as error:
-                return replace(evaluation, failed=f"the rig refuses it: {error.errors()[0]['msg']}")
+                refused = f"the rig refuses it: {error.errors()[0]['msg']}"
+                return replace(evaluation, failed=refused, broken=dict(REFUSED))
             try:
                 with self.plan.rig.calling("derived"):
                     derived = dict(self._rig.derived(variables))
                 evaluation = replace(evaluation, derived=derived)
-                broken = [sentence for c in self.plan.constraints for sentence in c.broken(derived)]
-                if broken:
-                    return replace(evaluation, failed="; ".join(broken))
+                if breaches := self.plan.breaches(values, derived):
+                    said = "; ".join(each.sentence for each in breaches)
+                    amounts = {each.quantity: each.amount for each in breaches}
+                    return replace(evaluation, failed=said, broken=amounts)
                 contexts = self._contexts(values, variables, clock)
                 scored = self._scored(evaluation, contexts, episodes, states, training)
-                return scored if partial else with_fitness(scored, self.plan.fitness)
+                return scored if partial else judged(scored, self.plan.fitness)
             except CandidateFailed as error:
                 return replace(evaluation, failed=str(error), seconds=clock.seconds)
             except (Exception, SystemExit) as error:

@@ -6,6 +6,9 @@
 ``scoring``  candidates of a generation in a race, with ``racing``, its statistics
 ``pipelined``    weights that candidates share: the next one trains while the last is scored
 ``asking``   the optimizer, guarded: what it asks for is checked
+``problem``  what it is told of the problem beside the design space
+``episodes`` which episodes candidates are scored and trained on
+``records``  what the run's folder keeps of a candidate
 ``failing``  when candidates keep failing by one defect
 ``shards``    a few cameras on many episodes, cut up so that no worker idles
 ``progress`` what listens while it runs

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NoReturn
 
 import numpy as np
 
-from tacos_framework.contracts import Evaluated
+from tacos_framework.contracts import Asked, DesignProblem, Evaluated
 from tacos_framework.errors import ContractBroken
+from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import ConfiguredComponent
+from tacos_framework.simulation import Evaluation
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 
 class GuardedOptimizer:
-    """An optimizer of a recipe; implements `tacos_framework.contracts.Optimizer`.
+    """An optimizer of a recipe, called as `tacos_framework.contracts.Optimizer` says.
 
     Parameters
     ----------
@@ -25,6 +29,8 @@ class GuardedOptimizer:
         The variables it searches.
     rng
         Its generator.
+    problem
+        What it is told of the problem, if it asks for it.
 
     Raises
     ------
@@ -32,9 +38,23 @@ class GuardedOptimizer:
         From any method, where the optimizer gives what its contract rules out.
     """
 
-    def __init__(self, part: ConfiguredComponent, space: DesignSpace, rng: np.random.Generator) -> None:
-        self._part, self._space = part, space
-        self._optimizer = part.make(space=space, rng=rng)
+    def __init__(
+        self,
+        part: ConfiguredComponent,
+        space: DesignSpace,
+        rng: np.random.Generator,
+        problem: DesignProblem,
+    ) -> None:
+        self._part, self._space, self._episodes = part, space, problem.episodes
+        supplied: dict[str, Any] = {"space": space, "rng": rng}
+        if takes_problem(part.cls):
+            supplied["problem"] = problem
+        self._optimizer = part.make(None, **supplied)
+
+    @property
+    def origin(self) -> str:
+        """The optimizer with its distribution, as messages have it."""
+        return self._part.origin
 
     @property
     def expected_candidates(self) -> int | None:
@@ -45,23 +65,47 @@ class GuardedOptimizer:
                 self._refuse(f"expected_candidates is {expected!r}", "a whole number, or None")
             return None if expected is None else int(expected)
 
-    def ask(self) -> list[Candidate]:
-        """The next candidates; none only where `stop` gives a reason."""
+    def ask(self) -> list[Asked]:
+        """The next candidates, each with its episodes in rising order; none only where `stop` says why."""
         with self._part.calling("ask"):
-            asked = self._optimizer.ask()
-            if not isinstance(asked, list | tuple):
-                self._refuse(f"ask() gives {_short(asked)}", "a list of candidates")
-            for number, candidate in enumerate(asked, 1):
-                self._check(candidate, f"candidate {number} of {len(asked)}")
+            given = self._optimizer.ask()
+            if not isinstance(given, list | tuple):
+                self._refuse(f"ask() gives {_short(given)}", "a list of candidates")
+            asked = []
+            for number, each in enumerate(given, 1):
+                name = f"candidate {number} of {len(given)}"
+                wanted = each if isinstance(each, Asked) else Asked(each)
+                self._check(wanted.candidate, "ask()", name)
+                asked.append(self._with_checked_episodes(wanted, name))
         if not asked and self.stop() is None:
             with self._part.calling("ask"):
                 self._refuse("ask() gives no candidates", "at least one, as stop() gives no reason to end")
-        return list(asked)
+        return asked
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
         """Hand over the results of the candidates last asked."""
         with self._part.calling("tell"):
             self._optimizer.tell(evaluated)
+
+    @property
+    def recommends(self) -> bool:
+        """Whether it has a say in which candidates are best."""
+        return callable(getattr(self._optimizer, "recommend", None))
+
+    def recommend(self, count: int) -> list[Candidate] | None:
+        """The candidates it thinks best, at most `count`, each once; None where it has no say in that."""
+        if not self.recommends:
+            return None
+        with self._part.calling("recommend"):
+            given = self._optimizer.recommend(count)
+            if not isinstance(given, list | tuple):
+                self._refuse(f"recommend() gives {_short(given)}", "a list of candidates")
+            if len(given) > count:
+                self._refuse(f"recommend({count}) gives {len(given)} candidates", f"at most {count}")
+            for number, candidate in enumerate(given, 1):
+                name = f"candidate {number} of {len(given)}"
+                self._check(candidate, "recommend()", name)
+            return list(dict.fromkeys(given))
 
     def stop(self) -> str | None:
         """Why there is nothing more to ask; None to go on."""
@@ -88,27 +132,69 @@ class GuardedOptimizer:
         with self._part.calling("restore"):
             self._optimizer.restore(state)
 
-    def _check(self, candidate: Any, name: str) -> None:
+    def _check(self, candidate: Any, call: str, name: str) -> None:
         """Refuse a candidate that this space does not hold."""
+        given = f"{call} gives {name}"
         if not isinstance(candidate, Candidate):
-            self._refuse(f"ask() gives {_short(candidate)} as {name}", "a Candidate, made by space.decode")
+            self._refuse(f"{call} gives {_short(candidate)} as {name}", "a Candidate, made by space.decode")
         if set(candidate.values) != set(self._space.names):
             self._refuse(
-                f"ask() gives {name} with values for {_listed(candidate.values)}",
+                f"{given} with values for {_listed(candidate.values)}",
                 f"values for {_listed(self._space.names)}",
             )
         try:
             nearest = self._space.decode(candidate.genes)
         except ValueError as error:
-            self._refuse(f"ask() gives {name} with the genes {candidate.genes}", f"its own genes: {error}")
+            self._refuse(f"{given} with the genes {candidate.genes}", f"its own genes: {error}")
         if candidate != nearest:
             self._refuse(
-                f"ask() gives {name}, {candidate.as_dict()}, which is outside of the design space",
+                f"{given}, {candidate.as_dict()}, which is outside of the design space",
                 f"a candidate made by space.decode, here {nearest.as_dict()}",
             )
 
+    def _with_checked_episodes(self, asked: Asked, name: str) -> Asked:
+        """What was asked, its episodes as plain numbers in rising order."""
+        given = asked.episodes
+        if given is None:
+            return asked
+        count = self._episodes
+        known = isinstance(given, list | tuple) and all(_is_one_of(each, count) for each in given)
+        if not known or not given or len(set(given)) < len(given):
+            self._refuse(
+                f"ask() gives {name} with the episodes {_short(given)}",
+                f"one or more of the numbers 0 to {count - 1}, each once, or None for all",
+            )
+        return replace(asked, episodes=tuple(sorted(int(number) for number in given)))
+
     def _refuse(self, given: str, expected: str) -> NoReturn:
         raise ContractBroken(f"{self._part.origin}: {given}; expected {expected}")
+
+
+def told_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
+    """What an optimizer is told of a candidate."""
+    episodes = evaluation.scores_by_episode
+    return Evaluated(
+        asked.candidate,
+        evaluation.fitness,
+        failed=evaluation.failed,
+        episodes=episodes,
+        standard_errors=standard_errors(list(episodes.values())),
+        broken=evaluation.broken,
+        images=evaluation.images,
+    )
+
+
+def takes_problem(optimizer: type[Any]) -> bool:
+    """Whether a class of optimizers asks for the `DesignProblem` by a keyword of its ``__init__``."""
+    try:
+        return "problem" in inspect.signature(optimizer.__init__).parameters
+    except (TypeError, ValueError):  # what is written in C may not tell
+        return False
+
+
+def _is_one_of(number: Any, count: int) -> bool:
+    whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
+    return whole and 0 <= number < count
 
 
 def _listed(names: Any) -> str:

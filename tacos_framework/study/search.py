@@ -7,19 +7,22 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from tacos_framework.cache import content_key
-from tacos_framework.contracts import Evaluated, Executor, State
+from tacos_framework.contracts import Asked, Executor, State
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
-from tacos_framework.study.asking import GuardedOptimizer
+from tacos_framework.study.asking import GuardedOptimizer, told_of
+from tacos_framework.study.episodes import scored_episodes, training_episode
 from tacos_framework.study.failing import FailuresInARow, KeepsFailing, limit_of
 from tacos_framework.study.pipelined import score_pipelined
+from tacos_framework.study.problem import design_problem
 from tacos_framework.study.scoring import score_in_a_race
 from tacos_framework.study.shards import score_sharded
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework.variables.design_space import DesignSpace
 
-FINALISTS = 3
-"""Candidates scored once more on common episodes where the search's own scores do not compare."""
+MOST_BROKEN_IN_A_ROW = 1000
+"""After so many candidates in a row that break a constraint, no more are asked for."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +55,15 @@ class Search:
         Values of the other variables, plain.
     budget
         Evaluations after which it stops even if the optimizer would go on; None leaves it to the optimizer.
+        Candidates that break a constraint are none.
     states
         States of trainable tasks.
+    partly_scored
+        Whether a candidate was scored on some of the episodes only.
+    last_failure
+        Why the last candidate that failed did, in a sentence.
+    finalists
+        The candidates scored once more at the end, on episodes of their own.
     """
 
     name: str
@@ -67,7 +77,11 @@ class Search:
     evaluations: int = 0
     images: int = 0
     stopped: str | None = None
+    partly_scored: bool = False
+    broken_in_a_row: int = 0
+    last_failure: str | None = None
     finalists_rescored: bool = False
+    finalists: list[Evaluation] = field(default_factory=list)
     trained_best: int = 0
     best: Evaluation | None = None
     failing: FailuresInARow = field(default_factory=FailuresInARow)
@@ -78,12 +92,14 @@ class Search:
         self.optimizer: GuardedOptimizer | None = None
         if self.space is not None:
             rng = generator(self.plan.recipe.seed, "optimizer", self.name)
-            self.optimizer = GuardedOptimizer(self.plan.optimizer, self.space, rng)
+            problem = design_problem(self.plan, self.fixed, weights_learn=self.training)
+            self.optimizer = GuardedOptimizer(self.plan.optimizer, self.space, rng, problem)
 
     # what is simulated ------------------------------------------------------------------------------------
 
     @property
-    def _training(self) -> bool:
+    def training(self) -> bool:
+        """Whether tasks learn while it goes on."""
         trains = (self.plan.recipe.nodes[name].train for name in self.plan.trainable)
         return any(train is not None and train.weights != "frozen" for train in trains)
 
@@ -93,38 +109,27 @@ class Search:
         modes = {t.weights for n in self.plan.trainable if (t := self.plan.recipe.nodes[n].train) is not None}
         return next((mode for mode in ("shared", "branched") if mode in modes), "frozen")
 
-    def _episodes(self, purpose: str) -> tuple[EpisodeSpec, ...]:
-        recipe = self.plan.recipe
-        era = self.generation if recipe.study.renew_episodes == "each_generation" else 0
-        study = recipe.study
-        return tuple(
-            EpisodeSpec(recipe.seed, (purpose, era, i), block=(block, study.blocks))
-            for block in range(study.blocks)  # every world early: those that race are compared in all
-            for i in range(study.episodes)
-        )
+    def _episodes(self, purpose: str, count: int) -> tuple[EpisodeSpec, ...]:
+        return scored_episodes(self.plan.recipe, purpose, count, self.generation)
 
     def _training_episode(self, candidate: int) -> EpisodeSpec | None:
         """The episode a candidate, counted in its generation, trains on; None where no task is trained."""
-        if not self._training:
-            return None
-        study, seed = self.plan.recipe.study, self.plan.recipe.seed
-        match study.renew_training or study.renew_episodes:
-            case "never":
-                return EpisodeSpec(seed, ("train", 0, 0))
-            case "each_generation":
-                return EpisodeSpec(seed, ("train", self.generation, 0))
-            case "each_candidate":
-                return EpisodeSpec(seed, ("train", self.generation, candidate))
+        return training_episode(self.plan.recipe, self.generation, candidate) if self.training else None
+
+    @property
+    def _repeatable(self) -> bool:
+        """Whether a candidate gets the same scores in another generation: same episodes, same weights."""
+        return self.plan.recipe.study.renew_episodes == "never" and not self.training
 
     @property
     def comparable(self) -> bool:
-        """Whether fitness compares across generations: same episodes, same weights."""
-        return self.plan.recipe.study.renew_episodes == "never" and not self._training
+        """Whether the fitness of all candidates compares: the same for all, and all episodes for each."""
+        return self._repeatable and not self.partly_scored
 
     def expected_candidates(self) -> int | None:
         """How many candidates are still to come, elites counted each time, if that is known."""
         if self.optimizer is None:
-            return max(0, (self.budget or 1) - self.n_observed) if self._training else 1
+            return max(0, (self.budget or 1) - self.n_observed) if self.training else 1
         known = [n for n in (self.optimizer.expected_candidates, self.budget) if n is not None]
         return max(0, min(known) - self.n_observed) if known else None
 
@@ -146,15 +151,13 @@ class Search:
         KeepsFailing
             When candidates fail one after the other by the same defect of a component.
         """
-        asked: list[Candidate] = self.optimizer.ask() if self.optimizer else []
-        wanted = [{**self.fixed, **candidate.as_dict()} for candidate in asked]
-        if self.optimizer is None:
-            wanted = [dict(self.fixed)]
-        elif not asked:
+        asked = self.optimizer.ask() if self.optimizer else []
+        if self.optimizer and not asked:
             self.stopped = self._stop()
             return []
+        jobs = self._jobs(asked)
         failing, seen = replace(self.failing), list[Evaluation]()
-        limit = limit_of(None if self.generation else len(wanted))
+        limit = limit_of(None if self.generation else len(jobs))
 
         def see(evaluation: Evaluation) -> None:
             on_evaluated(evaluation)
@@ -162,13 +165,16 @@ class Search:
             failing.saw(evaluation, limit)
 
         try:
-            evaluations, states = self._evaluate(wanted, executor, evaluate, see)
+            found, states = self._evaluate(jobs, executor, evaluate, see)
         except KeepsFailing as error:
             error.evaluations = seen
             raise
         self.failing = failing
+        numbers = [self._numbers(each) for each in asked] or [self._numbers(None)]
+        evaluations = [replace(e, episode_numbers=n) for e, n in zip(found, numbers, strict=True)]
         if self.optimizer:
-            self.optimizer.tell([Evaluated(c, e.fitness) for c, e in zip(asked, evaluations, strict=True)])
+            self.optimizer.tell([told_of(a, e) for a, e in zip(asked, evaluations, strict=True)])
+        self.partly_scored |= any(len(n) < self._episode_count for n in numbers)
         self._remember(evaluations)
         self.states = states
         self.generation += 1
@@ -177,23 +183,50 @@ class Search:
 
     def _stop(self) -> str | None:
         if self.optimizer is None:
-            if self._training and self.evaluations < (self.budget or 1):
+            if self.training and self.evaluations < (self.budget or 1) and not self.broken_in_a_row:
                 return None  # its tasks train on it as long as they may on the others
             return "nothing is left free to search"
+        if self.broken_in_a_row >= MOST_BROKEN_IN_A_ROW:
+            many = self.broken_in_a_row
+            return f"{many} candidates in a row broke a constraint, the last as {self.last_failure}"
         if self.budget is not None and self.evaluations >= self.budget:
             return f"{self.evaluations} evaluations, the budget of {self.budget}, are spent"
         return self.optimizer.stop()
 
+    @property
+    def _episode_count(self) -> int:
+        """How many episodes there are to score a candidate on, blocks counted each."""
+        return self.plan.recipe.study.episodes * self.plan.recipe.study.blocks
+
+    def _numbers(self, asked: Asked | None) -> tuple[int, ...]:
+        """The episodes a candidate is scored on."""
+        return (
+            tuple(range(self._episode_count)) if asked is None or asked.episodes is None else asked.episodes
+        )
+
+    def _jobs(self, asked: Sequence[Asked]) -> list[ScoreJob]:
+        """What scoring each candidate is; the one there is, where nothing is free."""
+        episodes = self._episodes("design", self.plan.recipe.study.episodes)
+        if self.optimizer is None:
+            return [ScoreJob(dict(self.fixed), episodes, self.states, self._training_episode(0))]
+        jobs = []
+        for i, each in enumerate(asked):
+            numbers = self._numbers(each)
+            if self.plan.recipe.study.race is not None and len(numbers) < len(episodes):
+                raise UserError(_race_of_parts(self.plan, self.optimizer.origin, numbers))
+            values = {**self.fixed, **each.candidate.as_dict()}
+            specs = tuple(episodes[number] for number in numbers)
+            jobs.append(ScoreJob(values, specs, self.states, self._training_episode(i)))
+        return jobs
+
     def _evaluate(
         self,
-        wanted: Sequence[dict[str, Any]],
+        jobs: Sequence[ScoreJob],
         executor: Executor,
         evaluate: Evaluator,
         on_evaluated: Callable[[Evaluation], None],
     ) -> tuple[list[Evaluation], dict[str, State]]:
-        episodes = self._episodes("design")
-        jobs = [ScoreJob(v, episodes, self.states, self._training_episode(i)) for i, v in enumerate(wanted)]
-        if self._training and self._weights == "shared":
+        if self.training and self._weights == "shared":
             evaluations, states = [], dict(self.states)
             for evaluation in score_pipelined(jobs, self.plan.fitness, executor, evaluate):
                 states.update(evaluation.states)
@@ -202,7 +235,7 @@ class Search:
             return evaluations, states
         evaluations = self._cached_map(jobs, executor, evaluate, on_evaluated)
         states = dict(self.states)
-        if self._training and (scored := [e for e in evaluations if e.fitness is not None]):
+        if self.training and (scored := [e for e in evaluations if e.fitness is not None]):
             states.update(max(scored, key=_fitness).states)
         return evaluations, states
 
@@ -221,7 +254,7 @@ class Search:
         for key, evaluation in zip(jobs, self._scored(jobs, keys, executor, evaluate), strict=True):
             fresh[key] = evaluation
             on_evaluated(evaluation)
-        if self.comparable:  # otherwise no later generation can ask the same again
+        if self._repeatable:  # otherwise no later generation can ask the same again
             known = {key: e for key, e in fresh.items() if e.raised is None}  # a defect may be mended
             self.cache.update({key: replace(e, states={}) for key, e in known.items()})
         evaluations, given = [], set()
@@ -251,9 +284,11 @@ class Search:
     def _remember(self, evaluations: Sequence[Evaluation]) -> None:
         self.n_observed += len(evaluations)
         for evaluation in evaluations:
-            self.evaluations += not evaluation.cached
+            self.evaluations += not (evaluation.cached or evaluation.broken)
             self.images += evaluation.images
+            self.broken_in_a_row = self.broken_in_a_row + 1 if evaluation.broken else 0
             if evaluation.fitness is None:
+                self.last_failure = evaluation.failed
                 continue
             key = content_key(evaluation.values)
             old = self.candidate_stats.get(key, CandidateStats(evaluation.values, 0.0, 0))
@@ -266,25 +301,41 @@ class Search:
     def rescore_finalists(
         self, executor: Executor, evaluate: Evaluator, on_evaluated: Callable[[Evaluation], None]
     ) -> list[Evaluation]:
-        """Where scores of different generations do not compare, score the best few on common episodes.
+        """Score the best few once more, on episodes that none was chosen by; `best` is then the best of them.
 
-        Returns the evaluations; `best` is the winner.
+        The best of many noisy scores is too good to be true (the winner's curse), and scores of different
+        episodes, or of weights that have learnt meanwhile, do not even compare. Nothing is scored where
+        there is nothing to choose between.
+
+        Returns
+        -------
+        The evaluations of the finalists, the most promising first.
         """
         self.finalists_rescored = True
-        if self.comparable or len(self.candidate_stats) < 2:
+        wanted = self.most_promising(self.plan.recipe.study.finalists)
+        settled = self.comparable and len(wanted) < 2
+        if not wanted or settled or len(self.candidate_stats) < 2:
             return []
-        ranked = sorted(self.candidate_stats.values(), key=lambda stats: -stats.mean_fitness)[:FINALISTS]
-        episodes = tuple(replace(spec, name=("final", *spec.name[1:])) for spec in self._episodes("final"))
-        jobs = [ScoreJob(stats.values, episodes, self.states) for stats in ranked]
-        evaluations = []
-        for evaluation in score_sharded(jobs, self.plan.fitness, executor, evaluate):
-            evaluations.append(evaluation)
-            on_evaluated(evaluation)
-        self.evaluations += len(evaluations)
-        self.images += sum(evaluation.images for evaluation in evaluations)
-        if scored := [e for e in evaluations if e.fitness is not None]:
+        study = self.plan.recipe.study
+        episodes = self._episodes("final", study.final_episodes or study.episodes)
+        jobs = [ScoreJob(values, episodes, self.states) for values in wanted]
+        finalists = []
+        for found in score_sharded(jobs, self.plan.fitness, executor, evaluate):
+            finalists.append(replace(found, episode_numbers=tuple(range(len(episodes)))))
+            on_evaluated(finalists[-1])
+        self.evaluations += sum(not evaluation.broken for evaluation in finalists)
+        self.images += sum(evaluation.images for evaluation in finalists)
+        self.finalists = finalists
+        if scored := [e for e in finalists if e.fitness is not None]:
             self.best = max(scored, key=_fitness)
-        return evaluations
+        return finalists
+
+    def most_promising(self, count: int) -> list[Mapping[str, Any]]:
+        """Values of the candidates the optimizer recommends, else of those with the best mean fitness."""
+        if self.optimizer and (recommended := self.optimizer.recommend(count)):
+            return [{**self.fixed, **candidate.as_dict()} for candidate in recommended]
+        ranked = sorted(self.candidate_stats.values(), key=lambda stats: -stats.mean_fitness)
+        return [stats.values for stats in ranked[:count]]
 
     # the network of the camera that was chosen ------------------------------------------------------------
 
@@ -295,7 +346,7 @@ class Search:
 
     def next_training_on_best(self) -> ScoreJob | None:
         """The next training on the best camera, if one is left."""
-        if self.best is None or not self._training or self.trained_best >= self.plan.recipe.study.train_best:
+        if self.best is None or not self.training or self.trained_best >= self.plan.recipe.study.train_best:
             return None
         training = EpisodeSpec(self.plan.recipe.seed, ("train_best", self.trained_best))
         return ScoreJob(self.best.values, (), self.states, training, partial=True)
@@ -316,7 +367,11 @@ class Search:
             "evaluations": self.evaluations,
             "images": self.images,
             "stopped": self.stopped,
+            "partly_scored": self.partly_scored,
+            "broken_in_a_row": self.broken_in_a_row,
+            "last_failure": self.last_failure,
             "finalists_rescored": self.finalists_rescored,
+            "finalists": [as_data(evaluation) for evaluation in self.finalists],
             "trained_best": self.trained_best,
             "best": self.best and as_data(self.best),
             "failing": asdict(self.failing),
@@ -332,7 +387,11 @@ class Search:
         self.evaluations = state["evaluations"]
         self.images = state["images"]
         self.stopped = state["stopped"]
+        self.partly_scored = state["partly_scored"]
+        self.broken_in_a_row = state["broken_in_a_row"]
+        self.last_failure = state["last_failure"]
         self.finalists_rescored = state["finalists_rescored"]
+        self.finalists = [Evaluation(**evaluation) for evaluation in state["finalists"]]
         self.trained_best = state["trained_best"]
         self.best = Evaluation(**state["best"]) if state["best"] else None
         self.candidate_stats = {
@@ -343,6 +402,16 @@ class Search:
         self.states = states
         if self.optimizer:
             self.optimizer.restore(state["optimizer"])
+
+
+def _race_of_parts(plan: Plan, optimizer: str, numbers: Sequence[int]) -> Fault:
+    return Fault(
+        plan.recipe.where(("study", "race")),
+        f"candidates cannot race: {optimizer} asks for one to be scored on episodes "
+        f"{', '.join(map(str, numbers))} only",
+        "an optimizer that has all candidates scored on all episodes",
+        "Take study.race out, or set the optimizer to score candidates on all episodes.",
+    )
 
 
 def _key(job: ScoreJob, weights: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,21 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import __version__
-from tacos_framework.cache import content_key
 from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import Executor, JobRunner, State
 from tacos_framework.environment import describe_environment
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints
 from tacos_framework.plugins import Plugins
 from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
+from tacos_framework.study.analysis import make_record
+from tacos_framework.study.decision import decision, degenerate
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress, Silent
+from tacos_framework.study.records import candidate_record
 from tacos_framework.study.search import Search, as_data
 from tacos_framework.study.shards import score_sharded
+from tacos_framework.study.unseen_test import UnseenTest
 from tacos_framework.values import FrameBatch
 
 log = logging.getLogger(__name__)
@@ -39,6 +44,9 @@ SAMPLES_AT = (0.15, 0.5, 0.85)
 
 BROKEN_OFF = "interrupted by the user"
 """Why a study stopped that was broken off with Ctrl-C, as its result says."""
+
+GENERATIONS, PRODUCTS = "generations.jsonl", "products.jsonl"
+"""Files with a line for each generation of the design, and of the searches of what products leave free."""
 
 DEFECT = "stopped by a defect"
 """Begins why a study stopped whose candidates kept failing by the same defect of a component."""
@@ -83,10 +91,7 @@ def run_study(
                 evaluates.close()
         result = running.finish()
         if report:
-            from tacos_framework.report import write_report
-
-            with results.writing():
-                write_report(results.folder)
+            _report(results.folder, plugins)
     return result
 
 
@@ -113,10 +118,16 @@ class Study:
         self._seconds_before = 0.0
         self._started = time.monotonic()
         self._seconds_by_node: dict[str, float] = {}
-        self._test: dict[str, Evaluation] = {}
+        test = plan.recipe.test
+        self._test = UnseenTest(test, plan.fitness, DESIGNED) if test else None
+        self._analysis: dict[str, Any] = {}
+        self._analysis_notes: list[str] = []
+        self._scored_again: list[Evaluation] = []
         self._samples: dict[str, list[str]] = {}
         workers = getattr(executor, "workers", 1)
         self._environment = describe_environment(workers, plugins.findings())
+        self._inadmissible = inadmissible(plan)
+        self._notes_on_constraints = tuple(notes_on_constraints(plan))
         self.searches = list(self._make_searches())
 
     def _make_searches(self) -> Iterator[Search]:
@@ -124,7 +135,7 @@ class Study:
         yield Search(DESIGNED, self.plan, self.plan.space, {}, None, dict(states))
         budget = self.plan.recipe.compare.evaluations if self.plan.recipe.compare else None
         for camera in self.plan.cameras:
-            free = self.plan.space.fix([name for name in camera.fixes if name in self.plan.space.names])
+            free = self.plan.free_of(camera)
             space = free if free.variables else None
             yield Search(camera.name, self.plan, space, dict(camera.fixes), budget, dict(states))
 
@@ -140,6 +151,7 @@ class Study:
             self._search(search)
         self._train_best()
         self._judge()
+        self._analyse()
 
     def _search(self, search: Search) -> None:
         if search.finalists_rescored:
@@ -151,12 +163,12 @@ class Study:
             number = search.generation
             try:
                 evaluations = search.step(self._executor, self._evaluate, self._count)
-            except KeepsFailing as error:
-                if search.name == DESIGNED:  # shown; --resume asks for this generation again
-                    self._record(number, search, error.evaluations, time.monotonic() - began)
+            except KeepsFailing as error:  # shown; --resume asks for this generation again
+                self._record(number, search, error.evaluations, time.monotonic() - began)
                 raise
-            if search.name == DESIGNED and evaluations:
+            if evaluations:
                 self._record(number, search, evaluations, time.monotonic() - began)
+            if search.name == DESIGNED and evaluations:
                 best = search.best
                 self._observers.tell(
                     "tacos_generation_finished", generation=number, evaluated=evaluations, best=best
@@ -199,40 +211,68 @@ class Study:
             )
 
     def _record(self, number: int, search: Search, evaluations: Sequence[Evaluation], seconds: float) -> None:
-        """Write a generation's line."""
+        """Write a generation's line; those of products into a file of their own."""
         best = search.best
+        designed = search.name == DESIGNED
         line = {
+            **({} if designed else {"product": search.name}),
             "generation": number,
             "seconds": round(seconds, 3),
             "frames": sum(evaluation.images for evaluation in evaluations),
-            "candidates": [_line(evaluation) for evaluation in evaluations],
+            "candidates": [candidate_record(evaluation) for evaluation in evaluations],
             "best": best and {"camera": best.values, "fitness": best.fitness, "scores": best.scores},
         }
-        self.results.append_line("generations.jsonl", line)
+        self.results.append_line(GENERATIONS if designed else PRODUCTS, line)
 
     def _judge(self) -> None:
         """Score every camera on the test scenes, and take sample frames there."""
         cameras = {search.name: search for search in self.searches if search.best is not None}
-        test = self.plan.recipe.test
-        if test is None or not cameras:
+        if self._test is None or not cameras:
             return
-        missing = {name: search for name, search in cameras.items() if name not in self._test}
-        self._progress.phase("Testing on unseen scenes", len(missing))
-        episodes = tuple(EpisodeSpec(test.seed, ("test", i), test.frames) for i in range(test.episodes))
-        jobs = [ScoreJob(s.best.values, episodes, s.states) for s in missing.values() if s.best is not None]
-        scored = score_sharded(jobs, self.plan.fitness, self._executor, self._evaluate)
-        for name, evaluation in zip(missing, scored, strict=True):
-            self._count(evaluation)
-            self._test[name] = evaluation
+        jobs = {n: ScoreJob(s.best.values, (), s.states) for n, s in cameras.items() if s.best is not None}
+
+        def on_look(count: int) -> None:
+            self._checkpoint()
+            self._progress.phase("Testing on unseen scenes", count)
+
+        self._test.run(jobs, self._executor, self._evaluate, on_look, self._count)
+        self._checkpoint()
         if not self.plan.graph.of_kind("sensor"):
             return
         shots = [
-            SampleJob(s.best.values, episodes[0], SAMPLES_AT) for s in cameras.values() if s.best is not None
+            SampleJob(s.best.values, self._test.episodes(0, 1)[0], SAMPLES_AT)
+            for s in cameras.values()
+            if s.best is not None
         ]
         for name, batches in zip(cameras, self._executor.map(self._evaluate, shots), strict=True):
             self._samples[name] = [
                 self.results.write_sample(f"{name}_{i}", _picture(batch)) for i, batch in enumerate(batches)
             ]
+
+    def _analyse(self) -> None:
+        """Let plugins say what follows from all that was scored."""
+        self._progress.phase("Analysing", None)
+        lines = [line for name in self._line_files for line in self.results.read_lines(name)]
+        record = make_record(
+            self.plan,
+            self.searches,
+            lines,
+            self._test.scored if self._test else {},
+            self._score_again,
+            degenerate(self.searches[0], self.plan.recipe),
+        )
+        self._analysis, self._analysis_notes = self._observers.ask("tacos_analyse_study", record=record)
+
+    def _score_again(self, cameras: Sequence[Mapping[str, Any]], episodes: int) -> list[Evaluation]:
+        """Score cameras that an analysis asks for, all on the same fresh episodes."""
+        seed, states = self.plan.recipe.seed, self.searches[0].states
+        specs = tuple(EpisodeSpec(seed, ("analysis", i)) for i in range(episodes))
+        jobs = [ScoreJob(dict(values), specs, states) for values in cameras]
+        found = list(score_sharded(jobs, self.plan.fitness, self._executor, self._evaluate)) if jobs else []
+        for evaluation in found:
+            self._count(evaluation)
+        self._scored_again += found
+        return found
 
     # checkpoint and result --------------------------------------------------------------------------------
 
@@ -240,6 +280,11 @@ class Study:
     def seconds(self) -> float:
         """Wall time of the study, earlier parts of a resumed run included [s]."""
         return self._seconds_before + time.monotonic() - self._started
+
+    @property
+    def _line_files(self) -> tuple[str, ...]:
+        """The files that searches write a line to for each generation."""
+        return (GENERATIONS, PRODUCTS) if len(self.searches) > 1 else (GENERATIONS,)
 
     def _checkpoint(self) -> None:
         weights: dict[str, str] = {}
@@ -255,6 +300,9 @@ class Study:
                 "seconds": self.seconds,
                 "seconds_by_node": self._seconds_by_node,
                 "weights": weights,
+                "test": {name: as_data(found) for name, found in self._test.evaluations.items()}
+                if self._test
+                else {},
             }
         )
         self.results.keep_weights(weights.values())
@@ -262,7 +310,8 @@ class Study:
     def restore(self, checkpoint: Mapping[str, Any] | None) -> None:
         """Go on from a checkpoint; from the start when there is none."""
         if checkpoint is None:
-            self.results.write_lines("generations.jsonl", [])
+            for name in self._line_files:
+                self.results.write_lines(name, [])
             return
         self._seconds_before = checkpoint["seconds"]
         self._seconds_by_node = dict(checkpoint["seconds_by_node"])
@@ -272,27 +321,38 @@ class Study:
                 for task in search.states
             }
             search.restore(checkpoint["searches"][search.name], states)
-        done = self.searches[0].generation
-        self.results.write_lines("generations.jsonl", self.results.read_lines("generations.jsonl")[:done])
+        if self._test:
+            self._test.evaluations = {n: Evaluation(**found) for n, found in checkpoint["test"].items()}
+        done = {search.name: search.generation for search in self.searches}
+        for name in self._line_files:
+            lines = self.results.read_lines(name)
+            kept = [line for line in lines if line["generation"] < done[line.get("product", DESIGNED)]]
+            self.results.write_lines(name, kept)
 
     def finish(self) -> dict[str, Any]:
         """Write ``result.json``; returns what stands in it."""
         designed = self.searches[0]
+        tested = self._test.on_common_scenes if self._test else {}
+        further = [*(self._test.evaluations.values() if self._test else ()), *self._scored_again]
         result = {
             "tacos": __version__,
             "name": self.plan.recipe.name,
             "seed": self.plan.recipe.seed,
             "stopped": self.broken_off or designed.stopped,
-            "evaluations": sum(search.evaluations for search in self.searches) + len(self._test),
+            "evaluations": sum(search.evaluations for search in self.searches) + len(further),
             "frames_rendered": sum(search.images for search in self.searches)
-            + sum(evaluation.images for evaluation in self._test.values()),
+            + sum(evaluation.images for evaluation in further),
             "seconds": round(self.seconds, 3),
             "best": designed.best and _best(designed.best),
             "test": {
                 name: {**evaluation.scores, "fitness": evaluation.fitness}
-                for name, evaluation in self._test.items()
+                for name, evaluation in tested.items()
             },
-            "cameras": {s.name: self._camera(s) for s in self.searches if s.best is not None},
+            **self._decision(),
+            "cameras": {
+                s.name: self._camera(s, tested.get(s.name)) for s in self.searches if s.best is not None
+            },
+            "failed": self._failed(),
             "derived_units": dict(self.plan.rig.cls.derived_quantities),
             "design_space": self.plan.space.as_data(),
             "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
@@ -301,39 +361,69 @@ class Study:
                 for name, node in self.plan.nodes.items()
                 for score in getattr(node.cls, "lower_is_better", ())
             ),
+            "score_meanings": {
+                f"{name}.{score}": meaning
+                for name, node in self.plan.nodes.items()
+                for score, meaning in getattr(node.cls, "score_meanings", {}).items()
+            },
+            "carrier": self._carrier(),
             "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
             "environment": self._environment,
-            "notes": [*self.plan.recipe.notes, *self._automatic_notes()],
+            "notes": [*self.plan.recipe.quoted_notes, *self._automatic_notes(), *self._analysis_notes],
             "samples": self._samples,
             "command": self._command,
         }
+        if taken := sorted(set(result) & set(self._analysis)):
+            result["notes"].append(
+                f"Of an analysis, {', '.join(taken)} is left out: the study says it itself."
+            )
+        result = {**self._analysis, **result}
         self.results.write_json("result.json", result)
         self._observers.tell("tacos_study_finished", result=result)
         return result
 
-    def _camera(self, search: Search) -> dict[str, Any]:
+    def _decision(self) -> dict[str, Any]:
+        """What the study claims, and why where it claims nothing."""
+        reason = degenerate(self.searches[0], self.plan.recipe) if not self.broken_off else None
+        titles = {camera.name: camera.title for camera in self.plan.cameras}
+        why = f"The study has not ended: {self.broken_off}." if self.broken_off else reason
+        decided = decision(self.plan.recipe, self._test, titles, self._failed(), why)
+        return {**decided, **({"degenerate": reason} if reason else {})}
+
+    def _camera(self, search: Search, test: Evaluation | None) -> dict[str, Any]:
         assert search.best is not None
         titles = {camera.name: camera.title for camera in self.plan.cameras}
-        test = self._test.get(search.name)
+        everything = self._test.evaluations.get(search.name) if self._test else None
         return {
             "title": titles.get(search.name, "Designed"),
             "camera": search.best.values,
             "derived": search.best.derived,
             "terms": test.terms if test else {},
-            "episodes": list(test.episodes) if test else [],
+            "episodes": list(everything.episodes) if everything else [],
             "spread": standard_errors(test.episodes) if test else {},
             "evaluations": search.evaluations,
+            "finalists": [candidate_record(evaluation) for evaluation in search.finalists],
             **({"scenarios": test.scenarios} if test and test.scenarios else {}),
             "free": list(search.space.names) if search.space else [],
         }
+
+    def _failed(self) -> dict[str, str]:
+        """Cameras of which no candidate could be scored, and why the last of them could not."""
+        none = (search for search in self.searches if search.best is None and search.generation)
+        return {search.name: search.last_failure or "none was proposed" for search in none}
+
+    def _carrier(self) -> str:
+        """What carries the cameras, as the first scene says that does; empty where none does."""
+        said = (getattr(node.cls, "carrier", "") for node in self.plan.nodes.values())
+        return next(filter(None, said), "")
 
     def _automatic_notes(self) -> Iterator[str]:
         binning = getattr(self.plan.rig.config, "binning", 1)
         if binning != 1:
             yield (
                 f"Pixel counts are scaled down: each simulated pixel averages {binning:g} x {binning:g} "
-                f"photosites, and its noise is that of the average. Resolutions compare with one another, "
-                f"but scores are not those of the full pixel counts."
+                f"photosites, and its noise is that of the average. "
+                f"Scores are not those of the full pixel counts."
             )
         if trainings := max(search.trained_best for search in self.searches):
             yield f"Before the test, the trainable tasks were trained {trainings} times more on each camera."
@@ -343,9 +433,21 @@ class Study:
                     f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
-        failed = [search.name for search in self.searches if search.best is None and search.generation]
-        for name in failed:
-            yield f"No candidate of {name!r} could be evaluated; see generations.jsonl and log.txt for why."
+        yield from self._notes_on_constraints
+        if (best := self.searches[0].best) is not None:
+            yield from notes_on_camera(self.plan, best.values)
+        titles = {camera.name: camera.title for camera in self.plan.cameras}
+        for name, reason in self._failed().items():
+            if name not in self._inadmissible:  # notes on constraints name those
+                yield f"No candidate of the {titles.get(name, 'design')} could be scored: {reason}."
+
+
+def _report(folder: Path, plugins: Plugins) -> None:
+    """Have plugins report on the study; the result stands, whatever becomes of its report."""
+    for failure in plugins.write_reports(folder)[1]:
+        warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
+        log.warning("%s", warning, exc_info=failure.error)
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def _best(evaluation: Evaluation) -> dict[str, Any]:
@@ -357,22 +459,6 @@ def _best(evaluation: Evaluation) -> dict[str, Any]:
         "scores": data["scores"],
         "terms": data["terms"],
         **({"scenarios": data["scenarios"]} if data["scenarios"] else {}),
-    }
-
-
-def _line(evaluation: Evaluation) -> dict[str, Any]:
-    """A candidate's part of a line of ``generations.jsonl``."""
-    return {
-        "key": content_key(evaluation.values),
-        "camera": evaluation.values,
-        "derived": evaluation.derived,
-        "fitness": evaluation.fitness,
-        "scores": evaluation.scores,
-        "terms": evaluation.terms,
-        "failed": evaluation.failed,
-        "cached": evaluation.cached,
-        "dropped": evaluation.dropped,
-        **({"scenarios": evaluation.scenarios} if evaluation.scenarios else {}),
     }
 
 

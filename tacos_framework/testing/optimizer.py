@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 
-from tacos_framework.contracts import Evaluated
+from tacos_framework.contracts import Asked, DesignProblem, Evaluated
+from tacos_framework.fitness import Fitness, FitnessTerm, standard_errors
+from tacos_framework.study.asking import takes_problem
 from tacos_framework.testing.component import ComponentConformance
 from tacos_framework.variables.design_space import Candidate, Categorical, Continuous, DesignSpace, Integer
 
 MOST_ROUNDS = 1000
 """An optimizer whose settings under test ask for more rounds than this has no end worth waiting for."""
+
+EPISODES, FRAMES = 3, 8
+"""Of the study that the optimizer under test is told of: episodes, and images of each."""
+
+RECOMMENDED = 3
+"""Candidates that are to be recommended."""
 
 
 class OptimizerConformance(ComponentConformance):
@@ -31,28 +40,67 @@ class OptimizerConformance(ComponentConformance):
             ]
         )
 
+    def problem(self) -> DesignProblem:
+        """What an optimizer that asks for it is told of the problem."""
+        return DesignProblem(
+            Fitness((FitnessTerm("task.score", 1.0),)),
+            episodes=EPISODES,
+            coordinates=lambda candidate: {
+                "pitch_deg": float(candidate.values["pitch_deg"]),
+                "log2_cameras": math.log2(candidate.values["cameras"]),
+                "lens": candidate.genes[2],
+            },
+            broken=self.broken,
+            depends_on={"task.score": ("pitch_deg", "log2_cameras")},
+        )
+
     def make(self, seed: int = 1) -> Any:
         """The optimizer under test."""
-        config = self.component.Config(**self.config)
-        return self.component(config, space=self.space(), rng=np.random.default_rng(seed))
+        supplied: dict[str, Any] = {"space": self.space(), "rng": np.random.default_rng(seed)}
+        if takes_problem(self.component):
+            supplied["problem"] = self.problem()
+        return self.component(self.component.Config(**self.config), **supplied)
 
     def fitness(self, candidate: Candidate) -> float | None:
         """What candidates are worth; some fail."""
         pitch_deg = float(candidate.values["pitch_deg"])
         return None if pitch_deg > 20 else -((pitch_deg - 5) ** 2) + candidate.values["cameras"]
 
-    def round(self, optimizer: Any) -> list[Candidate]:
+    def broken(self, candidate: Candidate) -> dict[str, float]:
+        """The constraint that some candidates break, and by how much."""
+        beyond_deg = -25 - float(candidate.values["pitch_deg"])
+        return {"pitch_deg": beyond_deg} if beyond_deg > 0 else {}
+
+    def evaluated(self, asked: Candidate | Asked) -> Evaluated:
+        """What a study would tell of a candidate."""
+        candidate, episodes = _parts(asked)
+        if broken := self.broken(candidate):
+            return Evaluated(candidate, None, failed="pitch_deg is below -25", broken=broken)
+        fitness = self.fitness(candidate)
+        if fitness is None:
+            return Evaluated(candidate, None, failed="it cannot be judged", images=FRAMES)
+        scores = {number: {"task.score": fitness + number} for number in episodes or range(EPISODES)}
+        values = [score["task.score"] for score in scores.values()]
+        return Evaluated(
+            candidate,
+            math.fsum(values) / len(values),
+            episodes=scores,
+            standard_errors=standard_errors(list(scores.values())),
+            images=FRAMES * len(scores),
+        )
+
+    def round(self, optimizer: Any) -> list[Candidate | Asked]:
         """Ask and tell once."""
-        asked: list[Candidate] = optimizer.ask()
-        optimizer.tell([Evaluated(candidate, self.fitness(candidate)) for candidate in asked])
+        asked: list[Candidate | Asked] = optimizer.ask()
+        optimizer.tell([self.evaluated(each) for each in asked])
         return asked
 
     def rounds(self, optimizer: Any) -> list[list[str]]:
-        """Ask and tell until the optimizer stops; the keys of the candidates."""
+        """Ask and tell until the optimizer stops; the keys of the candidates, and episodes where it said."""
         history: list[list[str]] = []
         while optimizer.stop() is None:
             assert len(history) < MOST_ROUNDS, f"no stop after {MOST_ROUNDS} rounds"
-            history.append([candidate.key for candidate in self.round(optimizer)])
+            history.append([_name(each) for each in self.round(optimizer)])
         return history
 
     def test_it_asks_for_candidates_that_can_be_made(self) -> None:
@@ -61,8 +109,12 @@ class OptimizerConformance(ComponentConformance):
             asked = self.round(optimizer)
             assert isinstance(asked, list)
             assert asked, "ask() gave nothing although stop() gave no reason"
-            for candidate in asked:
+            for each in asked:
+                candidate, episodes = _parts(each)
                 assert candidate == space.decode(candidate.genes), "a candidate is not snapped to the space"
+                assert episodes is None or _are_some(episodes), (
+                    f"{episodes} are not some of {EPISODES} episodes"
+                )
 
     def test_it_says_why_it_stops(self) -> None:
         optimizer = self.make()
@@ -99,7 +151,7 @@ class OptimizerConformance(ComponentConformance):
 
     def test_it_asks_the_same_until_it_is_told(self) -> None:
         optimizer = self.make()
-        assert [c.key for c in optimizer.ask()] == [c.key for c in optimizer.ask()]
+        assert [_name(each) for each in optimizer.ask()] == [_name(each) for each in optimizer.ask()]
 
     def test_a_state_once_taken_does_not_change(self) -> None:
         optimizer = self.make()
@@ -118,17 +170,74 @@ class OptimizerConformance(ComponentConformance):
         assert asked <= expected, f"{asked} candidates were asked, {expected} expected"
 
     def test_it_goes_on_when_every_candidate_fails(self) -> None:
+        self._goes_on(lambda candidate: Evaluated(candidate, None, failed="it cannot be judged"))
+
+    def test_it_goes_on_when_every_candidate_breaks_a_constraint(self) -> None:
+        said = "hfov_deg is 93, above the largest allowed value 90"
+        self._goes_on(lambda candidate: Evaluated(candidate, None, failed=said, broken={"hfov_deg": 3.0}))
+
+    def test_it_goes_on_when_all_candidates_are_worth_the_same(self) -> None:
+        same = {number: {"task.score": 0.0} for number in range(EPISODES)}
+        self._goes_on(lambda candidate: Evaluated(candidate, 0.0, episodes=same))
+
+    def test_it_goes_on_when_no_episode_gives_the_score(self) -> None:
+        empty: dict[int, dict[str, float]] = {0: {}}
+        self._goes_on(lambda candidate: Evaluated(candidate, None, failed="no score", episodes=empty))
+
+    def test_it_takes_what_it_is_told_as_it_is(self) -> None:
+        optimizer = self.make()
+        observed = [Evaluated(_parts(each)[0], math.pi) for each in optimizer.ask()]
+        before = list(observed)
+        optimizer.tell(observed)
+        assert observed == before
+
+    def test_it_recommends_candidates_that_can_be_made(self) -> None:
+        space, optimizer = self.space(), self.make()
+        if not callable(getattr(optimizer, "recommend", None)):
+            return
+        self.rounds(optimizer)
+        recommended = optimizer.recommend(RECOMMENDED)
+        assert 1 <= len(recommended) <= RECOMMENDED, f"{len(recommended)} were given for {RECOMMENDED}"
+        for candidate in recommended:
+            assert candidate == space.decode(candidate.genes), "a candidate is not snapped to the space"
+            assert not self.broken(candidate), "a candidate breaks a constraint"
+        assert len({candidate.key for candidate in recommended}) == len(recommended), (
+            "a candidate comes twice"
+        )
+
+    def test_a_recommendation_changes_nothing(self) -> None:
+        asking, optimizer = self.make(), self.make()
+        if not callable(getattr(optimizer, "recommend", None)):
+            return
+        while asking.stop() is None:
+            first = [candidate.key for candidate in optimizer.recommend(RECOMMENDED)]
+            assert [candidate.key for candidate in optimizer.recommend(RECOMMENDED)] == first
+            asked = [_name(each) for each in self.round(optimizer)]
+            assert asked == [_name(each) for each in self.round(asking)], (
+                "it asks for others once it recommends"
+            )
+
+    def _goes_on(self, result: Callable[[Candidate], Evaluated]) -> None:
+        """It asks on, whatever it is told."""
         optimizer = self.make()
         for _ in range(3):
             if optimizer.stop() is not None:
                 break
             asked = optimizer.ask()
             assert asked
-            optimizer.tell([Evaluated(candidate, None) for candidate in asked])
+            optimizer.tell([result(_parts(each)[0]) for each in asked])
 
-    def test_it_takes_what_it_is_told_as_it_is(self) -> None:
-        optimizer = self.make()
-        observed = [Evaluated(candidate, math.pi) for candidate in optimizer.ask()]
-        before = list(observed)
-        optimizer.tell(observed)
-        assert observed == before
+
+def _parts(asked: Candidate | Asked) -> tuple[Candidate, tuple[int, ...] | None]:
+    """A candidate, and the episodes it is to be scored on."""
+    return (asked.candidate, asked.episodes) if isinstance(asked, Asked) else (asked, None)
+
+
+def _name(asked: Candidate | Asked) -> str:
+    """What was asked, as text: the same for no other candidate or episodes."""
+    candidate, episodes = _parts(asked)
+    return candidate.key if episodes is None else f"{candidate.key} on {sorted(episodes)}"
+
+
+def _are_some(episodes: tuple[int, ...]) -> bool:
+    return 0 < len(set(episodes)) == len(episodes) and set(episodes) <= set(range(EPISODES))

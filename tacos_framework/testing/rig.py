@@ -44,9 +44,27 @@ class RigConformance(ComponentConformance):
 
     def test_it_derives_the_quantities_it_names(self) -> None:
         derived = self.make().derived(self.make_variables())
-        assert set(derived) == set(self.component.derived_quantities)
+        assert set(derived) <= set(self.component.derived_quantities)
         wrong = {name: value for name, value in derived.items() if not math.isfinite(value)}
         assert not wrong, f"derived quantities must be finite: {wrong}"
 
     def test_its_derived_quantities_have_units(self) -> None:
         assert all(self.component.derived_quantities.values())
+
+    def test_its_coordinates_are_finite_numbers(self) -> None:
+        """Where it declares any (`RigBuilder.coordinates`)."""
+        rig = self.make()
+        if not hasattr(rig, "coordinates"):
+            return
+        found = rig.coordinates(self.make_variables())
+        wrong = {name: value for name, value in found.items() if not math.isfinite(value)}
+        assert found, "coordinates() names none; leave it out where derived quantities may stand for them"
+        assert not wrong, f"coordinates must be finite: {wrong}"
+
+    def test_what_it_says_beside_its_cameras_is_well_formed(self) -> None:
+        bounded = {constraint.quantity for constraint in getattr(self.component, "buildable", ())}
+        assert bounded <= set(self.component.derived_quantities)
+        names = {name for group in getattr(self.component, "alternatives", ()) for name in group}
+        assert names <= set(self.component.Variables.model_fields)
+        notes = getattr(self.make(), "notes", None)
+        assert notes is None or all(isinstance(note, str) for note in notes(self.make_variables()))

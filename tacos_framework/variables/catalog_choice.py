@@ -34,6 +34,8 @@ class CatalogChoice:
     distance
         ``normalised`` divides each column by its range over the rows, so that no unit outweighs another;
         ``plain`` is the paper's, which adds squared millimetres and micrometres.
+    excluded
+        Names of parts that may not be chosen, as a constraint on one of their columns rules them out.
 
     Notes
     -----
@@ -45,6 +47,7 @@ class CatalogChoice:
     scheme: Literal["quantized", "discrete"] = "quantized"
     columns: tuple[str, ...] | None = None
     distance: Literal["normalised", "plain"] = "normalised"
+    excluded: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         if self.scheme not in ("quantized", "discrete"):
@@ -83,12 +86,14 @@ class CatalogChoice:
     @cached_property
     def rows(self) -> tuple[CatalogPart, ...]:
         """The parts to choose from, ordered by area."""
-        return tuple(sorted(self.catalog.rows_knowing(self.design_columns), key=self._order))
+        known = self.catalog.rows_knowing(self.design_columns)
+        return tuple(sorted((row for row in known if row.name not in self.excluded), key=self._order))
 
     @property
     def left_out(self) -> tuple[CatalogPart, ...]:
         """Parts of the catalog that cannot be chosen, as a number is unknown."""
-        return tuple(part for part in self.catalog.rows if part not in self.rows)
+        known = self.catalog.rows_knowing(self.design_columns)
+        return tuple(part for part in self.catalog.rows if part not in known)
 
     def _order(self, row: CatalogPart) -> tuple[float, tuple[float, ...], str]:
         """Area where the part has one, then the columns in turn, then the name."""
@@ -153,6 +158,7 @@ class CatalogChoice:
             "catalog": self.catalog.name,
             "values": len(self.rows),
             "left_out": [part.name for part in self.left_out],
+            **({"excluded": sorted(self.excluded)} if self.excluded else {}),
             "scheme": self.scheme,
             "columns": list(self.design_columns),
             "distance": self.distance,

@@ -44,6 +44,35 @@ def faults_of(path: Path) -> list[tuple[str, str]]:
     return [(fault.where.removeprefix(f"{path}:"), fault.what) for fault in caught.value.faults]
 
 
+def test_sources_may_be_named_once_and_every_value_graded(tmp_path: Path) -> None:
+    head = HEAD.replace(
+        "source: me\n",
+        "source: me\ngrade: hobby list\n"
+        "sources: {sheet: {title: Data sheet 2.1, grade: data sheet}, shop: {title: A shop}}\n",
+    )
+    path = write(
+        tmp_path,
+        head + "  A: {width_px: 10, height_px: {value: 8, source: sheet}, maker: {value: M, source: shop}}\n"
+        "  B: {width_px: 10, source: sheet, pixel_um: {value: 2, source: sheet, grade: derived}}\n"
+        "  C: {width_px: 10, source: a friend}\n",
+    )
+    a, b, c = read_catalog(path).rows
+    assert a.provenance["height_px"] == "Data sheet 2.1"
+    assert a.grades == {"width_px": "hobby list", "height_px": "data sheet"}
+    assert b.grades == {"width_px": "data sheet", "pixel_um": "derived"}
+    assert (c.provenance["width_px"], c.grades) == ("a friend", {})
+
+
+def test_a_grade_is_one_of_those_known(tmp_path: Path) -> None:
+    path = write(tmp_path, HEAD + "  A: {width_px: {value: 10, source: me, grade: sure}}\n")
+    ((_, what),) = faults_of(path)
+    assert "sure" in what
+    table = write(tmp_path, "name,pixel_um,grade\nA,2,sure\nB,3,data sheet\n", "table.csv")
+    assert "sure" in faults_of(table)[0][1]
+    good = write(tmp_path, "name,pixel_um,grade\nA,2,\nB,3,data sheet\n", "good.csv")
+    assert [part.grades for part in read_catalog(good).rows] == [{}, {"pixel_um": "data sheet"}]
+
+
 def test_values_provenance_doubts_and_notes(tmp_path: Path) -> None:
     catalog = read(
         tmp_path,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,7 +40,11 @@ def test_the_catalog_is_the_paper_s() -> None:
         ("IMX432", "height_mm", 9.936),  # paper, Table 2: 14.48 x 9.94 mm, 9 um
         ("IMX335", "shutter", "rolling"),
         ("IMX273", "full_well_e", 11000.0),
-        ("IMX273", "read_noise_e", None),
+        ("IMX273", "read_noise_e", 2.1),
+        ("IMX273", "mounts", "C, CS, M12"),
+        ("IMX273", "power_w", 2.4),
+        ("IMX287", "full_well_e", 20800.0),  # the data sheet's misprint is ten times that
+        ("IMX172", "power_w", None),
         ("PYTHON300", "quantum_efficiency", None),
     ],
 )
@@ -52,6 +58,72 @@ def test_every_known_value_has_a_source_and_unknown_ones_have_none(name: str) ->
         known = {column for column, value in part.values.items() if value is not None}
         assert set(part.provenance) == known
         assert all(part.provenance.values())
+
+
+@pytest.mark.parametrize("name", ["image_sensors", "lenses", "lenses_fisheye"])
+def test_every_stated_value_is_graded(name: str) -> None:
+    for part in find_catalog(name).rows:
+        computed = {c for c, source in part.provenance.items() if source.endswith("_px x pixel_um")}
+        assert set(part.grades) == set(part.provenance) - computed
+
+
+def test_the_camera_columns_are_of_one_camera() -> None:
+    for name in ("image_sensors", "image_sensors_more"):
+        for part in find_catalog(name).rows:
+            known = [
+                c for c in ("frame_rate_fps", "power_w", "camera_mass_g", "mounts") if part[c] is not None
+            ]
+            assert bool(known) <= (part["camera"] is not None), part.name
+
+
+SHARED = Path(__file__).parents[3] / "shared" / "data"
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of public data is not beside the checkout")
+@pytest.mark.parametrize(
+    ("column", "value_name", "scale"),
+    [
+        ("full_well_e", "saturation_capacity", 1.0),
+        ("read_noise_e", "temporal_dark_noise", 1.0),
+        ("quantum_efficiency", "quantum_efficiency", 0.01),
+        ("frame_rate_fps", "max_frame_rate", 1.0),
+        ("power_w", "power", 1.0),
+    ],
+)
+def test_values_are_those_of_the_collected_sources(column: str, value_name: str, scale: float) -> None:
+    with (SHARED / "sensor_characteristics.csv").open(newline="") as file:
+        stated = [row for row in csv.DictReader(file) if row["value_name"] == value_name]
+    checked = 0
+    for part in find_catalog("image_sensors").rows:
+        values = [float(r["value"]) * scale for r in stated if r["sensor"] == part.name]
+        if part.grades.get(column) == "transcription":
+            assert any(part.number(column) == pytest.approx(value) for value in values), part.name
+            checked += 1
+    assert checked >= 5
+
+
+def test_lenses_can_be_bought_and_no_fisheye_is_among_them() -> None:
+    lenses, fisheyes = find_catalog("lenses"), find_catalog("lenses_fisheye")
+    assert (len(lenses.rows), len(fisheyes.rows)) == (71, 26)
+    assert {part["mount"] for part in lenses.rows} == {"M12", "M8", "CS", "C", None}
+    names = {part.name for part in lenses.rows}
+    assert names.isdisjoint(part.name for part in fisheyes.rows)
+    assert not any("isheye" in name or "GoPro" in name for name in names)
+
+
+def test_an_image_circle_that_follows_from_a_format_is_derived() -> None:
+    lenses = find_catalog("lenses")
+    tiny = lenses.part("OpenMV IR Lens 2.8 mm")
+    assert (tiny["image_circle_mm"], tiny.grades["image_circle_mm"]) == (6.0, "derived")
+    stated = lenses.part("Allied Vision C-8-F2.4-10MP-T2-3")
+    assert (stated["image_circle_mm"], stated.grades["image_circle_mm"]) == (11.0, "transcription")
+    assert lenses.part("Tamron M118FM06")["image_circle_mm"] is None
+
+
+def test_only_a_dated_price_is_given() -> None:
+    priced = [part for part in find_catalog("lenses").rows if part["price_eur"] is not None]
+    assert [part.name for part in priced] == ["Tamron M118FM08"]
+    assert "February 2025" in priced[0].provenance["price_eur"]
 
 
 def test_noise_values_name_their_own_source() -> None:

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.fitness import (
-    Constraint,
     Fitness,
     FitnessTerm,
     mean_scores,
@@ -89,36 +88,11 @@ def test_scores_that_are_no_numbers_are_a_defect_of_the_task(value: float) -> No
             "the fitness names a.b more than once",
         ),
         (lambda: Fitness(tuple(FitnessTerm(n, 1) for n in "baba")), "the fitness names a, b more than once"),
-        (lambda: Constraint("hfov_deg"), "the constraint on hfov_deg has no bound"),
-        (lambda: Constraint("hfov_deg", 9, 1), "the constraint on hfov_deg has min 9 above max 1"),
     ],
 )
 def test_what_makes_no_sense_is_refused(build: Any, message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}$"):
         build()
-
-
-@pytest.mark.parametrize(
-    ("value", "sentences"),
-    [
-        (100.0, []),
-        (140.0, []),
-        (40.0, []),
-        (140.5, ["hfov_deg is 140.5, above the largest allowed value 140"]),
-        (12.0, ["hfov_deg is 12, below the smallest allowed value 40"]),
-    ],
-)
-def test_a_broken_constraint_says_so_with_numbers(value: float, sentences: list[str]) -> None:
-    assert Constraint("hfov_deg", min=40, max=140).broken({"hfov_deg": value}) == sentences
-
-
-def test_a_quantity_may_be_wanted_at_one_value() -> None:
-    assert Constraint("cameras", min=2, max=2).broken({"cameras": 2.0}) == []
-
-
-def test_a_quantity_that_is_no_number_keeps_no_bound() -> None:
-    assert len(Constraint("hfov_deg", min=40, max=140).broken({"hfov_deg": math.nan})) == 2
-    assert Constraint("hfov_deg", max=140).broken({"hfov_deg": -math.inf}) == []
 
 
 def test_means_are_over_the_episodes_that_report_a_score() -> None:

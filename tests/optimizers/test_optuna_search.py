@@ -9,9 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.contracts import Evaluated
+from tacos_framework.catalog import find_catalog
+from tacos_framework.contracts import DesignProblem, Evaluated
 from tacos_framework.errors import UserError
-from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
+from tacos_framework.fitness import Fitness, FitnessTerm
+from tacos_framework.variables.design_space import (
+    CatalogChoice,
+    Categorical,
+    Continuous,
+    DesignSpace,
+    Integer,
+)
 from tacos_plugins.optimizers import optuna_search
 from tacos_plugins.optimizers.optuna_search import OptunaSearch
 from tacos_plugins.optimizers.random_search import RandomSearch
@@ -20,8 +28,13 @@ from tests.optimizers.landscapes import MIXED, mixed, regret, search
 optuna = pytest.importorskip("optuna", reason="the extra optuna is not installed")
 
 
-def make(space: DesignSpace = MIXED, seed: int = 1, **config) -> OptunaSearch:
-    return OptunaSearch(OptunaSearch.Config(**config), space=space, rng=np.random.default_rng(seed))
+def make(space: DesignSpace = MIXED, seed: int = 1, problem=None, **config) -> OptunaSearch:
+    rng = np.random.default_rng(seed)
+    return OptunaSearch(OptunaSearch.Config(**config), space=space, rng=rng, problem=problem)
+
+
+def fenced_problem(broken) -> DesignProblem:
+    return DesignProblem(Fitness((FitnessTerm("task.score", 1.0),)), 1, coordinates=dict, broken=broken)
 
 
 def draws(seed: int, evaluations: int) -> RandomSearch:
@@ -65,6 +78,62 @@ def test_failures_are_avoided():
     assert np.mean(late) < 0.2
 
 
+def beyond_the_fence(candidate):
+    """Half of the space breaks a constraint, the optimum of `mixed` among it."""
+    excess = candidate.genes[1] - 50
+    return {"b_deg": excess} if excess > 0 else {}
+
+
+@pytest.mark.parametrize("sampler", ["tpe", "gp"])
+def test_what_is_known_to_break_a_constraint_is_not_asked(sampler):
+    optimizer = make(sampler=sampler, evaluations=16, initial=6, problem=fenced_problem(beyond_the_fence))
+    asked = []
+    while optimizer.stop() is None:
+        asked += optimizer.ask()
+        optimizer.tell([Evaluated(candidate, mixed(candidate)) for candidate in optimizer.ask()])
+    assert len(asked) == 16
+    assert all(candidate.genes[1] <= 50 for candidate in asked)
+    broken = [trial.constraints["broken"] for trial in optimizer._study.trials if trial.constraints]
+    assert max(broken) > 0 == min(broken)  # the model has learnt of those as well
+
+
+def test_where_nothing_can_be_built_it_asks_all_the_same():
+    optimizer = make(evaluations=3, problem=fenced_problem(lambda _: {"b_deg": 1.0}))
+    for _ in range(3):
+        optimizer.tell([Evaluated(c, None, broken={"b_deg": 1.0}) for c in optimizer.ask()])
+    assert optimizer.stop() is not None
+
+
+def test_constraints_are_learnt_from_what_breaks_them():
+    """Told of them only afterwards, it keeps to them better than draws do, though the optimum lies beyond."""
+    late = []
+    for seed in range(3):
+        optimizer, broke = make(seed=seed, evaluations=60), []
+        while optimizer.stop() is None:
+            told = []
+            for candidate in optimizer.ask():
+                broken = beyond_the_fence(candidate)
+                told.append(Evaluated(candidate, None if broken else mixed(candidate), broken=broken))
+            broke += [bool(result.broken) for result in told]
+            optimizer.tell(told)
+        late += broke[-30:]
+    assert np.mean(late) < 0.4
+
+
+def test_the_model_learns_from_what_was_simulated():
+    """Genes that snap to parts of a catalog are told as the parts have them, not as they were proposed."""
+    catalog = find_catalog("image_sensors")
+    space = DesignSpace([CatalogChoice("sensor", catalog), Continuous("pitch_deg", -30, 30, "deg")])
+    optimizer = make(space, evaluations=12, batch=3)
+    asked = []
+    while optimizer.stop() is None:
+        asked += optimizer.ask()
+        optimizer.tell([Evaluated(c, -abs(c.values["pitch_deg"])) for c in optimizer.ask()])
+    complete = optimizer._study.get_trials(states=[optuna.trial.TrialState.COMPLETE])
+    names = [gene.name for gene in space.genes]
+    assert [tuple(trial.params[name] for name in names) for trial in complete] == [c.genes for c in asked]
+
+
 def test_its_logs_and_warnings_stay_out_of_a_study(capfd):
     optuna.logging.set_verbosity(optuna.logging.DEBUG)
     try:
@@ -104,14 +173,24 @@ def test_a_product_that_leaves_nothing_free_is_searched_all_the_same():
     batch=st.integers(1, 4),
     fitness=st.lists(st.none() | st.floats(-1e6, 1e6), min_size=1, max_size=20),
     after=st.integers(0, 8),
+    informed=st.booleans(),
 )
-def test_any_fitness_can_be_resumed_bit_by_bit(seed, batch, fitness, after):
+def test_any_fitness_can_be_resumed_bit_by_bit(seed, batch, fitness, after, informed):
     space = DesignSpace([Continuous("a", 0, 1, "m"), Categorical("lens", ("wide", "normal", "tele"))])
 
+    def broken(candidate):
+        return {"a_m": candidate.values["a"] - 0.7} if candidate.values["a"] > 0.7 else {}
+
+    def result_of(candidate):
+        if beyond := broken(candidate):
+            return Evaluated(candidate, None, broken=beyond)
+        return Evaluated(candidate, fitness[int(candidate.key, 16) % len(fitness)])
+
     def results_of(optimizer):
-        return [Evaluated(c, fitness[int(c.key, 16) % len(fitness)]) for c in optimizer.ask()]
+        return [result_of(candidate) for candidate in optimizer.ask()]
 
     config = {"evaluations": 24, "batch": batch, "initial": 5}
+    config["problem"] = fenced_problem(broken) if informed else None
     unbroken, resumed = make(space, seed, **config), make(space, 0, **config)
     for _ in range(after):
         if unbroken.stop() is None:

@@ -14,7 +14,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PLUGINS = ("tacos_plugins", "tacos_worlds", "tacos_gap", "tacos_validation")
+PLUGINS = (
+    "tacos_plugins",
+    "tacos_worlds",
+    "tacos_gap",
+    "tacos_report",
+    "tacos_validation",
+    "tacos_decision",
+)
 PACKAGES = ("tacos_framework", *(f"plugins/{name}" for name in PLUGINS))
 
 
@@ -79,7 +86,9 @@ def test_entry_points(wheel: zipfile.ZipFile) -> None:
         "defaults": "tacos_plugins.plugin",
         "worlds": "tacos_worlds.plugin",
         "gap": "tacos_gap.plugin",
+        "report": "tacos_report.plugin",
         "validation": "tacos_validation.plugin",
+        "decision": "tacos_decision.plugin",
     }
     assert dict(points["console_scripts"]) == {
         "tacos-run": "tacos_framework.cli:run_main",

@@ -78,7 +78,11 @@ WRONG = [
     ("binning: 4", "binnig: 4", "unknown key 'binnig'"),
     ("binning: 4", "binning: 0.5", "greater than or equal to 1"),
     ("binning: 4", "pitch_deg: 3", "'pitch_deg' is fixed here and designed under design:"),
-    ("  focal_length_mm: {between: [1, 20]}\n", "", "rig.monocular needs 'focal_length_mm'"),
+    (
+        "  focal_length_mm: {between: [1, 20]}\n",
+        "",
+        "give exactly one of focal_length_mm and lens, not neither",
+    ),
     ("focal_length_mm: {", "focal_length_m: {", "rig.monocular has no variable 'focal_length_m'"),
     ("[1, 20]", "[20, 1]", "r.yaml:7:3"),
     ("[1, 20]", "[-1, 20]", "greater than 0"),
@@ -198,11 +202,10 @@ EMVA = RIGHT.replace("use: sensor.affine-noise", "use: sensor.emva").replace(
 
 
 def test_a_sensor_that_knows_enough_of_no_camera_says_what_it_lacks(toys):
-    (fault,) = faults_of(EMVA, toys)
-    assert fault.startswith(
-        "r.yaml:15:3: sensor.emva does not know quantum_efficiency (electrons per photon), dark"
-    )
-    assert "of 43 tried there is none" in fault
+    further = EMVA.replace("{from: image_sensors}", "{from: image_sensors_more, scheme: discrete}")
+    (fault,) = faults_of(further, toys)
+    assert fault.startswith("r.yaml:15:3: sensor.emva does not know dark_current_e_s (electrons per second")
+    assert "of 15 tried there is none" in fault
     assert "Give the missing figures as settings of the node" in fault
 
 

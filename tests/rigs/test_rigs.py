@@ -169,3 +169,67 @@ def test_a_sensor_may_come_as_a_catalog_part_whose_other_columns_do_not_matter()
 @given(size_mm=st.floats(0.1, 50), field_deg=st.floats(1, 170))
 def test_focal_length_and_field_of_view_undo_each_other(size_mm, field_deg):
     assert field_of_view_deg(size_mm, focal_length_for_mm(size_mm, field_deg)) == pytest.approx(field_deg)
+
+
+LENS = {"name": "L", "focal_length_mm": 3.6, "f_number_min": 1.8, "image_circle_mm": 9.0, "mount": "C"}
+
+
+def with_lens(sensor=FLEA3, **changed):
+    builder = MonocularRig(MonocularRig.Config())
+    return builder, MonocularRig.Variables(sensor=sensor, lens={**LENS, **changed})
+
+
+def test_a_lens_stands_for_its_focal_length():
+    builder, by_lens = with_lens()
+    _, by_focal_length = monocular()
+    derived = builder.derived(by_lens)
+    plain = builder.derived(by_focal_length)
+    assert {name: derived[name] for name in plain} == plain
+    assert set(derived) - set(plain) == {"f_number_min", "image_circle_margin_mm"}  # no mounts are known
+    assert derived["image_circle_margin_mm"] == pytest.approx(9.0 - 7.75)
+    assert builder.build(by_lens).cameras[0].intrinsics == pytest.approx(
+        builder.build(by_focal_length).cameras[0].intrinsics
+    )
+
+
+@pytest.mark.parametrize(
+    ("mount", "mounts", "fits"),
+    [
+        ("C", "C", 1.0),
+        ("C", "CS", 1.0),  # with a ring of 5 mm
+        ("CS", "C", 0.0),  # its flange is too far from the sensor
+        ("CS", "C, CS", 1.0),
+        ("M12", "C, CS", 0.0),
+        ("M12", "C, CS, M12", 1.0),
+        ("F", "F", 1.0),
+    ],
+)
+def test_a_lens_fits_the_mounts_a_camera_is_sold_with(mount, mounts, fits):
+    builder, variables = with_lens({**FLEA3, "mounts": mounts}, mount=mount)
+    assert builder.derived(variables)["mount_fits"] == fits
+
+
+def test_what_a_buyer_should_know_of_a_lens():
+    builder, variables = with_lens({**FLEA3, "mounts": "CS"}, distortion_percent=-3.0)
+    assert list(builder.notes(variables)) == [
+        "L needs a ring of 5 mm on a CS camera.",
+        "L distorts by -3 %; images are simulated without, unless the recipe has an effect of lens "
+        "distortion.",
+    ]
+    builder, unknown = with_lens(f_number_min=None, image_circle_mm=None, mount=None)
+    assert list(builder.notes(unknown)) == [
+        "Nobody states the image circle of L: ask for one of at least 7.8 mm, the diagonal of IMX172.",
+        "Nobody states how far L opens.",
+        "Nobody states the mount of L and the mounts of cameras with IMX172: see that they fit.",
+        "Nobody states the distortion of L; images are simulated without any.",
+    ]
+    builder, wrong = with_lens({**FLEA3, "mounts": "M12"})
+    assert "L has mount C; cameras with IMX172 are sold for M12." in list(builder.notes(wrong))
+    builder, without = monocular()
+    assert list(builder.notes(without)) == []
+
+
+@pytest.mark.parametrize("given", [{"focal_length_mm": None}, {"lens": LENS}])
+def test_a_camera_needs_exactly_one_of_focal_length_and_lens(given):
+    with pytest.raises(ValidationError, match="exactly one of focal_length_mm and lens"):
+        monocular(**given)

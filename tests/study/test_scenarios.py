@@ -65,6 +65,9 @@ def test_one_scenario_in_a_list_is_the_scenario(toys, tmp_path):
     camera = listed["cameras"]["designed"]
     assert camera.pop("scenarios")["night"]["fitness"] == listed["test"]["designed"]["fitness"]
     listed["best"].pop("scenarios")
+    for mine, alike in zip(camera.pop("finalists"), one["cameras"]["designed"].pop("finalists"), strict=True):
+        assert mine["fitness"] == alike["fitness"]
+        assert list(mine["episodes"]["0"]) == [f"night/{score}" for score in alike["episodes"]["0"]]
     assert comparable(listed) == comparable(one)
 
 

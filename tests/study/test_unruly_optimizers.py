@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
+from tacos_framework.contracts import Asked, DesignProblem
 from tacos_framework.errors import ContractBroken
+from tacos_framework.fitness import Fitness, FitnessTerm
 from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.settings import Settings
 from tacos_framework.study.asking import GuardedOptimizer
@@ -13,6 +17,9 @@ from tacos_framework.variables.design_space import Candidate, Continuous, Design
 
 SPACE = DesignSpace([Continuous("pitch_deg", -30, 30, "deg"), Continuous("focal_length_mm", 1, 5, "mm")])
 SOUND = SPACE.decode([3.0, 2.0])
+PROBLEM = DesignProblem(
+    Fitness((FitnessTerm("width.closeness", 1.0),)), episodes=4, coordinates=dict, broken=lambda _: {}
+)
 
 
 class Unruly:
@@ -45,11 +52,12 @@ class Unruly:
 @pytest.fixture
 def optimizer():
     part = ConfiguredComponent("optimizer.acme", Unruly, Unruly.Config(), "acme-search")
-    return GuardedOptimizer(part, SPACE, np.random.default_rng(1))
+    return GuardedOptimizer(part, SPACE, np.random.default_rng(1), PROBLEM)
 
 
 def test_one_that_keeps_to_its_contract_is_left_alone(optimizer):
-    assert optimizer.ask() == [SOUND]
+    assert optimizer.ask() == [Asked(SOUND)]
+    assert optimizer.recommend(3) is None
     assert optimizer.stop() is None
     assert optimizer.state() == {}
     assert optimizer.expected_candidates is None
@@ -93,6 +101,58 @@ def test_what_it_asks_for_must_be_candidates_of_the_space(optimizer, asked, said
 def test_nothing_may_be_asked_for_once_there_is_a_reason_to_stop(optimizer):
     optimizer._optimizer.asked, optimizer._optimizer.reason = [], "all is known"
     assert optimizer.ask() == []
+
+
+def test_episodes_may_be_asked_for_in_any_order(optimizer):
+    optimizer._optimizer.asked = [SOUND, Asked(SOUND, (np.int64(3), 1)), Asked(SOUND)]
+    assert optimizer.ask() == [Asked(SOUND), Asked(SOUND, (1, 3)), Asked(SOUND)]
+
+
+@pytest.mark.parametrize("episodes", [(), (4,), (-1,), (1, 1), (1.0,), (True,), 2, "0"])
+def test_episodes_must_be_some_of_those_there_are(optimizer, episodes):
+    optimizer._optimizer.asked = [Asked(SOUND, episodes)]
+    with pytest.raises(ContractBroken) as raised:
+        optimizer.ask()
+    assert str(raised.value) == (
+        f"optimizer.acme of acme-search: ask() gives candidate 1 of 1 with the episodes {episodes!r}; "
+        "expected one or more of the numbers 0 to 3, each once, or None for all"
+    )
+
+
+def test_a_recommendation_is_of_different_candidates(optimizer):
+    optimizer._optimizer.recommend = lambda count: [SOUND, SPACE.decode([4.0, 2.0]), SOUND][:count]
+    assert optimizer.recommend(3) == [SOUND, SPACE.decode([4.0, 2.0])]
+
+
+@pytest.mark.parametrize(
+    ("recommended", "said"),
+    [
+        (SOUND, "recommend() gives a Candidate; expected a list of candidates"),
+        ([SOUND] * 3, "recommend(2) gives 3 candidates; expected at most 2"),
+        ([(3.0, 2.0)], "recommend() gives (3.0, 2.0) as candidate 1 of 1; expected a Candidate"),
+        (
+            [Candidate({"pitch_deg": 3.0}, (3.0,))],
+            "gives candidate 1 of 1 with values for pitch_deg; ",
+        ),
+    ],
+)
+def test_what_it_recommends_must_be_candidates_of_the_space(optimizer, recommended, said):
+    optimizer._optimizer.recommend = lambda _: recommended
+    with pytest.raises(ContractBroken, match=re.escape(said)):
+        optimizer.recommend(2)
+
+
+class Curious(Unruly):
+    """Asks what the problem is."""
+
+    def __init__(self, config, *, space, rng, problem):
+        super().__init__(config, space=space, rng=rng)
+        self.problem = problem
+
+
+def test_one_that_asks_for_the_problem_is_given_it():
+    part = ConfiguredComponent("optimizer.acme", Curious, Curious.Config(), "acme-search")
+    assert GuardedOptimizer(part, SPACE, np.random.default_rng(1), PROBLEM)._optimizer.problem is PROBLEM
 
 
 @pytest.mark.parametrize(

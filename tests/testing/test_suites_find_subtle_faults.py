@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tacos_framework.contracts import Asked
 from tacos_framework.errors import UserError
 from tacos_framework.settings import Settings
 from tacos_framework.testing import (
@@ -148,6 +149,59 @@ class UnderstatedSearch(RandomSearch):
     expected_candidates = 5
 
 
+class RecommendingSearch(RandomSearch):
+    """Recommends, and has candidates scored on one episode each, as the contract allows."""
+
+    episodes = (2,)
+
+    def __init__(self, config, *, space, rng, problem):
+        super().__init__(config, space=space, rng=rng)
+        self.problem = problem
+
+    def ask(self):
+        return [Asked(candidate, self.episodes) for candidate in super().ask()]
+
+    def recommend(self, count):
+        rng = np.random.default_rng(1)
+        drawn = [self._space.sample(rng) for _ in range(20 * count)]
+        return [candidate for candidate in drawn if not self.problem.broken(candidate)][:count]
+
+
+class OverreachingSearch(RecommendingSearch):
+    episodes = (2, 3)
+
+
+class LawlessSearch(RecommendingSearch):
+    """Recommends what breaks a constraint."""
+
+    def recommend(self, count):
+        return [self._space.decode([-30, 4, 1])]
+
+
+class RestlessAdviser(RecommendingSearch):
+    """Draws what it recommends with the generator it asks with."""
+
+    def recommend(self, count):
+        return [self._space.decode([self._rng.uniform(0, 20), 4, 1])]
+
+
+class StrictSearch(RandomSearch):
+    """Cannot bear a broken constraint."""
+
+    def tell(self, evaluated):
+        assert not any(result.broken for result in evaluated)
+        super().tell(evaluated)
+
+
+class SpreadSearch(RandomSearch):
+    """Divides by the spread of the fitness."""
+
+    def tell(self, evaluated):
+        values = [result.fitness for result in evaluated if result.fitness is not None]
+        assert len(values) < 2 or np.ptp(values) > 0
+        super().tell(evaluated)
+
+
 class FirstFaultExecutor(LocalExecutor):
     """Keeps of an error only its first fault."""
 
@@ -278,6 +332,11 @@ FAULTS = [
     (OptimizerConformance, RestlessSearch, "test_it_asks_the_same_until_it_is_told"),
     (OptimizerConformance, LiveSearch, "test_a_state_once_taken_does_not_change"),
     (OptimizerConformance, UnderstatedSearch, "test_it_asks_for_no_more_than_it_expects"),
+    (OptimizerConformance, OverreachingSearch, "test_it_asks_for_candidates_that_can_be_made"),
+    (OptimizerConformance, LawlessSearch, "test_it_recommends_candidates_that_can_be_made"),
+    (OptimizerConformance, RestlessAdviser, "test_a_recommendation_changes_nothing"),
+    (OptimizerConformance, StrictSearch, "test_it_goes_on_when_every_candidate_breaks_a_constraint"),
+    (OptimizerConformance, SpreadSearch, "test_it_goes_on_when_all_candidates_are_worth_the_same"),
     (ExecutorConformance, FirstFaultExecutor, "test_errors_keep_what_they_carry"),
     (ExecutorConformance, StickyExecutor, "test_functions_may_change_between_calls"),
     (TrainableConformance, HoardingTask, "test_the_task_itself_learns_nothing"),
@@ -292,6 +351,7 @@ FAULTS = [
     (ProcedureConformance, LitteringProcedure, "test_it_writes_into_its_folder_alone"),
 ]
 SOUND = [
+    (OptimizerConformance, RecommendingSearch),
     (SceneConformance, SoundScene),
     (RendererConformance, ChangedViews),
     (TrainableConformance, Learner),

@@ -12,10 +12,10 @@ from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.report.comparison import half_width
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.progress import Progress
 from tacos_framework.study.search import Search
+from tacos_report.comparison import half_width
 
 DESIGNED = "designed"
 

@@ -20,7 +20,6 @@ from tacos_framework.report.page import (
     image_uri,
 )
 from tacos_framework.report.quantities import duration, number
-from tacos_framework.report.story import design_words
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.problem import placed
@@ -30,6 +29,7 @@ from tacos_gap.report.frames import ComparedFrames, compare, to_show
 from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
 from tacos_gap.report.overview import overview
 from tacos_gap.report.views import over
+from tacos_report.story import design_words
 
 SIMULATIONS = ("real", "simulated", "simulated with the causes")
 DIFFERENCES = ("real less simulated", "real less simulated with the causes")

@@ -15,6 +15,9 @@ from tacos_framework.catalog import (
 CAMERAS = "cameras"
 """The catalog of whole cameras, which are compared with and not chosen from."""
 
+WEAK = ("derived", "hobby list")
+"""Grades of values to ask the maker about before buying."""
+
 
 def list_catalogs() -> str:
     """The shipped catalogs, a line each."""
@@ -26,7 +29,11 @@ def list_catalogs() -> str:
 
 
 def show_catalog(name: str) -> str:
-    """A catalog as a table with units; ``?`` stands for what no source states, ``*`` for a doubtful row."""
+    """A catalog as a table with units.
+
+    ``?`` stands for what no source states, ``*`` for a doubtful row, ``~`` for a value that was derived from
+    others or that only hobbyists state.
+    """
     if name == CAMERAS:
         return "\n\n".join(_camera(camera) for camera in load_cameras(camera_names()))
     catalog = find_catalog(name)
@@ -38,7 +45,9 @@ def show_catalog(name: str) -> str:
         for row in [header, *rows]
     ]
     doubts = [f"* {part.name}: {doubt}" for part in catalog.rows for doubt in part.doubts]
-    return "\n".join([catalog.title, "", *table, "", *doubts, f"Source: {catalog.source}"])
+    weak = [g for part in catalog.rows for g in part.grades.values() if g in WEAK]
+    legend = [f"~ {' or '.join(sorted(set(weak)))}"] if weak else []
+    return "\n".join([catalog.title, "", *table, "", *doubts, *legend, f"Source: {catalog.source}"])
 
 
 def _camera(camera: OffTheShelf) -> str:
@@ -61,4 +70,5 @@ def _cell(part: CatalogPart, column: str) -> str:
     value = part[column]
     if value is None:
         return "?"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    mark = "~" if part.grades.get(column) in WEAK else ""
+    return f"{value:g}{mark}" if isinstance(value, float) else f"{value}{mark}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from tacos_framework.contracts import Evaluated
+from tacos_framework.contracts import DesignProblem, Evaluated
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, Categorical, DesignSpace
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     import optuna
 
 
+DRAWS = 256
+"""Candidates drawn to find one that breaks no constraint."""
+
+
 class OptunaSearch:
     """Asks a model of the fitness where the next candidate is most likely to be better.
 
@@ -27,7 +32,11 @@ class OptunaSearch:
     Gaussian process, and takes the candidate of the largest log expected improvement. A Gaussian process
     needs few evaluations but some tenths of a second of thought for each, so it suits those that cost more.
 
-    Candidates that failed count as the worst fitness observed so far: where they lie is worth avoiding.
+    The model learns from the candidate that was simulated, snapped to what can be manufactured, not from the
+    point that was proposed. A candidate that breaks a constraint is told as just that, and by how much in
+    all. One that is known to break one before it is simulated is not asked: of `DRAWS` draws the nearest that
+    breaks none is, and the model learns of both. Candidates that failed otherwise count as the worst fitness
+    observed so far: where they lie is worth avoiding. Fitness is taken for noisy.
 
     Each round draws with a sampler of its own, seeded from the study's generator. What is observed is then
     all there is to remember, and a resumed search goes on exactly as an unbroken one, without thinking it all
@@ -66,7 +75,14 @@ class OptunaSearch:
         )
         initial: int = setting(10, help="Candidates drawn at random before the model is asked.", ge=1)
 
-    def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        config: Config,
+        *,
+        space: DesignSpace,
+        rng: np.random.Generator,
+        problem: DesignProblem | None = None,
+    ) -> None:
         if config.sampler == "gp" and find_spec("torch") is None:
             raise UserError(
                 Fault("optimizer.optuna", "sampler gp needs torch", "", "Install torch, or use sampler tpe.")
@@ -74,6 +90,7 @@ class OptunaSearch:
         self.config = config
         self._space = space
         self._rng = rng
+        self._problem = problem
         self._distributions = _distributions_of(space)
         self._begin([])
 
@@ -82,21 +99,17 @@ class OptunaSearch:
 
         with _quiet():
             self._study = optuna.create_study(direction="maximize")
+        self._constrained = any(entry["broken"] for entry in observed)
         self._observed: list[Mapping[str, Any]] = []
-        self._trials: list[optuna.trial.Trial] = []
-        self._asked: list[Candidate] = []
         for entry in observed:
-            self._study.add_trial(
-                optuna.trial.create_trial(
-                    params=dict(entry["genes"]), distributions=self._distributions, **self._outcome(entry)
-                )
-            )
-            self._observed.append(entry)
+            self._add(entry)
         self._next_round()
 
     def _next_round(self) -> None:
         self._round_seed = int(self._rng.integers(2**32))
-        self._trials, self._asked = [], []
+        self._trials: list[optuna.trial.Trial] = []
+        self._asked: list[Candidate] = []
+        self._refused: list[Candidate] = []
 
     @property
     def expected_candidates(self) -> int:
@@ -106,36 +119,79 @@ class OptunaSearch:
     def ask(self) -> list[Candidate]:
         """The next batch; the same one until it is evaluated."""
         if not self._asked:
-            count = min(self.config.batch, self.config.evaluations - len(self._observed))
+            rng = np.random.default_rng(self._round_seed)
+            count = min(self.config.batch, self.config.evaluations - self._evaluated)
             with _quiet():
                 self._study.sampler = self._sampler()
                 self._trials = [self._study.ask(self._distributions) for _ in range(count)]
-            names = [gene.name for gene in self._space.genes]
-            self._asked = [
-                self._space.decode([trial.params[name] for name in names]) for trial in self._trials
-            ]
+            for trial in self._trials:
+                proposed = self._space.decode([trial.params[gene.name] for gene in self._space.genes])
+                possible = self._possible(proposed, rng)
+                if possible != proposed:
+                    self._refused.append(proposed)
+                self._asked.append(possible)
         return list(self._asked)
 
+    def _possible(self, proposed: Candidate, rng: np.random.Generator) -> Candidate:
+        """The candidate, or the nearest of some draws that breaks no constraint where this one does."""
+        if self._problem is None or not self._problem.broken(proposed):
+            return proposed
+        draws = [self._space.sample(rng) for _ in range(DRAWS)]
+        possible = [candidate for candidate in draws if not self._problem.broken(candidate)]
+        spans = [max(gene.upper - gene.lower, np.finfo(float).tiny) for gene in self._space.genes]
+
+        def distance(candidate: Candidate) -> float:
+            return float(np.linalg.norm(np.subtract(candidate.genes, proposed.genes) / spans))
+
+        return min(possible, key=distance, default=proposed)
+
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
-        """Take in the fitness of the batch.
+        """Take in the fitness of the batch, and what it breaks.
 
         Raises
         ------
         ValueError
             When a fitness is NaN or infinite, or the results are not those of the candidates asked.
         """
+        from optuna.trial import TrialState
+
         validate_results(evaluated, self._asked)
-        for trial, result in zip(self._trials, evaluated, strict=True):
-            entry = {"genes": trial.params, "fitness": result.fitness}
-            outcome = self._outcome(entry)
-            with _quiet():
-                self._study.tell(trial, outcome.get("value"), state=outcome["state"])
-            self._observed.append(entry)
+        with _quiet():
+            for trial in self._trials:  # what it proposed is not what was simulated
+                self._study.tell(trial, state=TrialState.FAIL)
+        refused = [
+            {"genes": list(c.genes), "fitness": None, "broken": self._excess(c), "asked": False}
+            for c in self._refused
+        ]
+        told = [
+            {
+                "genes": list(result.candidate.genes),
+                "fitness": result.fitness,
+                "broken": math.fsum(result.broken.values()),
+                "asked": True,
+            }
+            for result in evaluated
+        ]
+        found = [*refused, *told]
+        if not self._constrained and any(entry["broken"] for entry in found):
+            self._begin([*self._observed, *found])  # a model of the constraint needs it of all
+            return
+        for entry in found:
+            self._add(entry)
         self._next_round()
+
+    def _excess(self, candidate: Candidate) -> float:
+        assert self._problem is not None
+        return math.fsum(self._problem.broken(candidate).values())
+
+    @property
+    def _evaluated(self) -> int:
+        """How many candidates were asked and evaluated."""
+        return sum(entry["asked"] for entry in self._observed)
 
     def stop(self) -> str | None:
         """A reason once all evaluations are observed."""
-        if len(self._observed) < self.config.evaluations:
+        if self._evaluated < self.config.evaluations:
             return None
         return f"all {self.config.evaluations} candidates were evaluated"
 
@@ -153,23 +209,43 @@ class OptunaSearch:
         self._round_seed = state["round_seed"]
         self._rng.bit_generator.state = state["rng"]
 
+    def _add(self, entry: Mapping[str, Any]) -> None:
+        """Let the model know of a result."""
+        import optuna
+
+        genes = zip(self._space.genes, entry["genes"], strict=True)
+        params = {gene.name: value if gene.kind == "continuous" else int(value) for gene, value in genes}
+        with _quiet():
+            trial = optuna.trial.create_trial(
+                params=params,
+                distributions=self._distributions,
+                constraints={"broken": entry["broken"]} if self._constrained else None,
+                **self._outcome(entry),
+            )
+            self._study.add_trial(trial)
+        self._observed.append(entry)
+
     def _outcome(self, entry: Mapping[str, Any]) -> dict[str, Any]:
-        """How a result enters the model: what failed counts as the worst so far, or not at all."""
+        """The fitness a result enters the model with, or that it enters without one.
+
+        What failed counts as the worst so far. What breaks a constraint says nothing of the fitness: it has
+        the mean, as samplers that model the constraint take no trial without a fitness.
+        """
         from optuna.trial import TrialState
 
         known = [e["fitness"] for e in (*self._observed, entry) if e["fitness"] is not None]
         if not known:
-            return {"state": TrialState.FAIL}
-        value = min(known) if entry["fitness"] is None else entry["fitness"]
+            return {"state": TrialState.PRUNED if entry["broken"] else TrialState.FAIL}
+        value = entry["fitness"]
+        if value is None:
+            value = float(np.mean(known)) if entry["broken"] else min(known)
         return {"state": TrialState.COMPLETE, "value": value}
 
     def _sampler(self) -> optuna.samplers.BaseSampler:
         from optuna.samplers import GPSampler, TPESampler
 
         if self.config.sampler == "gp":
-            return GPSampler(
-                seed=self._round_seed, n_startup_trials=self.config.initial, deterministic_objective=True
-            )
+            return GPSampler(seed=self._round_seed, n_startup_trials=self.config.initial)
         return TPESampler(
             seed=self._round_seed,
             n_startup_trials=self.config.initial,

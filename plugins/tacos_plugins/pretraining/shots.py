@@ -100,7 +100,7 @@ def _camera(plan: Plan, seed: int, *name: str | int) -> dict[str, Any]:
     for _ in range(MOST_TRIES):
         values = plan.space.sample(rng).as_dict()
         derived = rig.derived(plan.rig_variables(values))
-        if not any(constraint.broken(derived) for constraint in plan.constraints):
+        if not plan.breaches(values, derived):
             return values
     raise UserError(
         Fault(

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
+from pydantic import model_validator
+
+from tacos_framework.quantities import Constraint
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Rig
-from tacos_plugins.rigs.mounted_camera import DERIVED_UNITS, SensorPart, derived_optics, mounted_camera
+from tacos_plugins.rigs.lens import COVERED, LENS_UNITS, LensPart, derived_fit, notes_on_fit
+from tacos_plugins.rigs.mounted_camera import (
+    DERIVED_UNITS,
+    SensorPart,
+    derived_optics,
+    image_coordinates,
+    mounted_camera,
+)
 
 
 class MonocularRig:
@@ -36,13 +46,27 @@ class MonocularRig:
         )
 
     class Variables(Settings):
-        """What a recipe may design or fix."""
+        """What a recipe may design or fix; of focal length and lens exactly one."""
 
         pitch_deg: float = setting(0.0, help="Tilt of the camera, positive is up.", unit="deg", ge=-90, le=90)
-        focal_length_mm: float = setting(help="Focal length of the lens.", unit="mm", gt=0)
+        focal_length_mm: float | None = setting(
+            None, help="Focal length of a lens yet to be found, instead of a lens.", unit="mm", gt=0
+        )
+        lens: LensPart | None = setting(
+            None, help="Lens: a row of a catalog, or its focal length and what else is known of it."
+        )
         sensor: SensorPart = setting(help="Image sensor: a row of a catalog, or its size and pitch.")
 
-    derived_quantities: ClassVar[Mapping[str, str]] = DERIVED_UNITS
+        @model_validator(mode="after")
+        def _one_of_focal_length_and_lens(self) -> MonocularRig.Variables:
+            if (self.focal_length_mm is None) == (self.lens is None):
+                found = "neither" if self.lens is None else "both"
+                raise ValueError(f"give exactly one of focal_length_mm and lens, not {found}")
+            return self
+
+    derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, **LENS_UNITS}
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("focal_length_mm", "lens"),)
+    buildable: ClassVar[tuple[Constraint, ...]] = (COVERED,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -52,7 +76,7 @@ class MonocularRig:
         camera = mounted_camera(
             "camera",
             variables.sensor,
-            variables.focal_length_mm,
+            _focal_length_mm(variables),
             position_m=(0.0, 0.0, self.config.height_above_eye_m),
             pitch_deg=variables.pitch_deg,
             binning=self.config.binning,
@@ -60,5 +84,23 @@ class MonocularRig:
         return Rig((camera,))
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
-        """Fields of view and sizes of the sensor as manufactured, whatever the binning."""
-        return derived_optics(variables.sensor, variables.focal_length_mm)
+        """Fields of view and sizes of the sensor as manufactured, and how a lens fits it."""
+        optics = derived_optics(variables.sensor, _focal_length_mm(variables))
+        fit = {} if variables.lens is None else derived_fit(variables.lens, variables.sensor)
+        return {**optics, **fit}
+
+    def coordinates(self, variables: Variables) -> Mapping[str, float]:
+        """What images depend on; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
+        return image_coordinates(variables.sensor, _focal_length_mm(variables), variables.pitch_deg)
+
+    def notes(self, variables: Variables) -> Iterator[str]:
+        """What somebody who buys lens and sensor should know."""
+        if variables.lens is not None:
+            yield from notes_on_fit(variables.lens, variables.sensor)
+
+
+def _focal_length_mm(variables: MonocularRig.Variables) -> float:
+    if variables.lens is not None:
+        return variables.lens.focal_length_mm
+    assert variables.focal_length_mm is not None, "Variables holds exactly one of the two"
+    return variables.focal_length_mm

@@ -34,6 +34,10 @@ class SensorPart(Settings):
         None, help="Electrons per second without light, if known.", unit="e-/s", ge=0
     )
 
+    mounts: str | None = setting(
+        None, help="Lens mounts of cameras that are sold with it, as in C, CS, M12; if known."
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _from_catalog(cls, given: Any) -> Any:
@@ -48,6 +52,11 @@ class SensorPart(Settings):
     def height_mm(self) -> float:
         """Height of the active area [mm]."""
         return self.height_px * self.pixel_um * 1e-3
+
+    @property
+    def diagonal_mm(self) -> float:
+        """Diagonal of the active area [mm]."""
+        return math.hypot(self.width_mm, self.height_mm)
 
     @property
     def electrons(self) -> Electrons:
@@ -120,15 +129,38 @@ def derived_optics(sensor: SensorPart, focal_length_mm: float) -> dict[str, floa
 
     Pixels per degree hold at the image centre; a pinhole image has more of them towards its edges.
     """
-    diagonal_mm = math.hypot(sensor.width_mm, sensor.height_mm)
     return {
         "hfov_deg": field_of_view_deg(sensor.width_mm, focal_length_mm),
         "vfov_deg": field_of_view_deg(sensor.height_mm, focal_length_mm),
-        "dfov_deg": field_of_view_deg(diagonal_mm, focal_length_mm),
+        "dfov_deg": field_of_view_deg(sensor.diagonal_mm, focal_length_mm),
         "megapixels": sensor.width_px * sensor.height_px * 1e-6,
         "sensor_width_mm": sensor.width_mm,
         "sensor_height_mm": sensor.height_mm,
         "pixels_per_deg": math.radians(focal_length_mm * 1e3 / sensor.pixel_um),
+    }
+
+
+def image_coordinates(sensor: SensorPart, focal_length_mm: float, pitch_deg: float) -> dict[str, float]:
+    """What images of a camera depend on, as numbers along which they change evenly.
+
+    Angles say what is in view. Pixel counts and pitch count by their ratios: from 1 to 2 um changes noise as
+    much as from 4 to 8 um.
+
+    Examples
+    --------
+    >>> vga = SensorPart(width_px=640, height_px=480, pixel_um=4.0)
+    >>> {name: round(value, 2) for name, value in image_coordinates(vga, 2.0, -5.0).items()}
+    ... # doctest: +NORMALIZE_WHITESPACE
+    {'pitch_deg': -5.0, 'hfov_deg': 65.24, 'vfov_deg': 51.28,
+     'log2_width_px': 9.32, 'log2_height_px': 8.91, 'log2_pixel_um': 2.0}
+    """
+    return {
+        "pitch_deg": pitch_deg,
+        "hfov_deg": field_of_view_deg(sensor.width_mm, focal_length_mm),
+        "vfov_deg": field_of_view_deg(sensor.height_mm, focal_length_mm),
+        "log2_width_px": math.log2(sensor.width_px),
+        "log2_height_px": math.log2(sensor.height_px),
+        "log2_pixel_um": math.log2(sensor.pixel_um),
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -14,6 +15,7 @@ from tacos_plugins.rigs.mounted_camera import (
     SensorPart,
     derived_optics,
     focal_length_for_mm,
+    image_coordinates,
     mounted_camera,
 )
 
@@ -69,6 +71,7 @@ class StereoRig:
             return self
 
     derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, "baseline_m": "m"}
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("hfov_deg", "focal_length_mm"),)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -94,6 +97,11 @@ class StereoRig:
         """Fields of view and sizes of one sensor as manufactured, and the baseline."""
         optics = derived_optics(variables.sensor, _focal_length_mm(variables))
         return {**optics, "baseline_m": variables.baseline_m}
+
+    def coordinates(self, variables: Variables) -> Mapping[str, float]:
+        """What images of either camera depend on, and the baseline, which counts by its ratios."""
+        one = image_coordinates(variables.sensor, _focal_length_mm(variables), variables.pitch_deg)
+        return {"log2_baseline_m": math.log2(variables.baseline_m), **one}
 
 
 def _focal_length_mm(variables: StereoRig.Variables) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import cv2
@@ -10,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
-from tacos_framework.contracts import Scores, State
+from tacos_framework.contracts import Scores, ScoreScale, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch, Rig
-from tacos_plugins.tasks.stereo.depth_scores import ERRORS, SCORES, DepthScores
+from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MEANINGS, SCALES, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 
 STEP = 16
@@ -72,7 +73,9 @@ class Sgbm:
         )
 
     scores: ClassVar[tuple[str, ...]] = SCORES
+    score_meanings: ClassVar[Mapping[str, str]] = MEANINGS
     lower_is_better: ClassVar[frozenset[str]] = ERRORS
+    score_scales: ClassVar[Mapping[str, ScoreScale]] = SCALES
 
     def __init__(self, config: Config) -> None:
         self.config = config

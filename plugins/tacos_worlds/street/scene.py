@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import model_validator
@@ -28,6 +28,8 @@ class StreetScene:
     >>> len(scene.episode(rng=np.random.default_rng(7), illumination_lux=20_000.0))
     10
     """
+
+    carrier: ClassVar[str] = "car"
 
     class Config(Settings):
         """Settings of the scene."""

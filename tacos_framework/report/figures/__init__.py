@@ -1,1 +1,1 @@
-"""The drawings of the report: one a file, each a pure function from values to an SVG string."""
+"""Drawings of reports."""

@@ -22,6 +22,9 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 SETTING_OF_A_NODE = r"^[a-z][a-z0-9_]*\.[A-Za-z0-9_.-]+$"
 """A name under ``design:`` that means a setting of a node, of an effect, or of the scenario."""
 
+COLUMN_OF_A_PART = r"^[a-z][a-z0-9_]*\.[a-z][A-Za-z0-9_]*$"
+"""A name under ``constraints:`` that means a column of the part that a variable chooses."""
+
 Schema = dict[str, Any]
 
 
@@ -198,10 +201,11 @@ def _designs_of(cls: type[Any], use: str) -> Schema:
         name: {"$ref": "#/$defs/Bounds", "description": f"[{unit}]"}
         for name, unit in cls.derived_quantities.items()
     }
+    own_or_of_a_part = {"anyOf": [{"enum": list(quantities)}, {"pattern": COLUMN_OF_A_PART}]}
     own_or_of_a_node = {"anyOf": [{"enum": list(variables)}, {"pattern": SETTING_OF_A_NODE}]}
     then = {
         "design": {"properties": variables, "propertyNames": own_or_of_a_node},
-        "constraints": {"properties": quantities, "propertyNames": {"enum": list(quantities)}},
+        "constraints": {"properties": quantities, "propertyNames": own_or_of_a_part},
     }
     condition = {"rig": _where_use_is(use, {})["if"]}
     return {"if": {"required": ["rig"], "properties": condition}, "then": {"properties": then}}

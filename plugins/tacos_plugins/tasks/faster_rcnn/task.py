@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, Literal
 
@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torchvision.models.detection import FasterRCNN
 
-from tacos_framework.contracts import Budget, Scores, State
+from tacos_framework.contracts import Budget, Scores, ScoreScale, State
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch
@@ -20,7 +20,7 @@ from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
 from tacos_plugins.tasks.faster_rcnn.labels import class_numbers, frame_labels
 from tacos_plugins.tasks.faster_rcnn.networks import Backbone, faster_rcnn, still_norms
 from tacos_plugins.tasks.faster_rcnn.training import WHERE, DetectorTraining, inputs, train
-from tacos_plugins.tasks.faster_rcnn.weights import load_weights, weights_file
+from tacos_plugins.tasks.faster_rcnn.weights import COCO, load_weights, weights_file
 from tacos_plugins.tasks.learning.checkpoints import NONE
 from tacos_plugins.tasks.learning.device import (
     DEVICE_HELP,
@@ -130,6 +130,10 @@ class FasterRcnn:
     Training: ClassVar[type[Settings]] = DetectorTraining
 
     scores: ClassVar[tuple[str, ...]] = ("ap50", *(f"ap50_{name}" for name in INDOOR_CLASSES))
+    score_scales: ClassVar[Mapping[str, ScoreScale]] = dict.fromkeys(scores, "share")
+    score_meanings: ClassVar[Mapping[str, str]] = {
+        "ap50": "average precision of detection, a box counting from an overlap of 50 %",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -142,6 +146,15 @@ class FasterRcnn:
             model = self._model()
         load_weights(model, self.config.weights, self.config.backbone)
         return fresh_state(model.state_dict(), model)
+
+    def untrained(self) -> str | None:
+        """Why the weights the settings name detect nothing yet; None where they know its classes."""
+        reasons = {
+            NONE: "weights is none, so they are random",
+            COCO: "weights is coco, whose last layer knows other classes and starts at random",
+        }
+        reason = reasons.get(self.config.weights)
+        return reason and f"{reason}; procedure.pretrain makes trained ones (pretrain_detector)"
 
     def fit(
         self, batches: Iterable[FrameBatch], *, state: State, budget: Budget, rng: np.random.Generator

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, Literal
 
@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Budget, Scores, State
+from tacos_framework.contracts import Budget, Scores, ScoreScale, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, FrameBatch, Rig
@@ -20,7 +20,7 @@ from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_o
 from tacos_plugins.tasks.learning.states import fresh_state, restore, state_of
 from tacos_plugins.tasks.psmnet.network import MULTIPLE_PX, PSMNet
 from tacos_plugins.tasks.psmnet.training import SMALLEST_PX, WHERE, PsmnetTraining, network_pairs, train
-from tacos_plugins.tasks.stereo.depth_scores import ERRORS, SCORES, DepthScores
+from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MEANINGS, SCALES, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.examples import StereoExample, stereo_examples
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 
@@ -74,7 +74,9 @@ class PsmnetDepth:
     Training = PsmnetTraining
 
     scores: ClassVar[tuple[str, ...]] = SCORES
+    score_meanings: ClassVar[Mapping[str, str]] = MEANINGS
     lower_is_better: ClassVar[frozenset[str]] = ERRORS
+    score_scales: ClassVar[Mapping[str, ScoreScale]] = SCALES
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -98,6 +100,12 @@ class PsmnetDepth:
             tensors = read_checkpoint(self._weights, where=where)
             load_checkpoint(tensors, network, where=where, made_for=f"PSMNet of width {self.config.width:g}")
         return fresh_state(network.state_dict(), network)
+
+    def untrained(self) -> str | None:
+        """Why the weights the settings name match nothing yet; None where a file has them."""
+        if self._weights is not None:
+            return None
+        return "weights is none, so they are random; procedure.pretrain makes trained ones (pretrain_stereo)"
 
     def fit(
         self, batches: Iterable[FrameBatch], *, state: State, budget: Budget, rng: np.random.Generator

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Scores
+from tacos_framework.contracts import Scores, ScoreScale
 from tacos_plugins.tasks.stereo.pair import StereoPair
 
 SCORES = ("log_error", "inverse_log_error", "rmse_m", "d1", "log_error_all", "rmse_all_m")
@@ -15,6 +15,19 @@ SCORES = ("log_error", "inverse_log_error", "rmse_m", "d1", "log_error_all", "rm
 
 ERRORS = frozenset(SCORES) - {"inverse_log_error"}
 """Those of them of which less is better."""
+
+SCALES: dict[str, ScoreScale] = {"d1": "share"}
+"""Those of them that are no plain numbers."""
+
+MEANINGS = {
+    "log_error": "mean error of the logarithm of depth",
+    "inverse_log_error": "one over the mean error of the logarithm of depth",
+    "rmse_m": "root of the mean squared error of depth",
+    "d1": "share of pixels whose disparity is off by more than 3 px and 5 %",
+    "log_error_all": "the same, the sky included",
+    "rmse_all_m": "the same, the sky included",
+}
+"""What they say, for reports."""
 
 LEAST_LOG_ERROR = 1e-3
 """Log errors below count as this much in their inverse, which would have no bound otherwise [1]."""

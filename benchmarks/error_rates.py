@@ -1,0 +1,69 @@
+"""How often the sequential test errs, looking after every scene: the table of docs/explanation/decision.md.
+
+Run it with ``python benchmarks/error_rates.py``; it takes a minute.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import stdtrit
+
+from tacos_framework.study.sequential import confidence_interval
+
+MOST, STUDIES, ERROR = 30, 4000, 0.05
+RNG = np.random.default_rng(1)
+
+DIFFERENCES = {
+    "normal": lambda: RNG.standard_normal(MOST),
+    "Student's t, 3 degrees of freedom": lambda: RNG.standard_t(3, MOST),
+    "Laplace": lambda: RNG.laplace(size=MOST),
+    "uniform": lambda: RNG.uniform(-1, 1, MOST),
+    "skewed (gamma, shape 4)": lambda: RNG.gamma(4, size=MOST) - 4,
+    "skewed (exponential)": lambda: RNG.exponential(size=MOST) - 1,
+    "very skewed (log-normal)": lambda: RNG.lognormal(0, 1, MOST) - np.exp(0.5),
+    "one threshold in ten missed, other noise 0.3 of it": lambda: _missed(0.1, 0.3),
+    "three in ten missed, other noise 0.1 of it": lambda: _missed(0.3, 0.1),
+    "one in ten missed, other noise 0.1 of it": lambda: _missed(0.1, 0.1),
+}
+"""Paired differences of cameras that are equal in the mean."""
+
+
+def _missed(share: float, noise: float) -> np.ndarray:
+    return RNG.normal(0, noise, MOST) + (RNG.random(MOST) < share) - share
+
+
+def _errs(seen: np.ndarray) -> bool:
+    for count in range(4, MOST + 1):
+        ends = confidence_interval(seen[:count], ERROR)
+        if ends is not None and not ends[0] <= 0 <= ends[1]:
+            return True
+    return False
+
+
+def _student_errs(seen: np.ndarray) -> bool:
+    return any(
+        abs(seen[:n].mean()) > stdtrit(n - 1, 1 - ERROR / 2) * seen[:n].std(ddof=1) / np.sqrt(n)
+        for n in range(4, MOST + 1)
+    )
+
+
+def main() -> None:
+    """Print the tables."""
+    print("| differences | this test | Student's interval at every look |")
+    print("| --- | --- | --- |")
+    for name, draw in DIFFERENCES.items():
+        studies = [draw() for _ in range(STUDIES)]
+        own, student = np.mean([_errs(s) for s in studies]), np.mean([_student_errs(s) for s in studies])
+        print(f"| {name} | {100 * own:.1f} % | {100 * student:.1f} % |")
+    print("\n| difference, in spreads | scenes until decided: quartiles |\n| --- | --- |")
+    for effect in (2.0, 1.0, 0.5):
+        needed = []
+        for _ in range(500):
+            seen = RNG.standard_normal(150) + effect
+            ends = (confidence_interval(seen[:n], ERROR / 3) for n in range(4, 151))
+            needed.append(next((n for n, e in enumerate(ends, 4) if e is not None and e[0] > 0), 150))
+        print(f"| {effect:g} | {', '.join(f'{n:.0f}' for n in np.quantile(needed, [0.25, 0.5, 0.75]))} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+"""All that follows from what a study scored, as keys of ``result.json``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tacos_decision.equivalence import equivalence
+from tacos_decision.fronts import front
+from tacos_decision.importance import importance
+from tacos_decision.model import CameraModel
+from tacos_decision.optimum import best_of_parts
+from tacos_decision.pool import Pool
+from tacos_decision.ranking import left_out, ranking
+from tacos_framework.errors import UserError
+from tacos_framework.study.record import StudyRecord
+
+MARGIN_SHARE = 0.01
+"""Share of the best fitness that does not matter, where the recipe has no ``test:`` that says it."""
+
+
+def analyse(record: StudyRecord) -> dict[str, Any]:
+    """Rank every part, find the equals, the tolerances, what matters, and the front.
+
+    Parameters
+    ----------
+    record
+        The finished study.
+
+    Returns
+    -------
+    ``ranking``, ``ranking_left_out``, ``equivalent``, ``importance``, and ``front`` where the recipe has
+    objectives. Nothing where the study itself names no winner; ``ranking_absent`` says why where the model
+    of the scores allows no conclusion.
+    """
+    if record.degenerate is not None:
+        return {}
+    model = CameraModel.fit(record)
+    if model.box.degenerate is not None:
+        return {"ranking_absent": f"No camera can be ranked: {model.box.degenerate}."}
+    pool = Pool(record.space)
+    found = best_of_parts(model, pool)
+    if not found.cameras:
+        return {"ranking_absent": "No camera can be ranked: none of those tried keeps all constraints."}
+    share = record.recipe.test.margin if record.recipe.test else MARGIN_SHARE
+    best_fitness = max(found.means.values())
+    return {
+        "ranking": ranking(model, pool, found, share * abs(best_fitness)),
+        "ranking_left_out": left_out(model, pool, found),
+        "equivalent": equivalence(model, pool, found, share),
+        "importance": importance(model, pool, found.best),
+        **_front(model, pool),
+    }
+
+
+def _front(model: CameraModel, pool: Pool) -> dict[str, Any]:
+    try:
+        aims = front(model, pool)
+    except UserError as error:  # the rest of the analysis does not need pymoo
+        return {"front_absent": str(error)}
+    return {"front": aims} if aims else {}

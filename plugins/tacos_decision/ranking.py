@@ -1,0 +1,148 @@
+"""Every part that can be had, each at its own best optics, with what is not known of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tacos_decision.model import TIME, CameraModel, interval
+from tacos_decision.optimum import BestOfParts
+from tacos_decision.pool import Pool, joined, part_names
+from tacos_framework.study.record import StudiedCamera, Values
+from tacos_framework.variables.design_space import CatalogChoice
+
+SCORED_AGAIN = ("final", "test", "analysis")
+"""Stages that score a camera on scenes it was not chosen by."""
+
+
+def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -> list[dict[str, Any]]:
+    """The key ``ranking``: parts, or where there is no catalog the cameras of the study, best first.
+
+    Parameters
+    ----------
+    model
+        What is known of the fitness.
+    pool
+        The cameras of the design space.
+    found
+        The best camera of each combination of parts.
+    margin
+        A camera of the same parts that was scored again stands for them where it is no further behind the
+        best optics that were found for them [fitness].
+    """
+    products = [camera for camera in model.record.products if camera.camera is not None]
+    entries = _entries_of_parts(model, pool, found, margin) if pool.catalogs else _entries_of_cameras(model)
+    if not entries:
+        return []
+    cameras = [camera for _, camera in entries]
+    draws = model.draws([*cameras, *(product.camera for product in products if product.camera is not None)])
+    low, high = interval(draws)
+    mean = draws.mean(axis=0)
+    unknown = _unknown(model, cameras)
+    rows = []
+    for i, (name, camera) in enumerate(entries):
+        scored = model.episodes_of(camera)
+        rows.append(
+            {
+                "part": name,
+                "camera": dict(camera),
+                "fitness": float(mean[i]),
+                "ci": [float(low[i]), float(high[i])],
+                "p_better": {
+                    product.name: float((draws[:, i] > draws[:, len(entries) + j]).mean())
+                    for j, product in enumerate(products)
+                    if product.camera != camera
+                },
+                "rescored": any(each.stage in SCORED_AGAIN for each in scored),
+                "episodes": len(scored),
+                "unknown": unknown[i],
+            }
+        )
+    return sorted(rows, key=lambda row: -row["fitness"])
+
+
+def left_out(model: CameraModel, pool: Pool, found: BestOfParts) -> list[dict[str, str]]:
+    """The key ``ranking_left_out``: parts that cannot keep a constraint, and parts too little is known of."""
+    rows = []
+    for i, choice in enumerate(pool.catalogs):
+        possible = {names[i] for names in found.cameras}
+        for part in choice.rows:
+            if part.name in possible:
+                continue
+            broken = [amounts for names, amounts in found.impossible.items() if names[i] == part.name]
+            nearest = min(broken, key=lambda amounts: sum(amounts.values()), default={})
+            rows.append({"part": part.name, "why": _impossible(nearest)})
+        bounds = ", ".join(n for n in model.record.recipe.constraints if n.startswith(f"{choice.name}."))
+        rows += [
+            {"part": name, "why": f"the constraint on {bounds} rules it out"}
+            for name in sorted(choice.excluded)
+        ]
+        rows += [
+            {"part": part.name, "why": f"its {', '.join(missing)} is not known, which the design needs"}
+            for part in choice.left_out
+            if (missing := [each for each in choice.design_columns if part.values.get(each) is None])
+        ]
+    return rows
+
+
+def _unknown(model: CameraModel, cameras: Sequence[Values]) -> list[list[str]]:
+    """What is bounded or matters, and is not known of each camera, though it is of others."""
+    unknown = []
+    for camera in cameras:
+        known = model.record.coordinates(camera)
+        unlocated = [name for name in model.box.system.names if name not in known and name != TIME]
+        unknown.append(dict.fromkeys([*model.record.unknown(camera), *unlocated]))
+    everywhere = set.intersection(*map(set, unknown))  # a rig without a lens has no image circle
+    return [[name for name in names if name not in everywhere] for names in unknown]
+
+
+def _entries_of_parts(
+    model: CameraModel, pool: Pool, found: BestOfParts, margin: float
+) -> list[tuple[str, Values]]:
+    """Of each part of each catalog its best combination with others, once."""
+    chosen: dict[tuple[str, ...], None] = {}
+    ranked = sorted(found.means, key=lambda names: -found.means[names])
+    for i in range(len(pool.catalogs)):
+        for part in dict.fromkeys(names[i] for names in ranked):
+            chosen[next(names for names in ranked if names[i] == part)] = None
+    again = _scored_again(model, pool.catalogs)
+    entries = []
+    for names in chosen:
+        camera = found.cameras[names]
+        if (known := again.get(names)) is not None and known[1] >= found.means[names] - margin:
+            camera = known[0]
+        entries.append((joined(names), camera))
+    return entries
+
+
+def _scored_again(
+    model: CameraModel, catalogs: Sequence[CatalogChoice]
+) -> dict[tuple[str, ...], tuple[Values, float]]:
+    """For parts of which a camera was scored again, the best such camera and its posterior mean."""
+    cameras = [
+        camera
+        for camera in model.scored.values()
+        if any(each.stage in SCORED_AGAIN for each in model.episodes_of(camera))
+    ]
+    best: dict[tuple[str, ...], tuple[Values, float]] = {}
+    if not cameras:
+        return best
+    for camera, mean in zip(cameras, model.posterior(cameras).mean.tolist(), strict=True):
+        names = part_names(catalogs, camera)
+        if names not in best or mean > best[names][1]:
+            best[names] = camera, mean
+    return best
+
+
+def _entries_of_cameras(model: CameraModel) -> list[tuple[str, Values]]:
+    def entry(camera: StudiedCamera) -> list[tuple[str, Values]]:
+        return [] if camera.camera is None else [(camera.name, camera.camera)]
+
+    return [each for camera in model.record.cameras for each in entry(camera)]
+
+
+def _impossible(broken: Mapping[str, float]) -> str:
+    if not broken:
+        return "no camera with it could be built"
+    amounts = ", ".join(f"{name} by {amount:.3g}" for name, amount in broken.items())
+    return f"no camera with it keeps all constraints: the nearest breaks {amounts}"

@@ -1,0 +1,1 @@
+"""Bayesian optimization with what is known of cameras: `PhysicalGp`."""

@@ -1,0 +1,113 @@
+"""What was observed, as it is kept and as the model takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from tacos_framework.contracts import DesignProblem, Evaluated
+from tacos_framework.fitness import Fitness, FitnessTerm
+from tacos_plugins.surrogate.grey_box import Observation
+
+FITNESS = "fitness"
+"""The one score there is where results come without scores of episodes."""
+
+TIME = "time"
+"""The coordinate that is the number of the round, where tasks learn meanwhile."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One candidate, evaluated.
+
+    Parameters
+    ----------
+    genes
+        Which.
+    round
+        When, counted from 0.
+    fitness
+        None where it has none.
+    episodes
+        Its scores in each episode, by number as text, as JSON has it.
+    failed
+        Whether there is nothing to learn from it but that it failed.
+    """
+
+    genes: tuple[float, ...]
+    round: int
+    fitness: float | None
+    episodes: Mapping[str, Mapping[str, float]]
+    failed: bool
+
+    @classmethod
+    def of(cls, result: Evaluated, round_number: int) -> Trial:
+        """From what an optimizer is told."""
+        episodes = {
+            str(number): {name: float(value) for name, value in scores.items()}
+            for number, scores in result.episodes.items()
+        }
+        failed = result.fitness is None and not any(episodes.values())
+        return cls(tuple(result.candidate.genes), round_number, result.fitness, episodes, failed)
+
+    def as_json(self) -> dict[str, Any]:
+        """As JSON values."""
+        return {**asdict(self), "genes": list(self.genes)}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Trial:
+        """Undoes :meth:`as_json`."""
+        return cls(**{**data, "genes": tuple(data["genes"])})
+
+
+def scored_episodes(
+    trials: Sequence[Trial], problem: DesignProblem | None
+) -> dict[tuple[float, ...], set[int] | None]:
+    """For each candidate, by its genes, the episodes that would tell nothing new of it; None if it failed.
+
+    Where episodes are renewed, or tasks have learnt since, any would.
+    """
+    changes = problem is not None and (problem.episodes_renew or problem.weights_learn)
+    done: dict[tuple[float, ...], set[int] | None] = {}
+    for trial in trials:
+        before = done.get(trial.genes, set())
+        scored = set() if changes else {int(number) for number in trial.episodes}
+        done[trial.genes] = None if trial.failed or before is None else before | scored
+    return done
+
+
+def scores_known(trials: Sequence[Trial]) -> bool:
+    """Whether results come with scores of episodes, all that succeeded."""
+    return all(trial.episodes or trial.failed for trial in trials)
+
+
+def observations(
+    trial: Trial, coordinates: Mapping[str, float], problem: DesignProblem | None, by_score: bool
+) -> list[Observation]:
+    """What a trial tells the model, at its coordinates.
+
+    Parameters
+    ----------
+    trial
+        What came out.
+    coordinates
+        Where.
+    problem
+        Whether episodes are renewed and weights learn.
+    by_score
+        Whether to take the scores of its episodes, or its fitness alone.
+    """
+    if trial.failed:
+        return []
+    if problem is not None and problem.weights_learn:
+        coordinates = {**coordinates, TIME: float(trial.round)}
+    if not by_score:
+        return [] if trial.fitness is None else [Observation(coordinates, None, {FITNESS: trial.fitness})]
+    era = trial.round if problem is not None and problem.episodes_renew else 0
+    return [Observation(coordinates, f"{era}/{number}", scores) for number, scores in trial.episodes.items()]
+
+
+def fitness_alone() -> Fitness:
+    """The fitness where it is all that is known."""
+    return Fitness((FitnessTerm(FITNESS, 1.0),))

@@ -1,0 +1,96 @@
+"""A lens that can be bought, and whether it fits a sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import ConfigDict, model_validator
+
+from tacos_framework.catalog.parts import CatalogPart
+from tacos_framework.quantities import Constraint
+from tacos_framework.settings import Settings, setting
+from tacos_plugins.rigs.mounted_camera import SensorPart
+
+FITS = {"M12": ("M12",), "M8": ("M8",), "CS": ("CS",), "C": ("C", "CS")}
+"""Mount of a lens -> mounts of cameras that take it. C and CS share their thread; a C lens sits 17.526 mm
+before the sensor, a CS lens 12.526 mm, so that a ring of 5 mm brings a C lens to a CS camera."""
+
+LENS_UNITS = {"f_number_min": "1", "image_circle_margin_mm": "mm", "mount_fits": "1"}
+"""Names and units of what :func:`derived_fit` gives."""
+
+COVERED = Constraint(
+    "image_circle_margin_mm", min=0.0, because="the image circle of the lens must cover the sensor"
+)
+"""Without it, the corners of the image stay dark."""
+
+
+class LensPart(Settings):
+    """The columns of a lens catalog a rig needs; a row's other columns are ignored."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    name: str = setting("custom", help="Name of the part, for reports.")
+    focal_length_mm: float = setting(help="Focal length.", unit="mm", gt=0)
+    f_number_min: float | None = setting(None, help="Smallest f-number, if known.", gt=0)
+    image_circle_mm: float | None = setting(
+        None, help="Diameter of the circle it fills with light, if known.", unit="mm", gt=0
+    )
+    mount: str | None = setting(None, help="Its mount (M12, C, CS), if known.")
+    distortion_percent: float | None = setting(
+        None, help="Radial distortion at the edge of its image, negative for a barrel, if known.", unit="%"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_catalog(cls, given: Any) -> Any:
+        return given.as_dict() if isinstance(given, CatalogPart) else given
+
+
+def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:
+    """The quantities of :data:`LENS_UNITS` that are known.
+
+    ``image_circle_margin_mm`` is the diameter of the image circle less the diagonal of the sensor;
+    ``mount_fits`` 1 where cameras with this sensor are sold with a mount that takes the lens, else 0.
+
+    Examples
+    --------
+    >>> sensor = SensorPart(width_px=4000, height_px=3000, pixel_um=1.0, mounts="CS, M12")
+    >>> derived_fit(LensPart(focal_length_mm=4, image_circle_mm=6, mount="C"), sensor)
+    {'image_circle_margin_mm': 1.0, 'mount_fits': 1.0}
+    """
+    found = {}
+    if lens.f_number_min is not None:
+        found["f_number_min"] = lens.f_number_min
+    if lens.image_circle_mm is not None:
+        found["image_circle_margin_mm"] = lens.image_circle_mm - sensor.diagonal_mm
+    if lens.mount is not None and sensor.mounts is not None:
+        offered = [mount.strip() for mount in sensor.mounts.split(",")]
+        found["mount_fits"] = float(any(mount in offered for mount in FITS.get(lens.mount, (lens.mount,))))
+    return found
+
+
+def notes_on_fit(lens: LensPart, sensor: SensorPart) -> Iterator[str]:
+    """What somebody who buys the two should know."""
+    if lens.image_circle_mm is None:
+        yield (
+            f"Nobody states the image circle of {lens.name}: ask for one of at least "
+            f"{sensor.diagonal_mm:.1f} mm, the diagonal of {sensor.name}."
+        )
+    if lens.f_number_min is None:
+        yield f"Nobody states how far {lens.name} opens."
+    if lens.mount is None or sensor.mounts is None:
+        unstated = [f"the mount of {lens.name}"] if lens.mount is None else []
+        unstated += [f"the mounts of cameras with {sensor.name}"] if sensor.mounts is None else []
+        yield f"Nobody states {' and '.join(unstated)}: see that they fit."
+    elif not derived_fit(lens, sensor)["mount_fits"]:
+        yield f"{lens.name} has mount {lens.mount}; cameras with {sensor.name} are sold for {sensor.mounts}."
+    elif lens.mount == "C" and "C" not in [mount.strip() for mount in sensor.mounts.split(",")]:
+        yield f"{lens.name} needs a ring of 5 mm on a CS camera."
+    if lens.distortion_percent is None:
+        yield f"Nobody states the distortion of {lens.name}; images are simulated without any."
+    else:
+        yield (
+            f"{lens.name} distorts by {lens.distortion_percent:g} %; images are simulated without, unless "
+            f"the recipe has an effect of lens distortion."
+        )

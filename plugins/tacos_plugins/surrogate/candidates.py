@@ -1,0 +1,261 @@
+"""Candidates that keep all constraints, spread over what images depend on."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from tacos_framework.contracts import DesignProblem
+from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Gene, Integer, Variable
+from tacos_framework.variables.design_space import Candidate, DesignSpace
+
+Array = NDArray[np.float64]
+
+MOST_COMBINATIONS = 256
+"""Choices are combined in all ways up to so many; of more, each pool holds others, drawn at random."""
+
+ATTEMPTS = 8
+"""How often candidates of a combination are drawn again where too few keep the constraints."""
+
+MOST_VALUES = 32
+"""Whole numbers with more values are drawn from their range, as if they were continuous, and rounded."""
+
+SWEEP = 17
+"""Places along a gene at which it is looked how coordinates change."""
+
+REDRAWN = 0.1
+"""Probability that a choice is drawn anew where candidates are drawn around one."""
+
+
+@dataclass(frozen=True)
+class PlacedCandidate:
+    """A candidate, and what images of it depend on."""
+
+    candidate: Candidate
+    coordinates: Mapping[str, float]
+
+
+class FeasibleCandidates:
+    """The candidates of a design space that keep all constraints.
+
+    Parameters
+    ----------
+    space
+        What can vary.
+    coordinates
+        What images depend on, by name, for a candidate that keeps all constraints.
+    broken
+        By how much a candidate breaks constraints; empty where it keeps all.
+    """
+
+    def __init__(
+        self,
+        space: DesignSpace,
+        coordinates: Callable[[Candidate], Mapping[str, float]],
+        broken: Callable[[Candidate], Mapping[str, float]],
+    ) -> None:
+        self.space = space
+        self.coordinates = coordinates
+        self._broken = broken
+
+    @classmethod
+    def of(cls, space: DesignSpace, problem: DesignProblem | None) -> FeasibleCandidates:
+        """Those of a problem, or of the bare space where nothing more is known."""
+        if problem is None:
+            return cls(space, lambda candidate: bare_coordinates(space, candidate), lambda _: {})
+        return cls(space, problem.coordinates, problem.broken)
+
+    def placed(self, genes: Sequence[float] | Array) -> PlacedCandidate | None:
+        """The candidate nearest to these genes; None where it breaks a constraint."""
+        candidate = self.space.decode(genes)
+        return None if self._broken(candidate) else PlacedCandidate(candidate, self.coordinates(candidate))
+
+    def pool(self, count: int, rng: np.random.Generator) -> list[PlacedCandidate]:
+        """About `count` candidates: all combinations of parts and choices, each with a spread of the rest.
+
+        There are more where the combinations are more, fewer where constraints leave no room, and none where
+        nothing that was drawn keeps them. Each candidate comes once.
+        """
+        combinations = list(self._combinations(count, rng))
+        each = max(1, math.ceil(count / len(combinations))) if self._continuous else 1
+        found: dict[Candidate, PlacedCandidate] = {}
+        for combination in combinations:
+            for placed in self._of_combination(combination, each, rng):
+                found.setdefault(placed.candidate, placed)
+        return list(found.values())
+
+    def most_broken(self, count: int, rng: np.random.Generator) -> str | None:
+        """The constraint that most of `count` candidates drawn at random break; None where they keep all."""
+        names = Counter(name for _ in range(count) for name in self._broken(self.space.sample(rng)))
+        return names.most_common(1)[0][0] if names else None
+
+    def around(
+        self, centres: Sequence[Candidate], count: int, step: float, rng: np.random.Generator
+    ) -> list[PlacedCandidate]:
+        """At most `count` candidates near these, by turns.
+
+        Parameters
+        ----------
+        centres
+            Where to look.
+        count
+            How many candidates to draw; those that break a constraint are left out.
+        step
+            Standard deviation of a step, in ranges of a variable.
+        """
+        found: dict[Candidate, PlacedCandidate] = {}
+        for number in range(count if centres else 0):
+            genes = list(centres[number % len(centres)].genes)
+            for i in self._continuous:
+                place = self._warps[i].place(genes[i]) + step * rng.standard_normal()
+                genes[i] = self._warps[i].gene(float(np.clip(place, 0.0, 1.0)))
+            for variable, first in self._choices:
+                if rng.random() < REDRAWN:
+                    values = _values_of(variable)
+                    genes[first : first + len(variable.genes)] = values[rng.integers(len(values))]
+            if (placed := self.placed(genes)) is not None:
+                found.setdefault(placed.candidate, placed)
+        return list(found.values())
+
+    @cached_property
+    def _continuous(self) -> list[int]:
+        """The numbers of the genes that are drawn from a range."""
+        names = {variable.name for variable in self.space.variables if _has_range(variable)}
+        return [i for i, gene in enumerate(self.space.genes) if gene.variable in names]
+
+    @cached_property
+    def _choices(self) -> list[tuple[Variable, int]]:
+        """The other variables, each with the number of its first gene."""
+        names = [gene.variable for gene in self.space.genes]
+        others = [variable for variable in self.space.variables if not _has_range(variable)]
+        return [(variable, names.index(variable.name)) for variable in others]
+
+    def _combinations(self, count: int, rng: np.random.Generator) -> Iterator[Array]:
+        """Genes with each combination of choices; those of the continuous variables are in the middle."""
+        values = [_values_of(variable) for variable, _ in self._choices]
+        if math.prod(map(len, values)) <= MOST_COMBINATIONS:
+            chosen = list(product(*values))
+        else:
+            columns = [[each[i % len(each)] for i in rng.permutation(count)] for each in values]
+            chosen = list(zip(*columns, strict=True))
+        for combination in chosen:
+            genes = self._middle.copy()
+            for (_, first), own in zip(self._choices, combination, strict=True):
+                genes[first : first + len(own)] = own
+            yield genes
+
+    @property
+    def _middle(self) -> Array:
+        return np.array([(gene.lower + gene.upper) / 2 for gene in self.space.genes])
+
+    def _of_combination(self, genes: Array, count: int, rng: np.random.Generator) -> list[PlacedCandidate]:
+        """About `count` candidates of one combination, by Latin hypercubes."""
+        found: list[PlacedCandidate] = []
+        for _ in range(ATTEMPTS if self._continuous else 1):
+            for places in qmc.LatinHypercube(len(self._continuous), rng=rng).random(count):
+                drawn = genes.copy()
+                for i, place in zip(self._continuous, places, strict=True):
+                    drawn[i] = self._warps[i].gene(place)
+                if (placed := self.placed(drawn)) is not None:
+                    found.append(placed)
+            if 2 * len(found) >= count:
+                break
+        return found[:count]
+
+    @cached_property
+    def _warps(self) -> dict[int, Warp]:
+        """For each continuous gene where to draw it, so that coordinates come evenly."""
+        middle = self.space.decode(self._middle)
+        return {i: self._warp(i, self.space.genes[i], np.array(middle.genes)) for i in self._continuous}
+
+    def _warp(self, index: int, gene: Gene, genes: Array) -> Warp:
+        places = np.linspace(gene.lower, gene.upper, SWEEP)
+        swept = []
+        for place in places:
+            genes[index] = place
+            swept.append(self.placed(genes))
+        return Warp.of_sweep(places, [None if s is None else s.coordinates for s in swept])
+
+
+@dataclass(frozen=True, eq=False)
+class Warp:
+    """Maps 0..1 to a gene so that coordinates change evenly: a focal length, so that fields of view do.
+
+    Parameters
+    ----------
+    genes
+        (n,) rising values of the gene.
+    places
+        (n,) where between 0 and 1 each of them lies.
+    """
+
+    genes: Array
+    places: Array
+
+    @classmethod
+    def of_sweep(cls, genes: Array, coordinates: Sequence[Mapping[str, float] | None]) -> Warp:
+        """From the coordinates at values of the gene; None where a constraint is broken."""
+        steps = np.full(len(genes) - 1, np.nan)
+        known = [c for c in coordinates if c is not None]
+        names = [n for n in (known[0] if known else {}) if all(n in c for c in known)]
+        ranges = {n: max(c[n] for c in known) - min(c[n] for c in known) for n in names}
+        moving = [n for n in names if ranges[n] > 1e-9 * max(1.0, *(abs(c[n]) for c in known))]
+        for i, (one, other) in enumerate(pairwise(coordinates)):
+            if moving and one is not None and other is not None:
+                steps[i] = np.mean([abs(other[n] - one[n]) / ranges[n] for n in moving])
+        usual = float(np.nanmean(steps)) if np.nansum(steps) > 0 else 1.0
+        steps = np.where(np.isfinite(steps), steps, usual) + 1e-3 * usual  # no value is left out altogether
+        places = np.concatenate([[0.0], np.cumsum(steps)])
+        return cls(genes, places / places[-1])
+
+    def gene(self, place: float) -> float:
+        """The value at a place between 0 and 1."""
+        return float(np.interp(place, self.places, self.genes))
+
+    def place(self, gene: float) -> float:
+        """Undoes :meth:`gene`."""
+        return float(np.interp(gene, self.genes, self.places))
+
+
+def bare_coordinates(space: DesignSpace, candidate: Candidate) -> dict[str, float]:
+    """A candidate in numbers where no rig says what images depend on.
+
+    Numbers are as they are, a part its design columns, and a choice without order one number for each value:
+    1 for the chosen one.
+    """
+    found: dict[str, float] = {}
+    for variable in space.variables:
+        value: Any = candidate.values[variable.name]
+        match variable:
+            case CatalogChoice():
+                columns = variable.design_columns
+                found |= {f"{variable.name}.{column}": float(value.number(column)) for column in columns}
+            case Categorical():
+                found |= {f"{variable.name}={each}": float(each == value) for each in variable.values}
+            case _:
+                found[variable.name] = float(value)
+    return found
+
+
+def _has_range(variable: Variable) -> bool:
+    """Whether values are drawn from a range, rather than listed."""
+    if isinstance(variable, Integer):
+        return variable.upper - variable.lower >= MOST_VALUES
+    return isinstance(variable, Continuous)
+
+
+def _values_of(variable: Variable) -> list[tuple[float, ...]]:
+    """The genes of all values of a variable that is not continuous."""
+    if isinstance(variable, CatalogChoice):
+        return [variable.encode(row) for row in variable.rows]
+    (gene,) = variable.genes
+    return [(float(value),) for value in range(int(gene.lower), int(gene.upper) + 1)]

@@ -1,0 +1,45 @@
+"""The HTML report of a study: one file, pictures first, nothing fetched from elsewhere.
+
+================  ===========================================================================================
+``study_data``    a results folder as plain values
+``story``         sentences made from them, with ``comparison`` behind the differences
+``tables``        tables, cell by cell
+``pictures``      sample frames, and how large to show them beside one another
+``view_geometry`` where a camera looks: pure geometry
+``figures``       the drawings, one a file
+``html``          all of it on one page
+================  ===========================================================================================
+
+Importing this package loads neither matplotlib nor jinja2; `write_report` does.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = ["write_report"]
+
+
+def write_report(folder: Path) -> Path:
+    """Read the results folder of a study and write ``report.html`` into it.
+
+    Parameters
+    ----------
+    folder
+        A folder a study has written; it needs at least ``result.json``.
+
+    Returns
+    -------
+    Path
+        The report, one self-contained file.
+
+    Raises
+    ------
+    UserError
+        Where the folder holds no readable ``result.json``.
+    """
+    from tacos_framework.report.page import write_html
+    from tacos_report.html import render
+    from tacos_report.study_data import read_study
+
+    return write_html(folder / "report.html", render(read_study(folder)))

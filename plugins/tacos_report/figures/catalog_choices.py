@@ -1,0 +1,68 @@
+"""Rows of a catalog that were tried: the best of them by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_framework.report.palette import DOT, INK, MUTED, RULE, camera_colour
+from tacos_framework.report.quantities import number, row_detail, words
+from tacos_report.study_data import Tried
+
+_SHOWN = 10
+
+
+def catalog_choices(variable: str, tried: Sequence[Tried]) -> str:
+    """SVG of the best rows of a catalog variable, each with the fitness of every candidate that used it."""
+    rows = _ranked(variable, tried)
+    shown = rows[:_SHOWN]
+    names = ", ".join(f"{name} {number(max(values))}" for name, _, values in shown)
+    label = words(variable).lower()
+    description = f"Best fitness by {label}, {len(shown)} best of {len(rows)} tried: {names}."
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        left = min(min(values) for _, _, values in shown)
+        for place, (_, _, values) in enumerate(shown):
+            top, colour = max(values), camera_colour(0) if place == 0 else INK
+            axes.plot([min(values), top], [place, place], color=RULE, linewidth=2.5, zorder=0)
+            axes.plot(values, [place] * len(values), "o", color=DOT, alpha=0.5, markersize=5, linestyle="")
+            shape = "*" if place == 0 else "o"
+            axes.plot([top], [place], shape, color=colour, markersize=13 if place == 0 else 6, linestyle="")
+            axes.annotate(
+                number(top), (top, place), (9, 0), textcoords="offset points", va="center", color=colour,
+                fontweight="bold" if place == 0 else "normal",
+            )  # fmt: skip
+        axes.set_yticks(range(len(shown)), [_label(name, row, values) for name, row, values in shown])
+        axes.tick_params(axis="y", labelcolor=INK)
+        axes.get_yticklabels()[0].set(color=camera_colour(0), fontweight="bold")
+        axes.set_ylim(len(shown) - 0.4, -0.6)
+        axes.margins(x=0.1)
+        axes.set_xlabel(f"fitness of each candidate with that {label}", color=MUTED)
+        axes.spines[["left", "bottom"]].set_visible(False)
+        axes.set_xlim(left=left - 0.04 * abs(left))
+        light_grid(axes, "x")
+
+    return draw(f"catalog-{variable}", (9.2, 0.75 + 0.31 * len(shown)), description, paint)
+
+
+def _ranked(variable: str, tried: Sequence[Tried]) -> list[tuple[str, dict[str, Any], list[float]]]:
+    """(name, row, fitnesses) of every row tried, the best first."""
+    fitnesses: dict[str, list[float]] = {}
+    rows: dict[str, dict[str, Any]] = {}
+    for candidate in tried:
+        row = candidate.camera.get(variable)
+        if isinstance(row, dict) and candidate.fitness is not None:
+            name = str(row.get("name", "unnamed"))
+            fitnesses.setdefault(name, []).append(candidate.fitness)
+            rows[name] = row
+    ranked = sorted(fitnesses, key=lambda name: (-max(fitnesses[name]), name))
+    return [(name, rows[name], fitnesses[name]) for name in ranked]
+
+
+def _label(name: str, row: dict[str, Any], values: Sequence[float]) -> str:
+    times = f"tried {len(values)}×"
+    return "  ·  ".join(part for part in (name, row_detail(row), times) if part)

@@ -1,0 +1,59 @@
+"""Every part with its fitness and what is credible of it, best first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from matplotlib.figure import Figure
+
+from tacos_framework.report.figures.canvas import draw, light_grid
+from tacos_framework.report.palette import DOT, INK, PAPER, camera_colour
+from tacos_framework.report.quantities import number
+from tacos_report.analysis import RankedPart
+
+_ROW_IN = 0.215
+
+
+def parts_ranked(parts: Sequence[RankedPart], products: Mapping[str, tuple[int, str]]) -> str:
+    """SVG of one row per part: dot, 95 % interval, and the product that has it.
+
+    Parameters
+    ----------
+    products
+        By name of a part, the place of its product among the cameras (its colour) and its title.
+    """
+    said = ", ".join(f"{part.part} {number(part.fitness)}" for part in parts)
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        if (best := parts[0].ci) is not None:
+            axes.axvspan(*best, color=camera_colour(0), alpha=0.08, linewidth=0, zorder=0)
+        for place, part in enumerate(parts):
+            index, title = products.get(part.part, (None, ""))
+            colour = camera_colour(0) if place == 0 else DOT if index is None else camera_colour(index)
+            if part.ci is not None:
+                axes.plot(part.ci, [place, place], color=colour, linewidth=2.2, alpha=0.75, zorder=1)
+            size = (9.0 if part.rescored else 6.5) + (1 if index is not None else 0)
+            axes.plot(
+                [part.fitness], [place], "D" if index is not None else "o", markersize=size, linestyle="",
+                color=colour if part.episodes else PAPER, markeredgecolor=PAPER if part.episodes else colour,
+                markeredgewidth=0.8 if part.episodes else 1.4, zorder=2,
+            )  # fmt: skip
+            if title and title != part.part:
+                right = part.ci[1] if part.ci else part.fitness
+                axes.annotate(title, (right, place), (7, 0), textcoords="offset points", va="center",
+                              color=colour, fontsize=8)  # fmt: skip
+        axes.set_yticks(range(len(parts)), [part.part for part in parts])
+        for label, part in zip(axes.get_yticklabels(), parts, strict=True):
+            index = products.get(part.part, (None, ""))[0]
+            label.set(color=INK if index is None else camera_colour(index), fontsize=8.5)
+        axes.get_yticklabels()[0].set(color=camera_colour(0), fontweight="bold")
+        axes.set_ylim(len(parts) - 0.3, -0.7)
+        axes.margins(x=0.05)
+        axes.set_xlabel("fitness at its own best optics (higher is better)")
+        axes.spines[["left", "bottom"]].set_visible(False)
+        light_grid(axes, "x")
+
+    return draw(
+        "parts-ranked", (9.2, 0.7 + _ROW_IN * len(parts)), f"{len(parts)} parts by fitness: {said}.", paint
+    )

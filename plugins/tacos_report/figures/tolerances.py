@@ -1,0 +1,59 @@
+"""How far each variable may stray: ranges within the bounds of the design space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from tacos_framework.report.figures.canvas import draw
+from tacos_framework.report.palette import INK, MUTED, RULE, camera_colour
+from tacos_framework.report.quantities import quantity
+
+Ends = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class VariableRange:
+    """A variable in words, its bounds, and where in them equally good cameras lie."""
+
+    title: str
+    unit: str
+    bounds: Ends
+    among: Ends | None
+    about: Ends | None
+    chosen: float | None
+
+
+def tolerances(variables: Sequence[VariableRange]) -> str:
+    """SVG of one bar per variable, each over its own bounds."""
+    said = "; ".join(
+        f"{v.title} {quantity(v.about[0], v.unit)} to {quantity(v.about[1], v.unit)}"
+        for v in variables
+        if v.about
+    )
+
+    def paint(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        for place, variable in enumerate(variables):
+            low, high = variable.bounds
+            axes.plot([0, 1], [place, place], color=RULE, linewidth=2, solid_capstyle="butt", zorder=0)
+            for ends, width, alpha in ((variable.among, 11, 0.28), (variable.about, 11, 0.85)):
+                if ends is not None:
+                    at = [(end - low) / (high - low) for end in ends]
+                    axes.plot(at, [place, place], color=camera_colour(0), linewidth=width, alpha=alpha,
+                              solid_capstyle="butt", zorder=1)  # fmt: skip
+            if variable.chosen is not None:
+                at_chosen = (variable.chosen - low) / (high - low)
+                axes.plot([at_chosen], [place], "*", color=INK, markersize=11, linestyle="", zorder=3)
+            for at_end, end, side in ((0.0, low, "right"), (1.0, high, "left")):
+                gap = -6 if side == "right" else 6
+                axes.annotate(quantity(end, variable.unit), (at_end, place), (gap, 0), ha=side, va="center",
+                              textcoords="offset points", color=MUTED, fontsize=8)  # fmt: skip
+            axes.text(0, place - 0.36, variable.title, color=INK, fontsize=9.5, va="center")
+        axes.set_xlim(-0.09, 1.09)
+        axes.set_ylim(len(variables) - 0.55, -0.65)
+        axes.axis("off")
+
+    return draw("tolerances", (9.2, 0.25 + 0.62 * len(variables)), f"Tolerances: {said}.", paint)

@@ -1,0 +1,26 @@
+"""The report of studies, as a plugin: importing it is light."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tacos_framework.hookspecs import hookimpl
+
+
+@hookimpl
+def tacos_report(folder: Path) -> Path | None:
+    """``report.html`` of a study; procedures write theirs themselves."""
+    if _of_a_procedure(folder):
+        return None
+    from tacos_report import write_report
+
+    return write_report(folder)
+
+
+def _of_a_procedure(folder: Path) -> bool:
+    try:
+        result = json.loads((folder / "result.json").read_text("utf-8"))
+    except (OSError, ValueError):
+        return False  # what is wrong with it is said by who reads the study
+    return isinstance(result, dict) and "procedure" in result

@@ -1,0 +1,78 @@
+"""The cameras that are as good as the best, and how far each variable may stray."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tacos_framework.report.page import Block, Drawing, Paragraph, Table
+from tacos_framework.report.quantities import number, quantity, unit_of, words
+from tacos_report.analysis import Equivalents
+from tacos_report.figures.tolerances import VariableRange, tolerances
+from tacos_report.plain_values import Interval, finite
+from tacos_report.study_data import StudyData
+from tacos_report.verdicts import share_words
+
+
+def blocks(study: StudyData) -> Iterator[Block]:
+    """Parts in a sentence, ranges as a picture and in numbers."""
+    found = study.analysis.equivalents
+    if found is None or not (found.parts or found.ranges or found.tolerances):
+        return
+    yield Paragraph(_parts_words(found, len(study.analysis.ranking)))
+    names = list(dict.fromkeys([*found.ranges, *found.tolerances]))
+    drawn = [variable for name in names if (variable := _variable(study, found, name)) is not None]
+    if drawn:
+        yield Drawing(
+            tolerances(drawn),
+            "Light: where cameras within the margin lie, all variables free to follow. Dark: how far this "
+            "one may stray while the rest of the designed camera (the star) stays as it is. Ends are those "
+            "of the design space.",
+        )
+    yield Table(
+        ("Variable", "Among all that will do", "Tolerance about the designed camera"),
+        tuple(
+            (
+                words(name),
+                *(_range_words(study, name, of.get(name)) for of in (found.ranges, found.tolerances)),
+            )
+            for name in names
+        ),
+    )
+
+
+def _parts_words(found: Equivalents, total: int) -> str:
+    share = f"{share_words(found.margin_share)} of the best fitness" if found.margin_share else "the margin"
+    margin = f" ({number(found.margin, 2)})" if found.margin else ""
+    if not found.parts:
+        return f"Cameras within {share}{margin} of the best lie in these ranges."
+    of = f" of {total}" if total >= len(found.parts) else ""
+    one = len(found.parts) == 1
+    parts = "part lies" if one and not of else "parts lie"
+    closing = "No other is as good" if one else "Choose among them by price, supply and size"
+    return f"{len(found.parts)}{of} {parts} within {share}{margin}: {', '.join(found.parts)}. {closing}."
+
+
+def _variable(study: StudyData, found: Equivalents, name: str) -> VariableRange | None:
+    """A variable of numbers, with the ends of the design space; None for choices."""
+    row = next((row for row in study.design_space if row.get("name") == name), {})
+    lower, upper = finite(row.get("lower")), finite(row.get("upper"))
+    among, about = (_ends(of.get(name)) for of in (found.ranges, found.tolerances))
+    if lower is None or upper is None or lower >= upper or (among is None and about is None):
+        return None
+    chosen = finite(study.designed.camera.get(name)) if study.designed else None
+    unit = study.units.get(name) or unit_of(name)
+    return VariableRange(words(name), unit, (lower, upper), among, about, chosen)
+
+
+def _ends(value: Interval | tuple[str, ...] | None) -> Interval | None:
+    if value is None or len(value) != 2 or isinstance(value[0], str) or isinstance(value[1], str):
+        return None
+    return value[0], value[1]
+
+
+def _range_words(study: StudyData, name: str, value: Interval | tuple[str, ...] | None) -> str:
+    ends = _ends(value)
+    if ends is None:
+        return ", ".join(str(each) for each in value or ())
+    unit = study.units.get(name) or unit_of(name)
+    return f"{quantity(ends[0], unit)} to {quantity(ends[1], unit)}"

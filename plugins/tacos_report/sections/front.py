@@ -1,0 +1,48 @@
+"""Cameras of which none is better in one aim without being worse in another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tacos_framework.report.page import Block, Detailed, Drawing, Table
+from tacos_framework.report.quantities import number, quantity, words
+from tacos_report.analysis import FrontPoint, Objective
+from tacos_report.figures.trade_offs import trade_offs
+from tacos_report.story import optics_words
+from tacos_report.study_data import StudyData
+
+
+def blocks(study: StudyData) -> Iterator[Block]:
+    """Each aim against the fitness, and the cameras of the front."""
+    objectives, points = study.analysis.objectives, study.analysis.front
+    if not objectives or not points:
+        return
+    drawn = [
+        each for each in objectives if each.name != "fitness" and any(each.name in p.values for p in points)
+    ]
+    if drawn:
+        yield Drawing(
+            trade_offs(drawn, points),
+            "Cameras of which none is better in one aim without being worse in another. Filled dots were "
+            "scored again on scenes, hollow ones are told by the model; bars are 95 % intervals. Arrows say "
+            "which way is better.",
+        )
+    shown_first = sorted(points, key=lambda point: -point.fitness)
+    yield Table(
+        ("Camera", "Fitness (95 %)", *(_head(each) for each in drawn)),
+        tuple(_row(point, drawn, study) for point in shown_first),
+    )
+
+
+def _head(objective: Objective) -> str:
+    return f"{words(objective.name)} ({'less' if objective.aim == 'min' else 'more'} is better)"
+
+
+def _row(point: FrontPoint, objectives: list[Objective], study: StudyData) -> tuple[str | Detailed, ...]:
+    optics = optics_words(point.camera, study.units)
+    ends = f"{number(point.ci[0])} to {number(point.ci[1])}" if point.ci else ""
+    values = (
+        quantity(point.values[each.name], each.unit) if each.name in point.values else "not stated"
+        for each in objectives
+    )
+    return (Detailed(point.part or "camera", optics), Detailed(number(point.fitness), ends), *values)

@@ -1,0 +1,30 @@
+"""How much each variable matters, and the fitness along it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tacos_framework.report.page import Block, Drawing
+from tacos_report.figures.influences import curves, shares
+from tacos_report.study_data import StudyData
+
+
+def blocks(study: StudyData) -> Iterator[Block]:
+    """Bars of the Sobol indices, and one small picture per variable."""
+    found = study.analysis.influences
+    if not found:
+        return
+    yield Drawing(
+        shares(found),
+        "Share of the variation of the fitness over the design space that goes when the variable is held "
+        "(Sobol indices): dark by itself, light together with the others it acts with. Where the light part "
+        "is long, the variable must be chosen together with others.",
+    )
+    drawn = [influence for influence in found if len(influence.curve) > 1]
+    if drawn:
+        chosen = study.designed.camera if study.designed else {}
+        yield Drawing(
+            curves(drawn, chosen),
+            "Fitness along each variable, everything else at its best; the band holds 95 % of what is "
+            "credible. The upright line is the designed camera.",
+        )

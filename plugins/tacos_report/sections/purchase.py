@@ -1,0 +1,95 @@
+"""What to buy: parts, lens, mounting, and what nobody states of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from tacos_framework.report.page import Block, SideBySide, Table, Warnings
+from tacos_framework.report.quantities import number, quantity, shown, unit_of, words
+from tacos_report.plain_values import finite, showable
+from tacos_report.study_data import CameraResult, StudyData
+
+_PROSE = ("name", "source", "sources", "notes", "doubts", "grade", "provenance")
+"""Columns of a part that tell about its data sheet, not about the part."""
+
+
+def blocks(study: StudyData) -> Iterator[Block]:
+    """A table per part, with a specification of the lens where it is not a part; how to mount it; doubts."""
+    designed = study.designed
+    if designed is None or study.analysis.degenerate:
+        return
+    parts = {name: value for name, value in designed.camera.items() if isinstance(value, Mapping)}
+    if not parts:
+        return
+    tables = [_part_table(variable, part) for variable, part in parts.items()]
+    if "focal_length_mm" in designed.camera and "lens" not in parts:
+        tables.append(Table(("Lens", "to be found"), tuple(_lens_wanted(designed, study))))
+    yield SideBySide(tuple(tables))
+    fit = _fit(designed) if "lens" in parts else ()
+    if together := (*fit, *_mounting(designed, study)):
+        yield Table(("Together", ""), together)
+    names = [_title(part) for part in parts.values()]
+    doubts = tuple(note for note in study.notes if any(name in note for name in names))
+    yield Warnings("Before you order", doubts)
+
+
+def _part_table(variable: str, part: Mapping[str, Any]) -> Table:
+    rows = list(_properties(part))
+    if unknown := [words(str(name)).lower() for name, value in part.items() if value is None]:
+        rows.append(("Nobody states", f"{', '.join(unknown)}: ask the maker where it matters"))
+    return Table((words(variable), _title(part)), tuple(rows))
+
+
+def _title(part: Mapping[str, Any]) -> str:
+    return shown("part", dict(part))
+
+
+def _properties(part: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """What is known of a part, column by column; pixels and millimetres of its two sides in one row each."""
+    pairs = {"width_px": ("height_px", "Pixels", "px"), "width_mm": ("height_mm", "Active area", "mm")}
+    done = {other for other, _, _ in pairs.values()}
+    for name, value in part.items():
+        own, other = finite(value), finite(part.get(pairs[name][0])) if name in pairs else None
+        if own is not None and other is not None:
+            _, title, unit = pairs[name]
+            yield title, f"{number(own, 4)} × {quantity(other, unit, 4)}"
+        elif name not in done and name not in _PROSE and showable(value):
+            yield words(name), shown(name, value)
+
+
+def _lens_wanted(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, str]]:
+    """What to look for where the design names a focal length and no lens."""
+    yield "Focal length", shown("focal_length_mm", camera.camera["focal_length_mm"])
+    width_mm, height_mm = _sides_mm(camera)
+    if width_mm is not None and height_mm is not None:
+        diagonal_mm = math.hypot(width_mm, height_mm)
+        yield "Image circle", f"at least {quantity(diagonal_mm, 'mm')}, the diagonal of the sensor"
+    if "hfov_deg" in camera.derived:
+        field = quantity(camera.derived["hfov_deg"], "deg")
+        yield "Horizontal field of view", f"{field}, simulated without distortion"
+    if study.f_number is not None:
+        yield "F-number", f"{number(study.f_number)} or less, as simulated"
+
+
+def _fit(camera: CameraResult) -> tuple[tuple[str, str], ...]:
+    """Whether lens and sensor go together, as far as it is known."""
+    margin_mm = camera.derived.get("image_circle_margin_mm")
+    circle = "not known: nobody states the image circle"
+    if margin_mm is not None:
+        covers = "covers the sensor" if margin_mm >= 0 else "leaves the corners of the sensor dark"
+        circle = f"{covers}: {quantity(abs(margin_mm), 'mm', 2)} {'to spare' if margin_mm >= 0 else 'short'}"
+    fits = camera.derived.get("mount_fits")
+    mount = "not known: a mount is not stated" if fits is None else "fits" if fits else "does not fit"
+    return ("Image circle of the lens", circle), ("Mount of the lens", mount)
+
+
+def _mounting(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, str]]:
+    for name, value in camera.camera.items():
+        if name != "focal_length_mm" and showable(value):
+            yield words(name), shown(name, value, study.units.get(name) or unit_of(name))
+
+
+def _sides_mm(camera: CameraResult) -> tuple[float | None, float | None]:
+    return camera.derived.get("sensor_width_mm"), camera.derived.get("sensor_height_mm")

@@ -1,0 +1,95 @@
+"""Every part that can be had, at its own best optics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from tacos_framework.report.page import Block, Detailed, Drawing, Folded, Paragraph, Table
+from tacos_framework.report.quantities import number, words
+from tacos_report.analysis import RankedPart
+from tacos_report.figures.parts_ranked import parts_ranked
+from tacos_report.story import optics_words
+from tacos_report.study_data import StudyData
+
+_SHOWN = 12
+"""Rows of the table before the rest is folded."""
+
+
+def blocks(study: StudyData) -> Iterator[Block]:
+    """A picture of all parts, a table of the first, and what could not be ranked."""
+    ranked = study.analysis.ranking
+    if ranked:
+        carried = products_of_parts(study)
+        yield Drawing(
+            parts_ranked(ranked, carried),
+            "Every part at the optics that suit it best. Filled dots were scored on scenes, again where "
+            "they are large; hollow ones are told by the model of the scores alone, and their intervals say "
+            "how well. Bars hold 95 % of what is credible. Coloured diamonds are parts of products off the "
+            "shelf.",
+        )
+        heads = ("", "Part", "Its best optics", "Fitness (95 %)", *_heads(study), "Known from")
+        rows = tuple(_row(place, part, study, carried) for place, part in enumerate(ranked, start=1))
+        yield Table(heads, rows[:_SHOWN])
+        if rows[_SHOWN:]:
+            yield Folded(f"The other {len(rows) - _SHOWN} parts", Table(heads, rows[_SHOWN:]))
+    if left_out := study.analysis.left_out:
+        if ranked:
+            yield Paragraph(f"{len(left_out)} more cannot be used:")
+        yield Table(("Part", "Why it cannot be used"), tuple(left_out.items()))
+
+
+def products_of_parts(study: StudyData) -> dict[str, tuple[int, str]]:
+    """Parts, and products as parts of themselves, with the place and the title of the product."""
+    found: dict[str, tuple[int, str]] = {}
+    for index, camera in enumerate(study.cameras):
+        if camera in study.others:
+            parts = [value.get("name") for value in camera.camera.values() if isinstance(value, Mapping)]
+            for name in (*parts, camera.name, camera.title):
+                if isinstance(name, str):
+                    found.setdefault(name, (index, camera.title))
+    return found
+
+
+def chance(probability: float) -> str:
+    """A probability as people say it.
+
+    >>> chance(0.873), chance(0.9999), chance(0.0)
+    ('87\\u202f%', '> 99\\u202f%', '< 1\\u202f%')
+    """
+    share = round(100 * probability)
+    return "> 99\u202f%" if share > 99 else "< 1\u202f%" if share < 1 else f"{share}\u202f%"
+
+
+def _heads(study: StudyData) -> list[str]:
+    return [f"P(better than {study.title_of(name)})" for name in _products(study)]
+
+
+def _products(study: StudyData) -> list[str]:
+    return list(dict.fromkeys(name for part in study.analysis.ranking for name in part.p_better))
+
+
+def _row(
+    place: int, part: RankedPart, study: StudyData, carried: Mapping[str, tuple[int, str]]
+) -> tuple[str | Detailed, ...]:
+    ends = f"{number(part.ci[0])} to {number(part.ci[1])}" if part.ci else ""
+    chances = (part.p_better.get(name) for name in _products(study))
+    title = carried[part.part][1] if part.part in carried else ""
+    return (
+        str(place),
+        Detailed(part.part, f"in the {title}" if title and title != part.part else ""),
+        optics_words(part.camera, study.units),
+        Detailed(number(part.fitness), ends),
+        *("" if value is None else chance(value) for value in chances),
+        Detailed(
+            _known_from(part),
+            f"not stated: {', '.join(words(name).lower() for name in part.unknown)}" if part.unknown else "",
+        ),
+    )
+
+
+def _known_from(part: RankedPart) -> str:
+    if not part.episodes:
+        return "the model alone"
+    return (
+        f"{part.episodes} scene{'' if part.episodes == 1 else 's'}{', scored again' if part.rescored else ''}"
+    )

@@ -1,0 +1,285 @@
+"""Reads a results folder into plain values; what is optional may be missing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+from tacos_report.analysis import Analysis, read_analysis
+from tacos_report.plain_values import finite, mapping, numbers, text, texts
+
+DESIGNED = "designed"
+"""The name under which the winner of the search appears among the cameras."""
+
+
+@dataclass(frozen=True)
+class CameraResult:
+    """A camera with what it reached on the test scenes.
+
+    ``spread`` holds standard errors over test episodes, for scores and for ``fitness``, and ``episodes``
+    the numbers of each test episode, in the same order for every camera; ``scores``,
+    ``terms`` and ``fitness`` are empty or None where the test has not run. ``scenarios`` has scores and
+    fitness of each scenario by itself, where there is more than one.
+    """
+
+    name: str
+    title: str
+    camera: Mapping[str, Any]
+    derived: Mapping[str, float]
+    scores: Mapping[str, float] = field(default_factory=dict)
+    terms: Mapping[str, float] = field(default_factory=dict)
+    spread: Mapping[str, float] = field(default_factory=dict)
+    episodes: tuple[Mapping[str, float], ...] = ()
+    fitness: float | None = None
+    evaluations: int | None = None
+    free: tuple[str, ...] = ()
+    samples: tuple[Path, ...] = ()
+    scenarios: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    @property
+    def pitch_deg(self) -> float:
+        """Mounting pitch, positive up; level where the camera has none [deg]."""
+        pitch = self.camera.get("pitch_deg", 0.0)
+        return float(pitch) if isinstance(pitch, int | float) else 0.0
+
+    @property
+    def baseline_m(self) -> float | None:
+        """Distance between the two cameras of a stereo rig, else None [m]."""
+        baseline = self.camera.get("baseline_m")
+        return float(baseline) if isinstance(baseline, int | float) else None
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A candidate of the search; ``failed`` says why it has no fitness."""
+
+    generation: int
+    camera: Mapping[str, Any]
+    derived: Mapping[str, float]
+    fitness: float | None
+    failed: str | None = None
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One round of the search; ``frames`` counts the images rendered in it."""
+
+    number: int
+    frames: int
+    tried: tuple[Tried, ...]
+
+
+@dataclass(frozen=True)
+class StudyData:
+    """All the report needs. ``result`` is ``result.json`` as it stands, for what is shown as it is."""
+
+    result: Mapping[str, Any]
+    cameras: tuple[CameraResult, ...]
+    generations: tuple[Generation, ...]
+    recipe: str = ""
+    log: str = ""
+    scene_map: Path | None = None
+    eye_height_m: float = 1.6
+    notes: tuple[str, ...] = ()
+    analysis: Analysis = field(default_factory=Analysis)
+    asks_for_test: bool = True
+    f_number: float | None = None
+
+    @property
+    def designed(self) -> CameraResult | None:
+        """The winner of the search; None where no candidate succeeded."""
+        return next((camera for camera in self.cameras if camera.name == DESIGNED), None)
+
+    @property
+    def others(self) -> tuple[CameraResult, ...]:
+        """The cameras it is compared with."""
+        return tuple(camera for camera in self.cameras if camera.name != DESIGNED)
+
+    @property
+    def ground(self) -> str:
+        """What the one who carries the cameras moves on."""
+        return "ground" if self.carrier == "car" else "floor"
+
+    @property
+    def carrier(self) -> str:
+        """What carries the cameras, as the scene says: ``person``, ``car``, ...; empty where it does not."""
+        return text(self.result.get("carrier"))
+
+    @property
+    def score_meanings(self) -> Mapping[str, str]:
+        """What scores say, in a few words."""
+        return {name: text(said) for name, said in mapping(self.result.get("score_meanings")).items()}
+
+    def title_of(self, name: str) -> str:
+        """What people call a camera of the study, also where it has no results."""
+        return next((c.title for c in self.cameras if c.name == name), name.replace("_", " "))
+
+    @property
+    def tested(self) -> bool:
+        """Whether the winner was scored on scenes it was not designed on."""
+        return self.designed is not None and self.designed.fitness is not None
+
+    @property
+    def tried(self) -> tuple[Tried, ...]:
+        """Every candidate of every generation, in order."""
+        return tuple(candidate for generation in self.generations for candidate in generation.tried)
+
+    @property
+    def scored(self) -> tuple[Tried, ...]:
+        """The candidates that have a fitness."""
+        return tuple(candidate for candidate in self.tried if candidate.fitness is not None)
+
+    @property
+    def best_fitness(self) -> float | None:
+        """Fitness of the winner on the scenes it was designed on."""
+        return finite((self.result.get("best") or {}).get("fitness"))
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of the derived quantities and design variables, by name."""
+        space = {row["name"]: row.get("unit") or "" for row in self.design_space}
+        return {**space, **(self.result.get("derived_units") or {})}
+
+    @property
+    def design_space(self) -> list[dict[str, Any]]:
+        """The design variables with kind, unit and bounds."""
+        return list(self.result.get("design_space") or [])
+
+
+def read_study(folder: Path) -> StudyData:
+    """Read a results folder.
+
+    Raises
+    ------
+    UserError
+        Where ``result.json`` is missing or is not a JSON object.
+    """
+    result = _read_result(folder)
+    generations, torn = _read_generations(folder / "generations.jsonl")
+    recipe = _text(folder / "recipe.yaml")
+    document = _document(recipe)
+    notes = list(texts(result.get("notes")))
+    if torn:
+        notes.append("The last line of generations.jsonl is incomplete and was left out.")
+    scene_map = result.get("scene_map")
+    return StudyData(
+        result=result,
+        cameras=tuple(_cameras(folder, result)),
+        generations=generations,
+        recipe=recipe,
+        log=_text(folder / "log.txt"),
+        scene_map=_inside(folder, scene_map) if scene_map else None,
+        eye_height_m=_eye_height_m(document),
+        notes=tuple(notes),
+        analysis=read_analysis(result),
+        asks_for_test=not document or document.get("test") is not None,
+        f_number=finite(mapping(document.get("scenario")).get("f_number")),
+    )
+
+
+def _read_result(folder: Path) -> dict[str, Any]:
+    path = folder / "result.json"
+    remedy = "Name the folder that tacos-run wrote with --out."
+    try:
+        result = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy)) from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise UserError(Fault(str(path), f"not readable as JSON: {error}", remedy=remedy)) from None
+    if not isinstance(result, dict):
+        raise UserError(Fault(str(path), "not a JSON object", "the result of a study", remedy))
+    return result
+
+
+def _read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
+    """The generations, and whether the last line was torn by a kill while it was written."""
+    lines = [line for line in _text(path).splitlines() if line.strip()]
+    generations: list[Generation] = []
+    for index, line in enumerate(lines):
+        try:
+            row = json.loads(line)
+        except json.JSONDecodeError as error:
+            if index == len(lines) - 1:
+                return tuple(generations), True
+            raise UserError(Fault(f"{path}:{index + 1}", f"not readable as JSON: {error}")) from None
+        generations.append(_generation(row))
+    return tuple(generations), False
+
+
+def _generation(row: Mapping[str, Any]) -> Generation:
+    number = int(row.get("generation", 0))
+    tried = tuple(
+        Tried(
+            generation=number,
+            camera=candidate.get("camera") or {},
+            derived=numbers(candidate.get("derived")),
+            fitness=finite(candidate.get("fitness")),
+            failed=candidate.get("failed"),
+        )
+        for candidate in row.get("candidates") or []
+    )
+    return Generation(number, int(row.get("frames") or 0), tried)
+
+
+def _cameras(folder: Path, result: Mapping[str, Any]) -> list[CameraResult]:
+    rows: dict[str, Mapping[str, Any]] = dict(result.get("cameras") or {})
+    best = result.get("best")
+    if best and best.get("camera") and DESIGNED not in rows:  # stopped before the test
+        rows = {DESIGNED: best, **rows}
+    names = sorted(rows, key=lambda name: name != DESIGNED)  # the winner first, the rest as they stand
+    return [_camera(folder, result, name, rows[name]) for name in names]
+
+
+def _camera(folder: Path, result: Mapping[str, Any], name: str, row: Mapping[str, Any]) -> CameraResult:
+    test = numbers((result.get("test") or {}).get(name))
+    title = "Designed camera" if name == DESIGNED else row.get("title") or name.replace("_", " ")
+    samples = (result.get("samples") or {}).get(name) or []
+    return CameraResult(
+        name=name,
+        title=str(title),
+        camera=row.get("camera") or {},
+        derived=numbers(row.get("derived")),
+        scores={score: value for score, value in test.items() if score != "fitness"},
+        terms=numbers(row.get("terms")) if test else {},
+        scenarios={name: numbers(scores) for name, scores in mapping(row.get("scenarios")).items()},
+        spread=numbers(row.get("spread")),
+        episodes=tuple(numbers(episode) for episode in row.get("episodes") or ()),
+        fitness=test.get("fitness"),
+        evaluations=row.get("evaluations"),
+        free=tuple(row.get("free") or ()),
+        samples=tuple(path for sample in samples if (path := _inside(folder, sample))),
+    )
+
+
+def _inside(folder: Path, name: str) -> Path | None:
+    """The file of that name, if it exists and lies in the folder: a result cannot pull in others."""
+    path = (folder / name).resolve()
+    return path if path.is_relative_to(folder.resolve()) and path.is_file() else None
+
+
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+
+
+def _document(recipe: str) -> Mapping[str, Any]:
+    import yaml
+
+    try:
+        return mapping(yaml.safe_load(recipe))
+    except yaml.YAMLError:
+        return {}
+
+
+def _eye_height_m(recipe: Mapping[str, Any]) -> float:
+    """Middle of the camera height the recipe moves its agent with; the field's default where it has none."""
+    for node in mapping(recipe.get("nodes")).values():
+        height = mapping(node).get("camera_height_m")
+        ends = height if isinstance(height, list) else [height]
+        known = [end for end in map(finite, ends) if end is not None]
+        if known:
+            return sum(known) / len(known)
+    return StudyData.eye_height_m

@@ -1,0 +1,93 @@
+"""What the study decided, in sentences: better, equal within a margin, worse, or not to be told."""
+
+from __future__ import annotations
+
+from tacos_framework.report.quantities import joined, number, signed
+from tacos_report.analysis import Comparison, Decision
+from tacos_report.plain_values import Interval
+
+WORDS = {
+    "better": "better",
+    "worse": "worse",
+    "equivalent": "equal within the margin",
+    "undecided": "undecided",
+    "not admissible": "cannot be compared",
+}
+
+
+def headline(decision: Decision, title: str, products: int) -> str:
+    """The verdict on the designed camera against the best product, in a sentence.
+
+    Parameters
+    ----------
+    title
+        What people call that product.
+    products
+        How many were compared.
+    """
+    best = f"the {title}, the best of {products} off-the-shelf cameras" if products > 1 else f"the {title}"
+    sure = f"at {_confidence(decision)} confidence"
+    match decision.comparison.verdict:
+        case "better":
+            return f"On unseen scenes it is better than {best}, {sure}."
+        case "worse":
+            return f"On unseen scenes it is worse than {best}, {sure}: buy that one."
+        case "equivalent":
+            equal = f"as good as {best}, within {_margin(decision)}"
+            return f"On unseen scenes it is {equal}, {sure}: either will do."
+    return f"Whether it is better than {best} is undecided after {_scenes(decision.comparison)}."
+
+
+def lead(decision: Decision) -> str:
+    """The figures behind the headline, and what would settle what is open."""
+    found = decision.comparison
+    assert found.difference is not None
+    text = f"Difference in fitness, scene by scene: {signed(found.difference)}"
+    if found.interval is not None:
+        text += f", and with {_confidence(decision)} confidence {between(found.interval)}"
+    text += f", after {_scenes(found)}. The interval holds however often it was looked at meanwhile."
+    if decision.margin > 0:
+        text += f" Differences below {number(decision.margin, 2)} ({_margin(decision)}) count as none."
+    if found.verdict == "undecided":
+        text += " Raise test.most_episodes to settle it, or choose by price and supply."
+    return text
+
+
+def row(comparison: Comparison) -> tuple[str, str]:
+    """A comparison as the cells of its difference and of its verdict."""
+    if comparison.difference is None:
+        return "", comparison.why or WORDS[comparison.verdict]
+    ends = f" ({between(comparison.interval)})" if comparison.interval else ""
+    return f"{signed(comparison.difference)}{ends}", WORDS[comparison.verdict]
+
+
+def between(ends: Interval) -> str:
+    """An interval of differences, in words.
+
+    >>> between((-0.012, 0.034))
+    'between −0.012 and +0.034'
+    """
+    return f"between {signed(ends[0])} and {signed(ends[1])}"
+
+
+def share_words(share: float) -> str:
+    """A share without a sign.
+
+    >>> share_words(0.01)
+    '1\u202f%'
+    """
+    return joined(number(100 * share), "percent")
+
+
+def _confidence(decision: Decision) -> str:
+    return share_words(decision.confidence)
+
+
+def _margin(decision: Decision) -> str:
+    if decision.margin_share is None:
+        return f"a margin of {number(decision.margin, 2)}"
+    return f"{share_words(decision.margin_share)} of the fitness"
+
+
+def _scenes(comparison: Comparison) -> str:
+    return f"{comparison.episodes} test scene{'' if comparison.episodes == 1 else 's'}"

@@ -1,0 +1,70 @@
+"""What somebody who builds the camera of a study should know about its parts and constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from tacos_framework.plan.feasibility import derived_of, product_infeasible
+from tacos_framework.plan.plan import Plan
+from tacos_framework.quantities import quantity
+from tacos_framework.variables.design_space import CatalogChoice
+
+NAMED = 10
+"""Parts that a note names before it counts the others."""
+
+
+def notes_on_constraints(plan: Plan) -> Iterator[str]:
+    """On constraints that parts keep as nobody knows better, and on products that break one."""
+    for name, variable, parts in _unknown_parts(plan):
+        more = f" and {len(parts) - NAMED} more" if len(parts) > NAMED else ""
+        yield (
+            f"The constraint on {name} lets pass what nobody states, which is so for "
+            f"{', '.join(parts[:NAMED])}{more} ({variable}); unknown: refuse leaves them out."
+        )
+    titles = {camera.name: camera.title for camera in plan.cameras}
+    for product, why in inadmissible(plan).items():
+        yield f"{titles[product]} ({product}) breaks a constraint: {why}."
+
+
+def inadmissible(plan: Plan) -> dict[str, str]:
+    """Products that break a constraint however what they leave free is chosen: name and why."""
+    found = {camera.name: product_infeasible(plan, camera) for camera in plan.cameras}
+    return {name: broken.sentence for name, broken in found.items() if broken is not None}
+
+
+def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
+    """Sentences on one camera: doubts about its parts, and what its rig says of it."""
+    for variable in plan.space.variables:
+        if isinstance(variable, CatalogChoice):
+            name = values.get(variable.name, {}).get("name")
+            for row in variable.rows:
+                yield from (f"{row.name}: {doubt}" for doubt in row.doubts if row.name == name)
+    notes = getattr(plan.rig.instance, "notes", None)
+    if callable(notes):
+        try:
+            with plan.rig.calling("notes"):
+                yield from list(notes(plan.rig_variables(values)))
+        except Exception as error:  # noqa: BLE001 - a remark must not cost a study its results
+            yield f"{plan.rig.origin} has notes on this camera, but fails to say them: {error}"
+
+
+def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+    """Of each constraint: its quantity, a variable, and the parts nobody states that quantity of.
+
+    Only where other parts of the same catalog have it: a rig without a lens has no image circle.
+    """
+    middle = plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
+    for variable in plan.space.variables:
+        if not isinstance(variable, CatalogChoice):
+            continue
+        candidates = [{**middle, variable.name: row.as_dict()} for row in variable.rows]
+        derived = [derived_of(plan, each) or {} for each in candidates]
+        for constraint in plan.constraints:
+            values = [
+                quantity(constraint.quantity, each, own)
+                for each, own in zip(candidates, derived, strict=True)
+            ]
+            names = tuple(r.name for r, v in zip(variable.rows, values, strict=True) if v is None)
+            if 0 < len(names) < len(values) and constraint.unknown == "allow":
+                yield constraint.quantity, variable.name, names

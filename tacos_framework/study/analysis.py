@@ -1,0 +1,107 @@
+"""From a finished study to the record that analyses are given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from tacos_framework.plan import Plan
+from tacos_framework.simulation import Evaluation
+from tacos_framework.study.problem import broken_by, coordinates_of, design_problem
+from tacos_framework.study.record import ScoredEpisode, StudiedCamera, StudyRecord, Values
+from tacos_framework.study.search import Search
+
+
+def make_record(
+    plan: Plan,
+    searches: Sequence[Search],
+    lines: Iterable[Mapping[str, Any]],
+    test: Mapping[str, Evaluation],
+    score: Callable[[Sequence[Values], int], list[Evaluation]],
+    degenerate: str | None,
+) -> StudyRecord:
+    """What came out, for those who analyse it.
+
+    Parameters
+    ----------
+    plan
+        What was run.
+    searches
+        That of the designed camera first.
+    lines
+        The generations of all searches, as the results folder has them.
+    test
+        Evaluations on the test scenes, by name of the camera.
+    score
+        Scores plain values on so many fresh episodes.
+    degenerate
+        Why no winner may be named, in a sentence; None where one may.
+    """
+    designed = searches[0]
+    titles = {camera.name: camera.title for camera in plan.cameras}
+    renew = plan.recipe.study.renew_episodes == "each_generation"
+
+    def derived(values: Values) -> Mapping[str, float]:
+        return dict(plan.rig.instance.derived(plan.rig_variables(values)))
+
+    def score_episodes(cameras: Sequence[Values], count: int) -> list[list[ScoredEpisode]]:
+        found = score(cameras, count)
+        return [list(_of_evaluation(each, "analysis", "analysis", designed.generation)) for each in found]
+
+    return StudyRecord(
+        recipe=plan.recipe,
+        space=plan.space,
+        problem=design_problem(plan, weights_learn=designed.training),
+        designed=designed.name,
+        cameras=tuple(
+            StudiedCamera(
+                search.name,
+                titles.get(search.name, "Designed"),
+                search.best.values if search.best else None,
+                search.space.names if search.space else (),
+            )
+            for search in searches
+        ),
+        episodes=(
+            *_of_lines(lines, renew),
+            *(
+                episode
+                for search in searches
+                for final in search.finalists
+                for episode in _of_evaluation(
+                    final, f"final/{search.generation if renew else 0}", "final", search.generation
+                )
+            ),
+            *(
+                episode
+                for evaluation in test.values()
+                for episode in _of_evaluation(evaluation, "test", "test", designed.generation)
+            ),
+        ),
+        derived=derived,
+        coordinates=partial(coordinates_of, plan),
+        broken=partial(broken_by, plan),
+        unknown=lambda values: plan.unknown(values, derived(values)),
+        score=score_episodes,
+        degenerate=degenerate,
+        objectives=plan.objectives,
+    )
+
+
+def _of_lines(lines: Iterable[Mapping[str, Any]], renew: bool) -> Iterator[ScoredEpisode]:
+    """What the searches scored; what was known from before stands there once."""
+    for line in lines:
+        generation = line["generation"]
+        for candidate in line["candidates"]:
+            if candidate["cached"]:
+                continue
+            for number, scores in candidate["episodes"].items():
+                name = f"design/{generation if renew else 0}/{number}"
+                yield ScoredEpisode(candidate["camera"], name, scores, "design", generation)
+
+
+def _of_evaluation(evaluation: Evaluation, name: str, stage: Any, generation: int) -> Iterator[ScoredEpisode]:
+    for number, scores in enumerate(evaluation.blocks):
+        plain = {key: value for key, value in scores.items() if key.rpartition("/")[2] != "fitness"}
+        yield ScoredEpisode(evaluation.values, f"{name}/{number}", plain, stage, generation)

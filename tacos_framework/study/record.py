@@ -1,0 +1,109 @@
+"""A whole study as those see it who analyse it: every camera that was scored, episode by episode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from tacos_framework.contracts import DesignProblem, Scores
+from tacos_framework.quantities import Objective
+from tacos_framework.recipe import Recipe
+from tacos_framework.variables.design_space import DesignSpace
+
+Values = Mapping[str, Any]
+"""Plain values of a camera's design variables."""
+
+
+@dataclass(frozen=True)
+class ScoredEpisode:
+    """The scores of a camera in one episode.
+
+    Parameters
+    ----------
+    camera
+        Plain values of its variables.
+    episode
+        Names the scene: equal names are equal worlds, paths and draws of noise.
+    scores
+        By ``node.score``; with several scenarios by ``scenario/node.score``.
+    stage
+        What it was scored for: the search, the choice among the finalists, the test, or an analysis.
+    generation
+        The generation of the search, from 0; of later stages the number of generations.
+    """
+
+    camera: Values
+    episode: str
+    scores: Scores
+    stage: Literal["design", "final", "test", "analysis"]
+    generation: int
+
+
+@dataclass(frozen=True)
+class StudiedCamera:
+    """The designed camera, or a product.
+
+    Parameters
+    ----------
+    name, title
+        What results and what people call it.
+    camera
+        Plain values of its variables; None where no candidate of it could be scored.
+    free
+        The variables that were searched for it.
+    """
+
+    name: str
+    title: str
+    camera: Values | None
+    free: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class StudyRecord:
+    """What an analysis is given; it changes none of it.
+
+    Parameters
+    ----------
+    recipe, space, problem
+        What was to be designed, and what is known of it.
+    designed
+        Name of the designed camera among `cameras`.
+    cameras
+        The designed camera first, then the products.
+    episodes
+        Everything that was scored, in the order in which it was.
+    derived, coordinates
+        The rig's derived quantities for plain values, and what images depend on.
+    broken
+        By how much plain values break each constraint; empty where they keep all.
+    unknown
+        Bounded quantities that nobody states for plain values, and that their constraints let pass.
+    score
+        Score further cameras in as many fresh episodes, the same for all; they are rendered now and count.
+        Gives the scores of each camera's episodes, none for one that fails.
+    degenerate
+        Why no winner may be named, in a sentence; None where one may.
+    objectives
+        Aims to be traded off against each other; none where the fitness alone counts.
+    """
+
+    recipe: Recipe
+    space: DesignSpace
+    problem: DesignProblem
+    designed: str
+    cameras: tuple[StudiedCamera, ...]
+    episodes: tuple[ScoredEpisode, ...]
+    derived: Callable[[Values], Mapping[str, float]]
+    coordinates: Callable[[Values], Mapping[str, float]]
+    broken: Callable[[Values], Mapping[str, float]]
+    unknown: Callable[[Values], tuple[str, ...]]
+    score: Callable[[Sequence[Values], int], list[list[ScoredEpisode]]]
+    degenerate: str | None = None
+    objectives: tuple[Objective, ...] = ()
+
+    @property
+    def products(self) -> tuple[StudiedCamera, ...]:
+        """The cameras off the shelf."""
+        return tuple(camera for camera in self.cameras if camera.name != self.designed)

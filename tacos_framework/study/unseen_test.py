@@ -1,0 +1,154 @@
+"""Cameras on scenes that none was designed on: as many as it takes to tell them apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from tacos_framework.contracts import Executor, Scores
+from tacos_framework.fitness import Fitness
+from tacos_framework.recipe import Test
+from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, merged_evaluation
+from tacos_framework.study.racing import contributions
+from tacos_framework.study.sequential import PairedInterval, compared, looks
+from tacos_framework.study.shards import score_sharded
+
+
+@dataclass
+class UnseenTest:
+    """The designed camera beside the products, on more and more scenes.
+
+    Parameters
+    ----------
+    settings
+        How many scenes, and how sure is sure enough.
+    fitness
+        The weighted sum of scores.
+    designed
+        Name of the camera that each other is compared with.
+    evaluations
+        What came out so far, by name; each camera's scenes are the first so many.
+    """
+
+    settings: Test
+    fitness: Fitness
+    designed: str
+    evaluations: dict[str, Evaluation] = field(default_factory=dict)
+
+    def episodes(self, first: int, last: int) -> tuple[EpisodeSpec, ...]:
+        """Test episodes by number; `last` is not among them."""
+        test = self.settings
+        return tuple(EpisodeSpec(test.seed, ("test", i), test.frames) for i in range(first, last))
+
+    def run(
+        self,
+        cameras: Mapping[str, ScoreJob],
+        executor: Executor,
+        evaluate: Evaluator,
+        on_look: Callable[[int], None],
+        on_evaluated: Callable[[Evaluation], None],
+    ) -> None:
+        """Add scenes until each comparison is decided or the most are spent.
+
+        Parameters
+        ----------
+        cameras
+            What scoring each camera is, by name; their episodes are set here.
+        executor, evaluate
+            Run the jobs.
+        on_look, on_evaluated
+            Told before a block of scenes how many cameras see it, and each camera's evaluation of it.
+        """
+        test = self.settings
+        for count in looks(test.episodes, test.most_episodes or test.episodes):
+            wanted = self._wanted(cameras)
+            behind = [name for name in wanted if self._seen(name) < count]
+            if not behind:
+                continue
+            on_look(len(behind))
+            jobs = [
+                replace(cameras[name], episodes=self.episodes(self._seen(name), count)) for name in behind
+            ]
+            scored = list(score_sharded(jobs, self.fitness, executor, evaluate))
+            for name, evaluation in zip(behind, scored, strict=True):
+                known = self.evaluations.get(name)
+                self.evaluations[name] = (
+                    _merged([known, evaluation], self.fitness) if known is not None else evaluation
+                )
+                on_evaluated(evaluation)
+
+    def _wanted(self, cameras: Mapping[str, ScoreJob]) -> list[str]:
+        """The cameras that more scenes would tell more of."""
+        new = [name for name in cameras if name not in self.evaluations]
+        if new:
+            return new
+        undecided = [name for name, found in self.comparisons.items() if found.verdict == "undecided"]
+        return [self.designed, *undecided] if undecided else []
+
+    def _seen(self, name: str) -> int:
+        return len(self.evaluations[name].blocks) if name in self.evaluations else 0
+
+    @property
+    def scored(self) -> dict[str, Evaluation]:
+        """The cameras that did not fail."""
+        return {name: found for name, found in self.evaluations.items() if found.fitness is not None}
+
+    @property
+    def comparisons(self) -> dict[str, PairedInterval]:
+        """The designed camera less each other that was scored, by name; empty without a designed one."""
+        scored = self.scored
+        products = [name for name in scored if name != self.designed]
+        if self.designed not in scored:
+            return {}
+        error = (1 - self.settings.confidence) / max(1, len(self.evaluations) - 1)
+        return {name: self._compared(scored[self.designed], scored[name], error) for name in products}
+
+    def _compared(self, designed: Evaluation, product: Evaluation, error: float) -> PairedInterval:
+        count = min(len(designed.blocks), len(product.blocks))
+        ours, theirs = (first_episodes(each, count, self.fitness) for each in (designed, product))
+        own, other = (contributions(each.blocks, self.fitness) for each in (ours, theirs))
+        if ours.fitness is None or theirs.fitness is None:
+            return PairedInterval(0.0, None, count, "undecided")
+        if own is None or other is None:
+            return PairedInterval(ours.fitness - theirs.fitness, None, count, "undecided")
+        return compared(own - other, error=error, margin=self.settings.margin * abs(ours.fitness))
+
+    @property
+    def on_common_scenes(self) -> dict[str, Evaluation]:
+        """Each camera's scores on the scenes that all of them have seen, so that they compare."""
+        scored = self.scored
+        common = min((len(found.blocks) for found in scored.values()), default=0)
+        return {
+            name: first_episodes(found, common, self.fitness) if name in scored else found
+            for name, found in self.evaluations.items()
+        }
+
+
+def first_episodes(evaluation: Evaluation, count: int, fitness: Fitness) -> Evaluation:
+    """What came out on the first so many of an evaluation's episodes."""
+    if count == len(evaluation.blocks):
+        return evaluation
+    columns = {name: tuple(column[:count]) for name, column in evaluation.scenario_episodes.items()}
+    first = replace(evaluation, episodes=evaluation.episodes[:count], scenario_episodes=columns)
+    return _merged([first], fitness)
+
+
+def _merged(evaluations: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
+    """One evaluation of all their episodes, each of which may lack a score that others have."""
+    partials = [
+        replace(
+            each,
+            failed=None if each.blocks else each.failed,
+            episodes=tuple(_scores(episode) for episode in each.episodes),
+            scenario_episodes={
+                name: tuple(_scores(episode) for episode in column)
+                for name, column in each.scenario_episodes.items()
+            },
+        )
+        for each in evaluations
+    ]
+    return merged_evaluation(partials, fitness)
+
+
+def _scores(episode: Scores) -> dict[str, float]:
+    return {name: value for name, value in episode.items() if name != "fitness"}

@@ -1,0 +1,200 @@
+"""How studies end: with a verdict, or with a sentence that says why there is none and what to do."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+import toy_plugin
+from toy_study import comparable, run, toy_recipe
+
+import tacos_decision.plugin
+from tacos_decision import StudyResult, read_result
+from tacos_decision.tables import TABLES
+from tacos_framework.errors import UserError
+from tacos_framework.hookspecs import hookimpl
+from tests.decision.recorded import from_catalog, with_toys
+
+SMALL = {
+    "optimizer": {"population": 4, "keep": 1, "parents": 2, "generations": 2},
+    "compare": {"cameras": ["flea3"], "evaluations": 2},
+    "test": {"episodes": 8},
+}
+"""A study that ends with a verdict within a second."""
+
+
+def small(**sections):
+    return from_catalog(**{**SMALL, **sections})
+
+
+class Analysis:
+    """Answers with these keys, or raises."""
+
+    def __init__(self, answer):
+        self.answer = answer
+
+    @hookimpl
+    def tacos_analyse_study(self, record):
+        if isinstance(self.answer, Exception):
+            raise self.answer
+        return self.answer
+
+
+def test_a_study_decides_and_its_result_can_be_read(tmp_path):
+    plugins = with_toys(tacos_decision.plugin)
+    result = run(small(study={"renew_episodes": "each_generation"}), plugins, tmp_path / "out")
+    decision = result["decision"]
+    assert decision["verdict"] in ("better", "worse", "equivalent")
+    assert decision["against"] == "flea3"
+    assert decision["interval"][0] <= decision["difference"] <= decision["interval"][1]
+    assert (decision["confidence"], decision["margin_share"]) == (0.95, 0.01)
+    assert "8 unseen scenes" in decision["sentence"]
+    assert "degenerate" not in result
+    read = read_result(tmp_path / "out")
+    assert read.decision == decision
+    assert read.ranking[0]["part"] == result["ranking"][0]["part"]
+    assert {"low", "high", "p_better.flea3", "focal_length_mm"} <= set(read.ranking[0])
+    assert [row["variable"] for row in read.importance] == [r["variable"] for r in result["importance"]]
+    assert read.comparisons[0]["against"] == "flea3"
+    assert {"variable", "value", "mean", "low", "high"} == set(read.curves[0])
+    assert read.front == []
+    with pytest.raises(UserError, match="no table 'rankin'"):
+        read.frame("rankin")
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_tables_are_data_frames_where_pandas_is_installed(table):
+    pandas = pytest.importorskip("pandas")
+    ranked = {
+        "part": "A",
+        "fitness": 1.0,
+        "ci": [0.9, 1.1],
+        "camera": {},
+        "p_better": {"b": 1.0},
+        "unknown": [],
+    }
+    frame = StudyResult({"ranking": [ranked]}).frame(table)
+    assert isinstance(frame, pandas.DataFrame)
+    assert len(frame) == (table == "ranking")
+
+
+def test_several_scenarios_and_tasks_that_learn_are_analysed_too(tmp_path):
+    scenarios = [{"name": "day", "illumination_lux": 100}, {"name": "night", "illumination_lux": 1}]
+    result = run(
+        toy_recipe(
+            scenario=scenarios,
+            study={"scenarios": "worst", "episodes": 2},
+            test={"episodes": 6},
+            nodes={
+                "learner": {
+                    "use": "task.toy-learner",
+                    "in": {"frames": "frames"},
+                    "train": {"weights": "shared"},
+                }
+            },
+            fitness=[
+                {"score": "width.closeness", "weight": 1},
+                {"score": "learner.knowledge", "weight": 0.01},
+            ],
+        ),
+        with_toys(tacos_decision.plugin),
+        tmp_path / "out",
+    )
+    assert result["ranking"][0]["part"] == "designed"  # there is no catalog: the cameras of the study
+    assert {row["variable"] for row in result["importance"]} == {"focal_length_mm", "pitch_deg"}
+    assert result["equivalent"]["parts"] == []
+    assert result["decision"] is None
+    assert "names no camera to compare" in result["decision_absent"]
+
+
+@pytest.mark.parametrize(
+    ("sections", "said"),
+    [
+        ({"test": {"episodes": 1, "most_episodes": 1}}, "a single scene"),
+        ({"fitness": [{"score": "width.closeness", "weight": 0}]}, "score zero"),
+        ({"nodes": {"width": {"fail_above_deg": 0.001}}}, "No camera could be scored"),
+    ],
+)
+def test_where_there_is_no_winner_none_is_named(tmp_path, sections, said):
+    result = run(small(**sections), with_toys(tacos_decision.plugin), tmp_path / "out")
+    assert said in result["degenerate"]
+    assert result["decision"] is None
+    assert result["decision_absent"] == result["degenerate"]
+    assert "ranking" not in result
+
+
+def test_equal_scores_name_no_winner(tmp_path, monkeypatch):
+    monkeypatch.setattr(toy_plugin.WidthScorer, "scores", lambda self: {"closeness": 0.5, "brightness": 1.0})
+    result = run(small(), with_toys(tacos_decision.plugin), tmp_path / "out")
+    assert "have the same fitness, 0.5" in result["degenerate"]
+    assert result["decision"] is None
+
+
+def test_without_test_scenes_it_is_said_what_to_add(tmp_path):
+    recipe = small().model_copy(update={"test": None})
+    result = run(recipe, with_toys(), tmp_path / "out")
+    assert (result["decision"], result["comparisons"]) == (None, [])
+    assert "Add test:" in result["decision_absent"]
+
+
+def test_a_product_that_breaks_a_constraint_is_shown_with_the_reason(tmp_path):
+    result = run(small(constraints={"megapixels": {"max": 5}}), with_toys(), tmp_path / "out")
+    (shown,) = result["comparisons"]
+    assert (shown["against"], shown["verdict"]) == ("flea3", "not admissible")
+    assert "megapixels is" in shown["why"]
+    assert result["decision"] is None
+
+
+def test_a_study_that_is_broken_off_during_its_test_resumes_to_the_same_verdict(tmp_path, monkeypatch):
+    recipe = small(test={"episodes": 4, "most_episodes": 12})
+    before = toy_plugin.WidthTask.begun
+    whole = run(recipe, with_toys(), tmp_path / "whole")
+    episodes = toy_plugin.WidthTask.begun - before
+    monkeypatch.setattr(toy_plugin.WidthTask, "interrupt_at", toy_plugin.WidthTask.begun + episodes - 9)
+    stopped = run(recipe, with_toys(), tmp_path / "out")
+    assert stopped["decision"] is None
+    assert "interrupted" in stopped["decision_absent"]
+    monkeypatch.setattr(toy_plugin.WidthTask, "interrupt_at", None)
+    resumed = run(recipe, with_toys(), tmp_path / "out", resume=True)
+    assert comparable(resumed) == comparable(whole)
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (ZeroDivisionError("an analysis of a stranger"), "an analysis of a stranger"),
+        ({"mine": math.nan}, "ValueError"),
+        ({"mine": object()}, "TypeError"),
+        ([1, 2], "keys and values are expected"),
+        ({"best": None}, "best is left out"),
+    ],
+)
+def test_an_analysis_that_cannot_be_used_is_left_out_with_a_note(tmp_path, capsys, answer, said):
+    plain = run(small(), with_toys(), tmp_path / "plain")
+    result = run(small(), with_toys(Analysis(answer), Analysis({"other": [1.5]})), tmp_path / "out")
+    assert result["other"] == [1.5]
+    assert said in result["notes"][-1]
+    assert result["best"] == plain["best"]
+    assert "mine" not in result
+    assert json.loads((tmp_path / "out" / "result.json").read_text())["other"] == [1.5]
+    capsys.readouterr()
+
+
+def test_of_two_analyses_that_give_one_key_the_first_keeps_it(tmp_path, capsys):
+    result = run(small(), with_toys(Analysis({"mine": 1}), Analysis({"mine": 2})), tmp_path / "out")
+    assert result["mine"] == 1
+    assert "another plugin answers" in result["notes"][-1]
+    capsys.readouterr()
+
+
+def test_more_scenes_than_the_most_are_refused():
+    with pytest.raises(ValueError, match="fewer than episodes, 8"):
+        small(test={"most_episodes": 7})
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}"])
+def test_what_is_no_result_is_refused(tmp_path, text):
+    (tmp_path / "result.json").write_text(text)
+    with pytest.raises(UserError, match=r"result\.json"):
+        read_result(tmp_path)

@@ -1,0 +1,93 @@
+"""What the study decided, in words an engineer can act on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tacos_report import story
+from tacos_report.analysis import read_analysis
+from tacos_report.comparison import CameraDifference
+from tacos_report.sections import decision
+from tacos_report.study_data import CameraResult, Generation, StudyData, Tried
+from tests.report.analysed_results import decided
+
+PRODUCTS = {"oak": "Luxonis OAK-D", "flea3": "FLIR Flea3"}
+CAMERAS = {name: {} for name in ("designed", *PRODUCTS)}
+
+
+def study(verdict: str = "better", **changes: Any) -> StudyData:
+    """A tested study with that verdict, without any of its pictures."""
+    result = {**decided({"cameras": CAMERAS}, verdict), **changes}
+    designed = CameraResult("designed", "Designed camera", {"focal_length_mm": 3.0}, {}, fitness=1.5)
+    products = [CameraResult(name, title, {}, {}, fitness=1.4) for name, title in PRODUCTS.items()]
+    return StudyData(result, (designed, *products), (), analysis=read_analysis(result))
+
+
+@pytest.mark.parametrize(
+    ("verdict", "said"),
+    [
+        ("better", "better than the Luxonis OAK-D, the best of 2 off-the-shelf cameras, at 95\u202f% "),
+        ("worse", "worse than the Luxonis OAK-D, the best of 2 off-the-shelf cameras, at 95\u202f% "),
+        ("equivalent", "within 1\u202f% of the fitness, at 95\u202f% confidence: either will do."),
+        ("undecided", "is undecided after 12 test scenes."),
+    ],
+)  # fmt: skip
+def test_the_headline_tells_the_verdict_and_how_sure_it_is(verdict: str, said: str) -> None:
+    headline = story.headline(study(verdict))
+    assert headline.startswith("The best camera found: a 3\u202fmm lens. ")
+    assert said in headline
+
+
+@pytest.mark.parametrize("verdict", ["better", "worse", "equivalent", "undecided"])
+def test_the_lead_has_difference_interval_scenes_and_margin(verdict: str) -> None:
+    lead = story.verdict(study(verdict))
+    for part in ("95\u202f% confidence between", "12 test scenes", "0.012 (1\u202f% of the fitness)"):
+        assert part in lead
+    assert ("test.most_episodes" in lead) == (verdict == "undecided")
+
+
+def test_a_degenerate_study_names_no_camera_and_says_what_to_do() -> None:
+    data = study(degenerate="All 40 cameras score zero: give more light.")
+    assert story.headline(data) == "This study names no camera: it cannot tell one from another."
+    assert story.verdict(data) == "All 40 cameras score zero: give more light."
+
+
+def test_products_that_break_a_constraint_are_shown_with_the_reason() -> None:
+    (*_, table) = decision.blocks(study())
+    assert table.kind == "table"
+    assert ("fisheye 190", "", "hfov_deg is 152, above its maximum of 140", "") in table.rows
+
+
+def test_where_no_product_is_admissible_the_reason_is_told() -> None:
+    why = {"against": "oak", "verdict": "not admissible", "why": "megapixels is 24, above its maximum of 20."}
+    result = {"comparisons": [why]}
+    designed = CameraResult("designed", "Designed camera", {}, {}, fitness=1.5)
+    text = story.verdict(StudyData(result, (designed,), (), analysis=read_analysis(result)))
+    assert text.endswith("can be compared with it. oak: megapixels is 24, above its maximum of 20.")
+
+
+def test_without_a_test_section_nothing_has_ended_early() -> None:
+    designed = CameraResult("designed", "Designed camera", {}, {})
+    assert "has no section test" in story.verdict(StudyData({}, (designed,), (), asks_for_test=False))
+    assert "ended before its test" in story.verdict(StudyData({}, (designed,), ()))
+
+
+def test_that_nothing_could_be_scored_comes_with_the_reason() -> None:
+    data = StudyData({"failed": {"designed": "no keypoint."}}, (), ())
+    assert story.verdict(data) == "The reason: no keypoint."
+    assert story.verdict(StudyData({}, (), ())) == "The log says why."
+    tried = Generation(0, 0, (Tried(0, {}, {}, None, "no memory"),))
+    assert story.verdict(StudyData({}, (), (tried,))) == "Most often the reason was: no memory."
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "told"), [(7.942, 0.1, False), (1.2, 1.0, True), (0.2, 0.0, False)]
+)
+def test_changes_against_next_to_nothing_are_no_percentages(ours: float, theirs: float, told: bool) -> None:
+    assert (CameraDifference(ours, theirs, None).share is not None) == told
+
+
+def test_a_change_within_the_noise_of_the_other_value_is_no_percentage() -> None:
+    assert CameraDifference(0.3, 0.2, 0.25).share is None
