@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_plugins.executors.affinity import assigned
+from tacos_plugins.executors.affinity import JobTimes, assigned
 from tacos_plugins.executors.process import ProcessExecutor
 from tests.executors import jobs
 
@@ -34,6 +34,24 @@ def test_a_world_is_made_twice_only_where_a_worker_would_idle(waiting, idle, bus
         left = [world for other, world in enumerate(waiting) if other not in given_out.values()]
         assert not (set(left) - {None}) & idle[worker], "it had something else at hand"
         assert all(world in made_already for world in left if world is not None), "a new world waits"
+
+
+def test_what_another_has_is_made_anew_only_where_that_is_sooner():
+    waiting = ["attic"] * 4
+    assert assigned(waiting, [set()], busy={"attic"}, cost_of_making=5) == {}
+    assert assigned(waiting, [set(), set()], busy={"attic"}, cost_of_making=4) == {0: 3}
+    assert assigned([*waiting, "cellar"], [set()], busy={"attic"}, cost_of_making=5) == {0: 4}
+    assert assigned(waiting, [{"attic"}], busy={"attic"}, cost_of_making=5) == {0: 0}
+
+
+def test_the_cost_of_making_is_what_was_seen():
+    times = JobTimes()
+    assert times.cost_of_making == 1
+    times.saw(12.0, made=True)
+    assert times.cost_of_making == 1
+    times.saw(2.0, made=False)
+    times.saw(4.0, made=False)
+    assert times.cost_of_making == pytest.approx(4)
 
 
 @pytest.mark.parametrize("scenes", [2, 5, 9])
