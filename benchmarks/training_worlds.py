@@ -57,7 +57,7 @@ class School:
         while found < count:
             values = self._plan.space.sample(rng).as_dict()
             derived = rig.derived(self._plan.rig_variables(values))
-            if not any(list(constraint.broken(derived)) for constraint in self._plan.constraints):
+            if not self._plan.breaches(values, derived):
                 yield found, values
                 found += 1
 

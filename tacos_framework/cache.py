@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import json
+import math
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
 from typing import Any, Generic, TypeVar
@@ -63,7 +64,18 @@ def _give_back_memory() -> None:
 
 
 class LRUCache(Generic[Made]):
-    """The `size` most recently used things, made when first asked for.
+    """The most recently used things, made when first asked for.
+
+    Parameters
+    ----------
+    size
+        How many at most.
+    most_bytes
+        Memory they may take together; a thing larger than that is held alone [bytes].
+    bytes_of
+        Memory a thing takes; without it, any number of bytes will do [bytes].
+    let_go
+        Told of each thing that is held no longer.
 
     Examples
     --------
@@ -74,10 +86,17 @@ class LRUCache(Generic[Made]):
     9
     """
 
-    def __init__(self, size: int):
+    def __init__(
+        self,
+        size: int,
+        most_bytes: float = math.inf,
+        bytes_of: Callable[[Made], int] = lambda _: 0,
+        let_go: Callable[[Made], object] = lambda _: None,
+    ):
         if size < 1:
             raise ValueError(f"an LRU cache of size {size} holds nothing")
-        self._size = size
+        self._size, self.most_bytes = size, most_bytes
+        self._bytes_of, self._let_go = bytes_of, let_go
         self._held: OrderedDict[Hashable, Made] = OrderedDict()
 
     def get(self, key: Hashable, make: Callable[[], Made]) -> Made:
@@ -85,8 +104,13 @@ class LRUCache(Generic[Made]):
         if key in self._held:
             self._held.move_to_end(key)
         else:
-            while len(self._held) >= self._size:  # let go first: two worlds at once may not fit
-                self._held.popitem(last=False)
+            while self._held and not self._has_room():  # let go first: one more may not fit
+                self._let_go(self._held.popitem(last=False)[1])
                 _give_back_memory()
             self._held[key] = make()
         return self._held[key]
+
+    def _has_room(self) -> bool:
+        """Whether one more fits that is as large as the largest."""
+        sizes = [self._bytes_of(each) for each in self._held.values()]
+        return len(sizes) < self._size and sum(sizes) + max(sizes) <= self.most_bytes

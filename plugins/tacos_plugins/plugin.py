@@ -189,7 +189,7 @@ TASKS = {
     ),
     "obstacle-visibility": (
         "obstacle_visibility:ObstacleVisibility",
-        "Share of thresholds on the path that were seen before they were stepped on.",
+        "Share of thresholds on the path that were seen before they were stepped on, and how early.",
     ),
     "sgbm": (
         "sgbm:Sgbm",

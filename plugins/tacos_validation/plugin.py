@@ -24,6 +24,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "rank-agreement",
+            "tacos_validation.rank_agreement.measure:RankAgreement",
+            summary="Whether a small study ranks cameras as the same study at full size does.",
+        ),
+        Component(
+            "procedure",
             "compare-studies",
             "tacos_validation.studies_compared.compare:CompareStudies",
             summary="Variants of a study, such as joint and frozen, over several seeds.",

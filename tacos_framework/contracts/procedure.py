@@ -24,6 +24,12 @@ class Procedure(Protocol):
     progress  the `Progress` to tell: ``phase(title, steps)``, then ``step()`` for each
     resume    whether to go on with a broken run
     ========  =============================================================================================
+
+    A further member is optional:
+
+    ``check(*, seed, plugins) -> None``
+        Raises a `UserError` with whatever its settings lead to that cannot be run, such as faults of the
+        recipes they name. It is called as the recipe is checked, and asks for those keywords it needs.
     """
 
     Config: ClassVar[type[Settings]]

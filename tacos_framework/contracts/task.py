@@ -75,11 +75,14 @@ class Task(Protocol):
 class Trainable(Protocol):
     """A task that learns. State goes in and comes out; the object itself keeps none.
 
-    A further member is optional:
+    Further members are optional:
 
     ``Training: ClassVar[type[Settings]]``
         The settings it takes from the recipe's ``train:`` through `Budget.settings`; those given are then
         checked with the recipe, before anything is computed.
+    ``untrained() -> str | None``
+        Why `initial_state` knows nothing yet, in a sentence that says where trained weights come from; None
+        where it has been trained before. What is untrained is refused where a recipe freezes it.
     """
 
     scores: ClassVar[tuple[str, ...]]

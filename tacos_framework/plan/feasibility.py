@@ -63,16 +63,15 @@ def infeasible(
     fixes
         Values of what is not.
     """
-    space, rig, fixes = space or plan.space, plan.rig.instance, dict(fixes or {})
+    space, fixes = space or plan.space, dict(fixes or {})
     seen: list[tuple[tuple[float, ...], dict[str, Breach]]] = []
     for genes in _tries(space, seen):
         candidate = space.decode(genes)
         values = {**fixes, **candidate.as_dict()}
-        try:
-            with plan.rig.calling("derived"):
-                breaches = plan.breaches(values, rig.derived(plan.rig_variables(values)))
-        except (ValidationError, CandidateFailed):
+        derived = derived_of(plan, values)
+        if derived is None:
             continue
+        breaches = plan.breaches(values, derived)
         if not breaches:
             return None
         seen.append((candidate.genes, {breach.quantity: breach for breach in breaches}))
@@ -87,6 +86,15 @@ def infeasible(
         if all(name in broken for _, broken in seen)
     }
     return Infeasible(len(seen), tuple(nearest.values()), tuple(_nearest(seen)[1].values()))
+
+
+def derived_of(plan: Plan, values: Mapping[str, Any]) -> Mapping[str, float] | None:
+    """What the rig derives from plain values; None where it refuses them."""
+    try:
+        with plan.rig.calling("derived"):
+            return dict(plan.rig.instance.derived(plan.rig_variables(values)))
+    except (ValidationError, CandidateFailed):
+        return None
 
 
 def _tries(

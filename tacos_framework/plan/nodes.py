@@ -45,6 +45,7 @@ def find_nodes(findings: RecipeFindings) -> tuple[dict[str, ConfiguredComponent]
         _check_training(findings, name, use, cls, signature)
         if part := _part(findings, name, use, cls):
             parts[name] = part
+            _check_frozen_weights(findings, name, use, part)
     if len(nodes) < len(recipe.nodes) or _some_left_out(findings):
         return parts, None
     _check_study_training(findings)
@@ -92,6 +93,22 @@ def _check_training(
         findings.add(path, f"{use.use} has the ports {ports}", "one port, for what learns in a study")
     elif (kind := getattr(cls, "Training", None)) is not None:
         findings.checked(kind, use.train.settings, path)
+
+
+def _check_frozen_weights(
+    findings: RecipeFindings, name: str, use: NodeUse, part: ConfiguredComponent
+) -> None:
+    """Whether weights that stay as they are have been trained: the scores of others are noise."""
+    if use.train is None or use.train.weights != "frozen":
+        return
+    untrained = getattr(part.instance, "untrained", None)
+    if callable(untrained) and (reason := untrained()):
+        findings.add(
+            ("nodes", name, "train", "weights"),
+            f"frozen weights of {use.use} that were never trained: {reason}",
+            "weights that were trained before",
+            "Name such weights in the task's settings, or let it learn: weights: shared.",
+        )
 
 
 def _check_study_training(findings: RecipeFindings) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_framework.plan.feasibility import product_infeasible
+from tacos_framework.plan.feasibility import derived_of, product_infeasible
 from tacos_framework.plan.plan import Plan
 from tacos_framework.quantities import quantity
 from tacos_framework.variables.design_space import CatalogChoice
@@ -42,8 +42,11 @@ def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
                 yield from (f"{row.name}: {doubt}" for doubt in row.doubts if row.name == name)
     notes = getattr(plan.rig.instance, "notes", None)
     if callable(notes):
-        with plan.rig.calling("notes"):
-            yield from notes(plan.rig_variables(values))
+        try:
+            with plan.rig.calling("notes"):
+                yield from list(notes(plan.rig_variables(values)))
+        except Exception as error:  # noqa: BLE001 - a remark must not cost a study its results
+            yield f"{plan.rig.origin} has notes on this camera, but fails to say them: {error}"
 
 
 def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:
@@ -56,7 +59,7 @@ def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:
         if not isinstance(variable, CatalogChoice):
             continue
         candidates = [{**middle, variable.name: row.as_dict()} for row in variable.rows]
-        derived = [dict(plan.rig.instance.derived(plan.rig_variables(each))) for each in candidates]
+        derived = [derived_of(plan, each) or {} for each in candidates]
         for constraint in plan.constraints:
             values = [
                 quantity(constraint.quantity, each, own)

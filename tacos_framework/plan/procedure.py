@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.plugins import Plugins
+from tacos_framework.plugins import Plugins, calling
 from tacos_framework.recipe import Use
 from tacos_framework.recipe.procedure import SHARED_KEYS, ProcedureRecipe
 from tacos_framework.settings import Settings, check, with_paths_from
@@ -52,7 +52,18 @@ def plan_procedure(recipe: ProcedureRecipe, plugins: Plugins, faults: Sequence[F
     )
     if found or cls is None or config is None or executor is None or executor_config is None:
         raise UserError(recipe.without_echoes(found))
+    _check_itself(recipe, plugins, cls, config)
     return ProcedurePlan(recipe, cls, config, where.use, executor, executor_config)
+
+
+def _check_itself(recipe: ProcedureRecipe, plugins: Plugins, cls: type[Any], config: Settings) -> None:
+    """Let a procedure look for faults in what its settings name."""
+    if not callable(getattr(cls, "check", None)):
+        return
+    offered = {"seed": recipe.seed, "plugins": plugins}
+    asked = inspect.signature(cls.check).parameters
+    with calling(recipe.use, plugins.distribution_of(recipe.use), "check"):
+        cls(config).check(**{name: value for name, value in offered.items() if name in asked})
 
 
 def _configured(

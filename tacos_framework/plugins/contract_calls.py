@@ -182,7 +182,8 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
     ),
     "rig": (Call("coordinates", ("variables",)),),
     "sensor": (Call("lacks", ("rig",)),),
-    "task": (Call("lacks", ("rig",)),),
+    "task": (Call("lacks", ("rig",)), Call("untrained")),
     "optimizer": (Call("recommend", ("count",)),),
+    "procedure": (Call("check", (), ("seed", "plugins"), asked_for=True),),
 }
 """How those members are called that a component may have."""

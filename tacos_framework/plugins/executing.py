@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 from typing import Any, ClassVar, Generic, TypeVar
@@ -22,6 +22,12 @@ class Keyed(Generic[Job]):
 
     key: tuple[int, int]
     value: Job
+
+    @property
+    def affinity(self) -> Hashable | None:
+        """That of the job (`JobRunner`)."""
+        found: Hashable | None = getattr(self.value, "affinity", None)
+        return found
 
 
 class EvaluateKeyed(Generic[Job, Result]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 from tacos_framework.errors import Fault, UserError
@@ -32,6 +33,11 @@ class EpisodeSpec:
     frames: int | None = None
     block: tuple[int, int] = (0, 1)
     scenario: str | None = None
+
+    @property
+    def world(self) -> Hashable:
+        """The same for episodes in the same worlds."""
+        return self.seed, self.name
 
 
 def block_of(episode: Episode, index: int, count: int) -> Episode:

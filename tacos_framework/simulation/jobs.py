@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
@@ -43,6 +43,12 @@ class ScoreJob:
     training: EpisodeSpec | None = None
     partial: bool = False
 
+    @property
+    def affinity(self) -> Hashable | None:
+        """The world it begins in."""
+        first = next(iter(self.episodes), None) if self.training is None else self.training
+        return first and first.world
+
     def run(self, simulation: Simulation) -> Evaluation:
         """See `Simulation.evaluate`."""
         return simulation.evaluate(
@@ -61,6 +67,11 @@ class SampleJob:
     values: Mapping[str, Any]
     episode: EpisodeSpec
     at: tuple[float, ...]
+
+    @property
+    def affinity(self) -> Hashable:
+        """Its world."""
+        return self.episode.world
 
     def run(self, simulation: Simulation) -> list[FrameBatch]:
         """One batch of one frame for each position in 0..1 along the episode."""

@@ -26,6 +26,9 @@ from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import train
 from tacos_framework.values import Episode, Exposure, FrameBatch
 
+KEPT_BYTES = 2**30
+"""Memory the worlds of a simulation may take that are kept for candidates to come [bytes]."""
+
 
 class Simulation:
     """A plan brought to life: components built once, worlds kept while they are used.
@@ -42,8 +45,11 @@ class Simulation:
         self._rig = plan.rig.instance
         kept = max(recipe.study.episodes, recipe.test.episodes if recipe.test else 1)
         lights = len({scenario.illumination_lux for scenario in recipe.scenarios})
-        size = max(min(kept, 4), lights) + lights * bool(plan.trainable)
-        self._episodes: LRUCache[Episode] = LRUCache(size)
+        self._episodes: LRUCache[Episode] = LRUCache(
+            size=(kept + bool(plan.trainable)) * lights,
+            most_bytes=KEPT_BYTES,
+            bytes_of=lambda episode: episode.world.nbytes,
+        )
 
     def initial_states(self) -> dict[str, State]:
         """The states of the trainable tasks before the study."""
@@ -96,8 +102,9 @@ class Simulation:
                     derived = dict(self._rig.derived(variables))
                 evaluation = replace(evaluation, derived=derived)
                 if breaches := self.plan.breaches(values, derived):
-                    said = "; ".join(breach.sentence for breach in breaches)
-                    return replace(evaluation, failed=said, broken=self.plan.broken(values, derived))
+                    said = "; ".join(each.sentence for each in breaches)
+                    amounts = {each.quantity: each.amount for each in breaches}
+                    return replace(evaluation, failed=said, broken=amounts)
                 contexts = self._contexts(values, variables, clock)
                 scored = self._scored(evaluation, contexts, episodes, states, training)
                 return scored if partial else judged(scored, self.plan.fitness)

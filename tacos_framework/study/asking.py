@@ -87,13 +87,17 @@ class GuardedOptimizer:
         with self._part.calling("tell"):
             self._optimizer.tell(evaluated)
 
+    @property
+    def recommends(self) -> bool:
+        """Whether it has a say in which candidates are best."""
+        return callable(getattr(self._optimizer, "recommend", None))
+
     def recommend(self, count: int) -> list[Candidate] | None:
         """The candidates it thinks best, at most `count`, each once; None where it has no say in that."""
-        recommend = getattr(self._optimizer, "recommend", None)
-        if not callable(recommend):
+        if not self.recommends:
             return None
         with self._part.calling("recommend"):
-            given = recommend(count)
+            given = self._optimizer.recommend(count)
             if not isinstance(given, list | tuple):
                 self._refuse(f"recommend() gives {_short(given)}", "a list of candidates")
             if len(given) > count:

@@ -274,7 +274,7 @@ class Search:
         """The evaluations of jobs, by a race where the recipe asks for one."""
         rules = self.plan.recipe.study.race
         if rules is None:
-            return executor.map(evaluate, list(jobs.values()))
+            return score_sharded(list(jobs.values()), self.plan.fitness, executor, evaluate)
         known = {key: self.cache[key] for key in keys if key in self.cache}
         if self.best is not None and self.comparable:
             known["best"] = self.best
@@ -312,7 +312,7 @@ class Search:
         The evaluations of the finalists, the most promising first.
         """
         self.finalists_rescored = True
-        wanted = self._finalists()
+        wanted = self.most_promising(self.plan.recipe.study.finalists)
         settled = self.comparable and len(wanted) < 2
         if not wanted or settled or len(self.candidate_stats) < 2:
             return []
@@ -330,9 +330,8 @@ class Search:
             self.best = max(scored, key=_fitness)
         return finalists
 
-    def _finalists(self) -> list[Mapping[str, Any]]:
-        """The most promising candidates: those the optimizer recommends, else those of best mean fitness."""
-        count = self.plan.recipe.study.finalists
+    def most_promising(self, count: int) -> list[Mapping[str, Any]]:
+        """Values of the candidates the optimizer recommends, else of those with the best mean fitness."""
         if self.optimizer and (recommended := self.optimizer.recommend(count)):
             return [{**self.fixed, **candidate.as_dict()} for candidate in recommended]
         ranked = sorted(self.candidate_stats.values(), key=lambda stats: -stats.mean_fitness)

@@ -1,11 +1,10 @@
-"""A few cameras on many episodes: cut into shards, so that no worker idles."""
+"""Cameras scored in shards, one for each world: a worker that has built a world goes on in it."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import islice, pairwise
+from itertools import groupby, islice
 
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
@@ -15,30 +14,35 @@ from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_e
 def score_sharded(
     jobs: Sequence[ScoreJob], fitness: Fitness, executor: Executor, evaluate: Evaluator
 ) -> Iterator[Evaluation]:
-    """Score cameras, each in as many shards as it takes to give every worker something to do.
+    """Score cameras world by world.
+
+    What costs most on the first image of a world is to build and light it. An executor that minds what jobs
+    have an affinity to thus builds each world in one process, and no worker idles where there are more worlds
+    than workers.
 
     Parameters
     ----------
     jobs
-        Scoring each camera, without training.
+        Scoring each camera. Those that train are left whole, as they score with what they learn.
     fitness
         The weighted sum of scores.
     executor, evaluate
-        Run the jobs; an executor without ``workers`` has one.
+        Run the jobs.
 
     Yields
     ------
     The evaluation of each job, in their order; the same for any number of workers.
     """
-    workers = getattr(executor, "workers", 1)
-    shards = [_shards(job, math.ceil(workers / len(jobs))) for job in jobs]
+    shards = [_shards(job) for job in jobs]
     results = iter(executor.map(evaluate, [shard for of_job in shards for shard in of_job]))
     for of_job in shards:
-        yield merged_evaluation(list(islice(results, len(of_job))), fitness)
+        evaluations = list(islice(results, len(of_job)))
+        yield evaluations[0] if len(of_job) == 1 else merged_evaluation(evaluations, fitness)
 
 
-def _shards(job: ScoreJob, count: int) -> list[ScoreJob]:
-    """The job in at most `count` nearly equal runs of episodes."""
-    count = min(count, len(job.episodes))
-    ends = [len(job.episodes) * i // count for i in range(count + 1)]
-    return [replace(job, episodes=job.episodes[start:stop], partial=True) for start, stop in pairwise(ends)]
+def _shards(job: ScoreJob) -> list[ScoreJob]:
+    """The job in runs of episodes in the same world."""
+    runs = [tuple(run) for _, run in groupby(job.episodes, key=lambda spec: spec.world)]
+    if job.training is not None or len(runs) < 2:
+        return [job]
+    return [replace(job, episodes=run, partial=True) for run in runs]

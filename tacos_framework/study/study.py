@@ -126,6 +126,8 @@ class Study:
         self._samples: dict[str, list[str]] = {}
         workers = getattr(executor, "workers", 1)
         self._environment = describe_environment(workers, plugins.findings())
+        self._inadmissible = inadmissible(plan)
+        self._notes_on_constraints = tuple(notes_on_constraints(plan))
         self.searches = list(self._make_searches())
 
     def _make_searches(self) -> Iterator[Search]:
@@ -431,13 +433,13 @@ class Study:
                     f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
-        yield from notes_on_constraints(self.plan)
+        yield from self._notes_on_constraints
         if (best := self.searches[0].best) is not None:
             yield from notes_on_camera(self.plan, best.values)
         titles = {camera.name: camera.title for camera in self.plan.cameras}
-        known = inadmissible(self.plan)
-        for name, reason in ((n, why) for n, why in self._failed().items() if n not in known):
-            yield f"No candidate of the {titles.get(name, 'design')} could be scored: {reason}."
+        for name, reason in self._failed().items():
+            if name not in self._inadmissible:  # notes on constraints name those
+                yield f"No candidate of the {titles.get(name, 'design')} could be scored: {reason}."
 
 
 def _report(folder: Path, plugins: Plugins) -> None:

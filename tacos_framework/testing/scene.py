@@ -88,3 +88,6 @@ class SceneConformance(ComponentConformance):
         for crossing in episode.crossings:
             assert 0 < crossing.object_id < len(episode.world.objects)
             assert episode.trajectory.time_s[0] <= crossing.time_s <= episode.trajectory.time_s[-1]
+            assert crossing.walk is None or crossing.walk in episode.walk, (
+                "a crossing of a walk without frames"
+            )

@@ -78,6 +78,11 @@ class TrainableConformance(TaskConformance):
         state: State = task.initial_state(rng=np.random.default_rng(1))
         return state
 
+    def test_it_says_in_a_sentence_whether_it_is_untrained(self) -> None:
+        if callable(untrained := getattr(self.make(), "untrained", None)):
+            reason = untrained()
+            assert reason is None or (isinstance(reason, str) and reason.strip())
+
     def fit(self, state: State) -> State:
         """The state after one epoch on the frames."""
         task, frames = self.make(), self.frames()

@@ -58,10 +58,22 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Crossing:
-    """The agent steps on an object (a threshold) at a time [s]."""
+    """The agent steps on an object (a threshold) at a time [s].
+
+    Parameters
+    ----------
+    object_id
+        The object stepped on.
+    time_s
+        When [s].
+    walk
+        The walk it belongs to, whether or not a frame follows it; None where that is the walk whose frames
+        lie around it.
+    """
 
     object_id: int
     time_s: float
+    walk: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +107,7 @@ class Episode:
     walk
         (N,) int32: frames with equal numbers belong to one continuous walk; between walks the agent jumps.
     crossings
-        Every obstacle the agent steps on in the whole episode.
+        Every step on an obstacle that counts in the whole episode.
     movers
         What moves while the agent does; everything else stands still.
     first_frame

@@ -198,6 +198,15 @@ class World:
         return sum(len(part.triangles) for part in self.parts)
 
     @property
+    def nbytes(self) -> int:
+        """Memory of its arrays [bytes]."""
+        of_parts = (part.vertices_m.nbytes * 8 // 3 + part.triangles.nbytes for part in self.parts)
+        images = {id(image): image for m in self.materials for image in (m.texture, m.normal_map)}
+        maps = (image.nbytes for image in images.values() if image is not None)
+        sky = 0 if self.sky_cd_m2 is None else self.sky_cd_m2.nbytes
+        return sum(of_parts) + sum(maps) + sum(lux.nbytes for lux in self.indirect_lux or ()) + sky
+
+    @property
     def class_of_object(self) -> NDArray[np.int32]:
         """(objects,) int32: for each object id, the index of its class in `class_names`."""
         index = {name: i for i, name in enumerate(self.class_names)}

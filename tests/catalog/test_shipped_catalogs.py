@@ -99,7 +99,7 @@ def test_values_are_those_of_the_collected_sources(column: str, value_name: str,
         if part.grades.get(column) == "transcription":
             assert any(part.number(column) == pytest.approx(value) for value in values), part.name
             checked += 1
-    assert checked >= 7
+    assert checked >= 5
 
 
 def test_lenses_can_be_bought_and_no_fisheye_is_among_them() -> None:

@@ -157,5 +157,7 @@ def test_plugins_doctor_and_catalogs_speak(capsys):
     assert "* MT9V022: " in shown
     assert tacos_main(["catalog", "cameras"]) == 0
     assert "focal_length_mm: 2.75" in capsys.readouterr().out
-    assert tacos_main(["catalog", "lenses"]) == 2
+    assert tacos_main(["catalog", "lenses"]) == 0
+    assert "7.18~" in capsys.readouterr().out  # derived
+    assert tacos_main(["catalog", "mirrors"]) == 2
     assert tacos_main(["report", "nowhere"]) == 2

@@ -131,3 +131,15 @@ class HangAt(_Squares):
         if x == self.at:
             time.sleep(60)
         return super().__call__(x)
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A job that says what it needs."""
+
+    affinity: str
+
+
+def process_id_later(_: Visit) -> int:
+    time.sleep(0.02)
+    return os.getpid()

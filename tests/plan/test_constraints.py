@@ -191,3 +191,15 @@ def test_objectives_are_quantities_of_the_recipe(toys):
 def test_objectives_that_are_none_are_told(toys, objectives, what):
     given = [{"quantity": name, "aim": "max"} for name in objectives]
     assert [found for _, found, _ in faults_of(toys, objectives=given)] == [what]
+
+
+def test_a_rig_that_fails_to_say_its_notes_costs_no_result(toys, monkeypatch):
+    plan = make_plan(recipe(), toys)
+
+    def fails(self, variables):
+        raise ZeroDivisionError("no lens")
+
+    monkeypatch.setattr(plan.rig.cls, "notes", fails)
+    values = plan.space.decode([gene.lower for gene in plan.space.genes]).as_dict()
+    *_, note = notes_on_camera(plan, values)
+    assert note == "rig.monocular of tacos-framework has notes on this camera, but fails to say them: no lens"

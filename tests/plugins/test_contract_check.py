@@ -105,6 +105,20 @@ def test_sound_classes_have_none(kind):
     assert faults(kind, SOUND[kind]) == []
 
 
+@pytest.mark.parametrize(
+    ("kind", "members"),
+    [
+        ("optimizer", {"__init__": lambda self, config, *, space, rng, problem: None}),
+        ("optimizer", {"__init__": lambda self, config, space, rng, problem=None: None}),
+        ("optimizer", {"recommend": lambda self, count: []}),
+        ("rig", {"coordinates": lambda self, variables: {}}),
+        ("task", {"score_scales": {"inliers": "count"}, "depends_on": {"inliers": ("hfov_deg",)}}),
+    ],
+)
+def test_what_is_optional_may_be_there(kind, members):
+    assert changed(kind, **members) == []
+
+
 def test_what_is_no_class_is_none():
     assert faults("task", len) == ["mine:Mine is a builtin_function_or_method, not a class"]
 
@@ -230,6 +244,37 @@ def test_keywords_with_a_default_are_ones_own_affair():
             "optimizer",
             {"tell": lambda self: None},
             "Mine.tell takes 0 arguments by position, but is called with evaluated",
+        ),
+        (
+            "optimizer",
+            {"__init__": lambda self, config, *, space, rng, problems: None},
+            "Mine asks for 'problems', which the framework does not supply: "
+            "space, rng, problem can be had by keyword. Did you mean 'problem'?",
+        ),
+        (
+            "optimizer",
+            {"recommend": lambda self: []},
+            "Mine.recommend takes 0 arguments by position, but is called with count",
+        ),
+        (
+            "rig",
+            {"coordinates": lambda self: {}},
+            "Mine.coordinates takes 0 arguments by position, but is called with variables",
+        ),
+        (
+            "task",
+            {"score_scales": {"inlier": "count"}},
+            "Mine.score_scales is {'inlier': 'count'}, not a mapping with scores of it as keys",
+        ),
+        (
+            "task",
+            {"score_scales": {"inliers": "counts"}},
+            "Mine.score_scales has 'counts' for 'inliers', not one of real, count, share",
+        ),
+        (
+            "task",
+            {"depends_on": {"inliers": "hfov_deg"}},
+            "Mine.depends_on has 'hfov_deg' for 'inliers', not a tuple of names of coordinates",
         ),
         (
             "rig",

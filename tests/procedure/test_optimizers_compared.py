@@ -1,247 +1,402 @@
-"""Optimizers side by side: what they are charged, what comes out, going on with a broken run."""
+"""Optimizers side by side: what they are charged, how they are judged, going on with a broken run."""
 
 from __future__ import annotations
 
 import csv
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 import yaml
-from toy_study import FROM_CATALOG
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from toy_study import toy_recipe
 
 from tacos_framework import ProcedureRecipe, UserError, run
+from tacos_framework.components import Component
+from tacos_framework.contracts import Asked
+from tacos_framework.hookspecs import hookimpl
+from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
+from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
+from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
 from tacos_validation.optimizers_compared.compare import CompareOptimizers
-from tacos_validation.optimizers_compared.contest import Moment, Run
-from tacos_validation.optimizers_compared.standings import (
-    best_after,
-    curve,
-    middle,
-    reached,
-    standing,
-)
+from tacos_validation.optimizers_compared.grid import Stepped, coarse_grid, neighbours, on_grid
+from tacos_validation.optimizers_compared.settings import CompareOptimizersConfig
+from tacos_validation.optimizers_compared.standings import JudgedRun, Ratio, quartiles, ratio, standings
 
 OPTIMIZERS = {
     "genetic": {"use": "optimizer.genetic", "population": 6, "keep": 2, "parents": 3, "generations": 50},
     "random": {"use": "optimizer.random", "evaluations": 500},
-    "cma-es": {"use": "optimizer.cma-es", "evaluations": 500},
+    "frugal": {"use": "optimizer.toy-frugal"},
 }
-
-
 LOCAL = Use(use="executor.local")
+FRAMES, EPISODES = 2, 2
+
+
+class Frugal:
+    """Scores each candidate on one scene, in turn, and recommends the first it ever drew."""
+
+    class Config(Settings):
+        """Settings."""
+
+        width: float = setting(1.0, help="Not used.")
+
+    told: ClassVar[list[Any]] = []
+
+    def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator, problem: Any) -> None:
+        self._space, self._rng, self._problem = space, rng, problem
+        self._first: Any = None
+        self._turn = 0
+
+    expected_candidates = None
+
+    def ask(self) -> list[Asked]:
+        candidate = self._space.sample(self._rng)
+        while self._problem.broken(candidate):
+            candidate = self._space.sample(self._rng)
+        self._first = self._first or candidate
+        self._turn += 1
+        return [Asked(candidate, (self._turn % self._problem.episodes,))]
+
+    def tell(self, evaluated: Sequence[Any]) -> None:
+        Frugal.told.extend(evaluated)
+
+    def recommend(self, count: int) -> list[Any]:
+        return [self._first][:count] if self._first else []
+
+    def stop(self) -> str | None:
+        return None
+
+    def state(self) -> dict[str, Any]:
+        return {}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        pass
+
+
+class _Contenders:
+    @staticmethod
+    @hookimpl
+    def tacos_components() -> list[Component]:
+        return [Component("optimizer", "toy-frugal", f"{__name__}:Frugal", summary="A toy.")]
+
+
+@pytest.fixture(scope="module")
+def plugins(toys) -> Plugins:
+    import sys
+
+    import toy_plugin
+
+    found = Plugins.discover()
+    found.register(toy_plugin)
+    module = sys.modules[__name__]
+    module.tacos_components = _Contenders.tacos_components  # type: ignore[attr-defined]
+    found.register(module)
+    return found
 
 
 @pytest.fixture(scope="module")
 def problem(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("problem") / "toy.yaml"
-    path.write_text(yaml.safe_dump(dict(FROM_CATALOG)))
+    changes = {
+        "study": {"episodes": EPISODES},
+        "nodes": {"world": {"frames": FRAMES}},
+        "constraints": {"hfov_deg": {"max": 110}},
+    }
+    path.write_text(yaml.safe_dump(toy_recipe(**changes).as_data()))
     return path
 
 
-@pytest.fixture(scope="module")
-def compared(problem, toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
-    """A comparison that several tests look at: its result and its folder."""
-    out = tmp_path_factory.mktemp("compared") / "out"
-    return run(asked(problem), out=out, plugins=toys), out
-
-
-def asked(path: Path, **settings: Any) -> ProcedureRecipe:
+def asked(path: Path, **changed: Any) -> ProcedureRecipe:
     base = {
         "problem": str(path),
+        "grid": {"focal_length_mm": 0.25, "pitch_deg": 10},
+        "held_out": {"seed": 77, "episodes": 2, "frames": 1},
+        "reference": {"coarse": {"focal_length_mm": 1, "pitch_deg": 30}, "scenes": 1, "climbs": 2},
         "optimizers": OPTIMIZERS,
         "seeds": 2,
-        "evaluations": 12,
-        "reference": {"optimizer": "genetic", "rounds": 2},
+        "checkpoints": [4, 12, 40],
+        "target": {"optimizer": "genetic", "rounds": 2},
+        "against": ["genetic", "random"],
     }
-    return ProcedureRecipe("procedure.compare-optimizers", base | settings, name="c", executor=LOCAL)
+    return ProcedureRecipe("procedure.compare-optimizers", base | changed, name="c", executor=LOCAL)
+
+
+@pytest.fixture(scope="module")
+def compared(problem, plugins, tmp_path_factory) -> tuple[dict[str, Any], Path]:
+    """A comparison that several tests look at: its result and its folder."""
+    out = tmp_path_factory.mktemp("compared") / "out"
+    return run(asked(problem), out=out, plugins=plugins), out
 
 
 def rows(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text().splitlines()))
 
 
-def test_every_run_spends_the_same_images(compared):
-    result, out = compared
-    found = rows(out / "curves.csv")
-    last = {(row["optimizer"], row["scheme"], row["seed"]): row for row in found}
-    assert len(last) == 3 * 2 * 2
-    assert {row["images"] for row in last.values()} == {"36"}  # 12 candidates of 3 frames
-    assert result["images"] == 36
-    assert len(result["standings"]) == 6
-    assert result["evaluated"] >= 3 * 2 * 2 * 12  # those that break the constraint came on top
-    assert min(float(row["regret"]) for row in found) == 0
+# the procedure ----------------------------------------------------------------------------------------------
 
 
-def test_the_target_is_the_reference_after_its_rounds(compared):
+def test_every_run_stands_at_every_checkpoint_with_no_more_images(compared):
+    found = rows(compared[1] / "curves.csv")
+    assert len(found) == 3 * 2 * 3
+    assert all(int(row["images"]) <= int(row["checkpoint"]) for row in found)
+    last = {int(row["images"]) for row in found if row["checkpoint"] == "40" and row["optimizer"] == "frugal"}
+    assert last == {40}  # twenty candidates of one scene each
+
+
+def test_regret_is_towards_the_best_camera_known(compared):
     result, out = compared
-    best = {
-        row["seed"]: float(row["best_fitness"])
-        for row in rows(out / "curves.csv")
-        if (row["optimizer"], row["scheme"]) == ("genetic", "quantized") and int(row["round"]) <= 2
-    }
-    assert result["target"] == pytest.approx(np.median(list(best.values())))
-    assert result["target_images"] <= 12 * 3
-    assert result["target_rendered"] <= result["target_images"]
+    regrets = [float(row["regret"]) for row in rows(out / "curves.csv") if row["regret"]]
+    assert min(regrets) >= 0
+    fitness = [float(row["held_out_fitness"]) for row in rows(out / "curves.csv") if row["regret"]]
+    assert max(fitness) <= result["best_known"]
+
+
+def test_the_reference_is_as_good_as_an_exhaustive_search(compared, problem, plugins, tmp_path):
+    """With the whole fine grid as the coarse one, nothing better is found on a problem with one hill."""
+    fine = {"coarse": {"focal_length_mm": 0.25, "pitch_deg": 10}, "scenes": 2, "climbs": 1}
+    exhaustive = run(
+        asked(problem, reference=fine, seeds=1, optimizers={"genetic": OPTIMIZERS["genetic"]}, against=[]),
+        out=tmp_path / "out",
+        plugins=plugins,
+    )
+    assert compared[0]["best_known"] == pytest.approx(exhaustive["best_known"], abs=1e-3)
+
+
+def test_the_target_is_what_the_reference_recommends_after_its_rounds(compared):
+    result, _ = compared
+    assert result["target_of"] == "genetic after 2 rounds"
+    assert result["target"] <= result["best_known"]
+    assert 0 < result["target_images"] <= 12 * FRAMES * EPISODES  # two rounds of six, elites for nothing
+    (genetic,) = (each for each in result["standings"] if each["optimizer"] == "genetic")
+    assert set(genetic["ratios"]) == {"genetic", "random"}
+    assert set(genetic["regret"]) == {"4", "12", "40"}
+
+
+def test_optimizers_are_told_as_in_a_study(compared, problem, plugins, tmp_path):
+    Frugal.told.clear()
+    only = {"genetic": OPTIMIZERS["genetic"], "frugal": OPTIMIZERS["frugal"]}
+    run(asked(problem, optimizers=only, seeds=1, against=[]), out=tmp_path / "out", plugins=plugins)
+    assert sum(each.images for each in Frugal.told) == 40
+    for each in Frugal.told:
+        (scores,) = each.episodes.values()
+        assert set(scores) == {"width.closeness", "width.brightness"}
+        assert each.images in (0, FRAMES)  # nothing for what it has had before
+    assert {number for each in Frugal.told for number in each.episodes} == {0, 1}
+
+
+def test_runs_share_what_is_rendered(compared):
+    result, out = compared
+    table = [json.loads(line) for line in (out / "scores.jsonl").read_text().splitlines()]
+    assert len({row["key"] for row in table}) == len(table)
+    assert result["rendered"] == sum(row["images"] for row in table)
+    assert all(row["images"] in (1, FRAMES) for row in table)  # what breaks a constraint is not rendered
 
 
 def test_the_report_is_one_file_that_fetches_nothing(compared):
     result, out = compared
     page = (out / "report.html").read_text()
     assert "mathdefault" not in page  # numbers at the axes, not the markup of matplotlib
-    assert page.count("<svg") == 4  # two schemes, images and seconds
+    assert page.count("<svg") == 1
     assert "Images to the target" in page
     assert 'src="http' not in page
-    assert 'href="http' not in page
-    assert "genetic, quantized, 2 rounds" in result["summary"]
-    assert len(rows(out / "standings.csv")) == 6
+    assert "genetic after 2 rounds" in result["summary"]
+    assert not {"nan", "inf", "None"} & set(result["summary"].replace(",", " ").split())
 
 
-def test_equal_recipes_give_equal_fitness(compared, problem, toys, tmp_path):
-    run(asked(problem), out=tmp_path / "again", plugins=toys)
-    first, second = (
-        [{**row, "seconds": ""} for row in rows(out / "curves.csv")]
-        for out in (compared[1], tmp_path / "again")
-    )
-    assert first == second
-
-
-def test_a_broken_run_goes_on_and_evaluates_nothing_twice(compared, problem, toys, tmp_path):
+def test_a_broken_run_goes_on_and_renders_nothing_twice(compared, problem, plugins, tmp_path):
     import toy_plugin
 
     whole, finished = compared
     out = tmp_path / "broken"
     out.mkdir()
     (out / "recipe.yaml").write_bytes((finished / "recipe.yaml").read_bytes())
-    kept = (finished / "evaluations.jsonl").read_text().splitlines()
-    (out / "evaluations.jsonl").write_text("\n".join(kept[:60]) + '\n{"key": "cut sho')
+    kept = (finished / "scores.jsonl").read_text().splitlines()
+    (out / "scores.jsonl").write_text("\n".join(kept[:60]) + '\n{"key": "cut sho')
     before = toy_plugin.WidthTask.begun
-    again = run(asked(problem), out=out, plugins=toys, resume=True)
-    lines = [json.loads(line) for line in (out / "evaluations.jsonl").read_text().splitlines()]
-    assert [line["key"] for line in lines] == [json.loads(line)["key"] for line in kept]
-    scored = sum(line["fitness"] is not None for line in lines[60:])
-    assert toy_plugin.WidthTask.begun - before <= scored + 1  # and one to warm up
-    for ours, theirs in zip(again["standings"], whole["standings"], strict=True):
-        for key in ("final", "regret", "images", "success", "unseen"):
-            assert ours[key] == theirs[key]
+    again = run(asked(problem), out=out, plugins=plugins, resume=True)
+    assert toy_plugin.WidthTask.begun - before == len(kept) - 60
+    keys = [json.loads(line)["key"] for line in (out / "scores.jsonl").read_text().splitlines()]
+    assert keys == [json.loads(line)["key"] for line in kept]
+    assert (out / "curves.csv").read_text() == (finished / "curves.csv").read_text()
+    assert again["best_known"] == whole["best_known"]
 
 
-def test_optional_optimizers_are_left_out_with_a_note(problem, toys, tmp_path):
-    optimizers = {**OPTIMIZERS, "ghost": {"use": "optimizer.ghost"}}
-    result = run(asked(problem, optimizers=optimizers, optional=["ghost"]), out=tmp_path / "o", plugins=toys)
-    assert {row["optimizer"] for row in result["standings"]} == set(OPTIMIZERS)
+def test_larger_budgets_go_on_in_equal_ratios():
+    config = CompareOptimizersConfig.model_validate(
+        {
+            **asked(Path("x")).settings,
+            "checkpoints": [10, 20],
+            "budgets": {"random": 70},
+        }
+    )
+    assert config.checkpoints_of("genetic") == (10, 20)
+    assert config.checkpoints_of("random") == (10, 20, 40, 70)
+
+
+def test_optional_optimizers_are_left_out_with_a_note(problem, plugins, tmp_path):
+    optimizers = {"genetic": OPTIMIZERS["genetic"], "ghost": {"use": "optimizer.ghost"}}
+    wanted = asked(problem, optimizers=optimizers, optional=["ghost"], against=["ghost"], seeds=1)
+    result = run(wanted, out=tmp_path / "o", plugins=plugins)
+    assert {row["optimizer"] for row in result["standings"]} == {"genetic"}
     assert any(note.startswith("ghost was left out") for note in result["comparison_notes"])
 
 
 @pytest.mark.parametrize(
-    ("settings", "said"),
+    ("changed", "said"),
     [
         ({"optimizers": {**OPTIMIZERS, "ghost": {"use": "optimizer.ghost"}}}, "optimizer.ghost"),
-        ({"optimizers": {"genetic": {"use": "optimizer.genetic", "keep": 99}}}, "optimizers.genetic"),
-        ({"reference": {"optimizer": "genetics"}}, "Did you mean 'genetic'?"),
-        ({"schemes": ["discrete"]}, "the reference runs under quantized, which schemes leaves out"),
-        ({"optional": ["genetic"]}, "the reference cannot be optional"),
+        (
+            {"optimizers": {"genetic": {"use": "optimizer.genetic", "keep": 99}}, "against": []},
+            "optimizers.gen",
+        ),
+        ({"target": {"optimizer": "genetics"}}, "Did you mean 'genetic'?"),
+        ({"budgets": {"random": 5}}, "ends before the last checkpoint"),
+        ({"checkpoints": [40, 4]}, "rising numbers of images"),
+        ({"optional": ["genetic"]}, "cannot be optional"),
         ({"problem": "no_such_problem"}, "there is no such recipe"),
         ({"problem": "optimizers_compared"}, "is no study"),
+        ({"grid": {"pitch_deg": 5}}, "focal_length_mm has no step"),
+        ({"grid": {"pitch_deg": 5, "focal_length_mm": 1, "zoom": 2}}, "no variable 'zoom'"),
+        ({"grid": {"pitch_deg": 5, "focal_length_mm": 0}}, "above 0"),
+        ({"reference": {"most": 3}}, "Give larger steps"),
+        ({"change": {"constraints.hfov_deg.max": 1}}, "keeps the constraints"),
+        ({"change": {"nodes.width.fail_above_deg": 1}}, "can be scored"),
+        ({"change": {"nodes.width.crash_above_deg": 1}}, "ZeroDivisionError"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(problem, toys, tmp_path, settings, said):
+def test_what_cannot_be_compared_is_refused(problem, plugins, tmp_path, changed, said):
     with pytest.raises(UserError) as raised:
-        run(asked(problem, **settings), out=tmp_path / "out", plugins=toys)
+        run(asked(problem, **changed), out=tmp_path / "out", plugins=plugins)
     assert said in str(raised.value)
 
 
-def test_a_run_that_stops_itself_is_named(problem, toys, tmp_path):
-    optimizers = {**OPTIMIZERS, "random": {"use": "optimizer.random", "evaluations": 5}}
-    result = run(asked(problem, optimizers=optimizers), out=tmp_path / "out", plugins=toys)
-    assert (
-        "Not all runs spent their budget. random: all 5 candidates were evaluated."
-        in (result["comparison_notes"])
-    )
+def test_a_run_that_stops_itself_is_named(problem, plugins, tmp_path):
+    optimizers = {"genetic": {**OPTIMIZERS["genetic"], "generations": 1}}
+    wanted = asked(problem, optimizers=optimizers, against=[], seeds=1)
+    notes = run(wanted, out=tmp_path / "out", plugins=plugins)["comparison_notes"]
+    assert any(note.startswith("Not all runs spent their budget. genetic:") for note in notes)
+    assert any("ended before round 2" in note for note in notes)
 
 
 class TestCompareOptimizers(ProcedureConformance):
     component = CompareOptimizers
-    files = ("report.html", "curves.csv", "standings.csv", "evaluations.jsonl")
+    files = ("report.html", "curves.csv", "standings.csv", "scores.jsonl")
 
     @pytest.fixture(autouse=True)
-    def _on_a_toy(self, problem, toys):
-        self.config = asked(problem, seeds=1, evaluations=4).settings  # type: ignore[misc]
-        self.toys = toys
+    def _on_a_toy(self, problem, plugins):
+        only = {"genetic": OPTIMIZERS["genetic"]}
+        self.config = asked(problem, seeds=1, optimizers=only, against=[]).settings  # type: ignore[misc]
+        self.plugins = plugins
 
     def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
         out.mkdir()
         return self.make().run(
-            out=out, seed=seed, plugins=self.toys, executor=InThisProcess(), progress=Silent(), resume=False
+            out=out,
+            seed=seed,
+            plugins=self.plugins,
+            executor=InThisProcess(),
+            progress=Silent(),
+            resume=False,
         )
 
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
-        standings = [
-            {key: value for key, value in each.items() if key not in ("seconds", "thought_ms")}
-            for each in result["standings"]
-        ]
+        standings = [{**each, "thought_ms": 0} for each in result["standings"]]
         return {**super().comparable(result), "standings": standings}
+
+
+# the grid ---------------------------------------------------------------------------------------------------
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.integers(-100, 100), st.integers(1, 500), st.integers(1, 300), st.floats(0, 1))
+def test_what_is_decoded_is_the_nearest_step(lower, tenths, step_tenths, share):
+    variable = Stepped("x", lower, lower + tenths / 10, step=step_tenths / 10)
+    asked_for = lower + share * tenths / 10
+    value, genes = variable.decode((asked_for,))
+    nearest = min(variable.points, key=lambda point: abs(point - asked_for))
+    assert abs(value - asked_for) == pytest.approx(abs(nearest - asked_for), abs=1e-8)
+    assert variable.decode(genes) == (value, genes)
+    assert value in variable.points
+
+
+def test_what_lies_between_two_steps_cannot_be_had():
+    with pytest.raises(ValueError, match="in steps of 2"):
+        Stepped("x", 0, 10, step=2).encode(3.0)
+
+
+SPACE = on_grid(
+    DesignSpace([Continuous("x", 0, 10), Categorical("lens", ("wide", "tele")), Integer("n", 1, 3)]), {"x": 2}
+)
+
+
+def test_the_coarse_grid_is_part_of_the_fine_one():
+    coarse = list(coarse_grid(SPACE, {"x": 4}))
+    assert len(coarse) == 3 * 2 * 3
+    assert {each.values["x"] for each in coarse} == {0, 4, 8}
+    assert all(SPACE.decode(each.genes) == each for each in coarse)
+
+
+def test_neighbours_are_one_stride_away_and_inside():
+    start = SPACE.decode([0, 0, 2])
+    assert [each.as_dict() for each in neighbours(SPACE, start, {"x": 1})] == [
+        {"x": 2.0, "lens": "wide", "n": 2}
+    ]
 
 
 # standings --------------------------------------------------------------------------------------------------
 
 
-def a_run(*best: float) -> Run:
-    """A run that spends 10 images and 2 seconds on each candidate."""
-    moments = [Moment(i, i, 10 * i, 2.0 * i, value) for i, value in enumerate(best, start=1)]
-    return replace(Run("x", "quantized", 0, None, 1000, 10), moments=moments)
+def a_run(*fitness: float) -> JudgedRun:
+    at = [10 * 2**i for i in range(len(fitness))]
+    return JudgedRun("x", 0, {each: each for each in at}, dict(zip(at, fitness, strict=True)))
 
 
-def test_the_interval_of_the_median_is_that_of_order_statistics():
-    found = middle([float(value) for value in range(1, 11)])
-    assert (found.median, found.low, found.high) == (5.5, 2.0, 9.0)  # holds the median with 97.9 %
-    assert middle([3.0, 1.0, 2.0]).low == 1.0
-
-
-def test_the_interval_holds_the_median_as_often_as_it_says():
-    rng = np.random.default_rng(1)
-    held = [(m := middle(rng.normal(size=10).tolist())).low <= 0 <= m.high for _ in range(600)]
-    assert np.mean(held) > 0.95
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(st.floats(-10, 10), min_size=1, max_size=12))
+def test_quartiles_are_numpys(values):
+    found = quartiles(values)
+    np.testing.assert_allclose(
+        (found.low, found.median, found.high), np.quantile(values, [0.25, 0.5, 0.75]), atol=1e-12
+    )
 
 
 def test_what_half_of_the_runs_never_reach_is_never_reached():
-    assert math.isinf(middle([1.0, 2.0, math.inf, math.inf]).median)
-    assert middle([1.0, 2.0, 3.0, math.inf]).median == 2.5
+    assert math.isinf(quartiles([1.0, 2.0, math.inf, math.inf]).median)
+    assert quartiles([1.0, 2.0, 3.0, math.inf]).median == 2.5
 
 
-def test_best_and_target_are_read_off_a_run():
-    one = a_run(0.1, 0.5, 0.5, 0.9)
-    assert best_after(one, 25, lambda m: m.images, -1) == 0.5
-    assert best_after(one, 5, lambda m: m.images, -1) == -1
-    assert reached(one, 0.5, lambda m: m.images) == 20
-    assert reached(one, 0.5, lambda m: m.seconds) == 4.0
-    assert math.isinf(reached(one, 1.0, lambda m: m.images))
+def test_the_target_is_reached_at_the_first_checkpoint_that_is_as_good():
+    assert a_run(-math.inf, 0.5, 0.4, 0.9).images_to(0.5) == 20
+    assert math.isinf(a_run(0.1, 0.2).images_to(0.5))
 
 
-def test_curves_are_medians_of_regret():
-    drawn = curve(
-        [a_run(0.1, 0.5), a_run(0.3, 0.4), a_run(0.2, 0.9)],
-        np.array([5.0, 10.0, 20.0]),
-        lambda m: m.images,
+def test_standings_are_medians_over_runs():
+    runs = {"x": [a_run(0.1, 0.6), a_run(0.7, 0.7), a_run(0.1, 0.2)], "y": [replace(a_run(0.2, 0.2))] * 3}
+    first, second = standings(
+        runs,
+        target=0.6,
         best_known=1.0,
-        worst_known=0.0,
+        against={"y": math.inf},
+        budgets={"x": 20, "y": 660},
+        thought_ms={"x": 1.0, "y": 2.0},
     )
-    np.testing.assert_allclose(drawn.median, [1.0, 0.8, 0.5])
-    np.testing.assert_allclose(drawn.high, [1.0, 0.9, 0.6])
+    assert (first.optimizer, second.optimizer) == ("x", "y")
+    assert first.images.median == 20
+    assert first.reached == pytest.approx(2 / 3)
+    assert first.regret[10].median == pytest.approx(0.9)
+    assert first.ratios["y"] == Ratio(33.0, at_least=True)
+    assert second.ratios["y"] == Ratio(None)
 
 
-def test_success_is_counted_over_runs():
-    runs = [a_run(0.1, 0.6), a_run(0.7), a_run(0.1, 0.2), a_run(0.0, 0.1, 0.8)]
-    found = standing(runs, target=0.6, early_images=20, best_known=1.0, worst_known=0.0, unseen=[0.5, 0.7])
-    assert found.success == 0.75
-    assert found.success_early == 0.5
-    assert found.unseen == pytest.approx(0.6)
-    assert found.images.median == 25.0
+def test_a_ratio_to_what_was_reached_is_exact():
+    assert ratio(2064, 160, 5000) == Ratio(12.9)

@@ -15,7 +15,7 @@ import yaml
 from safetensors import safe_open
 from safetensors.numpy import load_file
 
-from tacos_framework import ProcedureRecipe, UserError, run
+from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, Use
 from tacos_framework.study.progress import Silent
@@ -230,3 +230,49 @@ class TestPretrain(ProcedureConformance):
 
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         return {key: value for key, value in super().comparable(result).items() if key != "training_seconds"}
+
+
+TINY = {
+    "images": 4,
+    "held_out": 2,
+    "images_per_world": 2,
+    "cameras_per_world": 1,
+    "epochs": 1,
+    "score_every": 1,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        (
+            "pretrain_detector_resnet50",
+            {
+                "nodes.detect.weights": "none",
+                "nodes.world.size_m": [5, 5],
+                "nodes.capture.light_texel_m": 0.3,
+                "constraints.hfov_deg": {"min": 40, "max": 140},
+                "rig.binning": 32,
+            },
+        ),
+        (
+            "pretrain_stereo_psmnet",
+            {
+                "nodes.world.blocks": 1,
+                "nodes.world.reach_m": 60,
+                "nodes.world.texture_px": 64,
+                "nodes.capture.light_texel_m": 2.0,
+                "nodes.stereo.max_disparity": 32,
+                "rig.binning": 8,
+            },
+        ),
+    ],
+)
+def test_recipes_of_the_papers_networks_run_cut_down_on_a_cpu(tmp_path, name, change):
+    recipe = load_recipe(name, {"change": change, **TINY})
+    result = run(recipe, out=tmp_path / "out")
+    assert result["images"] == 4 * (2 if "stereo" in name else 1)
+    assert all(np.isfinite(loss) for loss in result["losses"].values())
+    assert (tmp_path / "out" / result["weights"]).is_file()

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from itertools import repeat
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
 
+from tacos_framework.errors import UserError
+from tacos_framework.testing.samples import sample_episode
 from tacos_framework.values import Episode
 from tacos_worlds.indoor.building import Building
 from tacos_worlds.indoor.scene import IndoorScene
 from tacos_worlds.indoor.walk.free_space import FreeSpace
-from tacos_worlds.indoor.walk.motion import MAX_YAW_RATE_DEG_S, draw_walk
+from tacos_worlds.indoor.walk.motion import MAX_YAW_RATE_DEG_S, Walk, draw_walk
 from tacos_worlds.indoor.walk.route import Route, draw_route
+from tacos_worlds.indoor.walk.trip import approaches, draw_walks, joined, spread
 
 Routes = list[tuple[Building, FreeSpace, Route]]
 
@@ -142,3 +150,103 @@ def test_a_single_room_is_walked_without_crossings() -> None:
     assert np.ptp(eyes, axis=0).max() > 0.3
     assert eyes.min() > 0.2
     assert eyes.max() < 4.8
+
+
+BEFORE_S = (1.6, 1.4, 0.8, 0.6)
+
+
+@pytest.fixture(scope="module")
+def approached(buildings: list[Building]) -> tuple[Building, Episode]:
+    """Nine approaches and a half; of the world behind them nothing is asked."""
+    rng, building = np.random.default_rng(5), buildings[0]
+    walks = draw_walks(rng, building, speed_m_s=1.0, camera_height_m=(0.0, 0.0))
+    stretches = approaches(rng, walks, frames=38, before_s=BEFORE_S, camera_height_m=(1.0, 2.0))
+    return building, joined(sample_episode(1).world, stretches)
+
+
+def test_approaches_take_frames_at_the_times_before_their_crossing(
+    approached: tuple[Building, Episode],
+) -> None:
+    _, episode = approached
+    assert len(episode) == 38
+    assert np.all(np.diff(episode.time_s) > 0)
+    assert [crossing.walk for crossing in episode.crossings] == list(range(10))
+    for number, crossing in enumerate(episode.crossings):
+        before_s = crossing.time_s - episode.time_s[episode.walk == number]
+        assert before_s == pytest.approx(BEFORE_S if number < 9 else BEFORE_S[2:])
+
+
+def test_an_approach_ends_on_its_threshold_and_comes_from_afar(approached: tuple[Building, Episode]) -> None:
+    building, episode = approached
+    for number, crossing in enumerate(episode.crossings):
+        door_m = building.plan.doors[crossing.object_id - 1].position_m
+        step_m, path_m = (
+            episode.trajectory.at(times)[:, :2, 3]
+            for times in (np.array([crossing.time_s]), episode.time_s[episode.walk == number])
+        )
+        assert np.linalg.norm(step_m[0] - door_m) < 0.15
+        distance_m = np.linalg.norm(path_m - door_m, axis=1)
+        assert np.all(np.diff(distance_m) < 0)
+        assert 0.3 < distance_m[-1] <= BEFORE_S[-1] * 1.35
+
+
+def test_each_approach_has_an_eye_height_of_its_own(approached: tuple[Building, Episode]) -> None:
+    _, episode = approached
+    z = episode.trajectory.at(episode.time_s)[:, 2, 3]
+    heights = np.array([z[episode.walk == number].mean() for number in range(10)])
+    assert 0.95 < heights.min() < heights.max() < 2.05
+    assert np.abs(np.diff(heights)).min() > 0.005
+    assert max(np.ptp(z[episode.walk == number]) for number in range(10)) < 0.1
+
+
+def test_the_agent_walks_while_the_shutter_of_an_approach_is_open(
+    approached: tuple[Building, Episode],
+) -> None:
+    _, episode = approached
+    half_s = 0.015
+    opened, closed = (episode.trajectory.at(episode.time_s + side * half_s)[:, :2, 3] for side in (-1, 1))
+    assert np.linalg.norm(closed - opened, axis=1).min() > 0.2 * 2 * half_s
+
+
+def test_approaches_are_spread_over_the_thresholds(approached: tuple[Building, Episode]) -> None:
+    building, episode = approached
+    assert len({crossing.object_id for crossing in episode.crossings}) > len(building.plan.doors) / 2
+
+
+def test_sampling_leaves_the_world_as_it_is() -> None:
+    taken = [
+        IndoorScene(IndoorScene.Config(size_m=(10, 5), frames=8, sampling=sampling)).episode(
+            rng=np.random.default_rng(5), illumination_lux=20.0
+        )
+        for sampling in ("walk", "approaches")
+    ]
+    assert [len(episode) for episode in taken] == [8, 8]
+    assert taken[0].world.key == taken[1].world.key
+    assert [crossing.walk for crossing in taken[1].crossings] == [0, 1]
+
+
+@given(count=st.integers(1, 9), passed=st.integers(1, 40), seed=st.integers(0, 99))
+def test_a_few_of_many_crossings_are_evenly_apart(count: int, passed: int, seed: int) -> None:
+    crossings = [(float(i), i) for i in range(passed)]
+    picked = [i for _, i in spread(np.random.default_rng(seed), crossings, count)]
+    assert len(picked) == min(count, passed)
+    assert picked == sorted(set(picked))
+    if len(picked) > 1:
+        assert np.ptp(np.diff(picked)) <= 1
+
+
+def test_approaches_without_a_threshold_are_refused() -> None:
+    with pytest.raises(ValidationError, match="single room without thresholds"):
+        IndoorScene.Config(size_m=(9, 9), sampling="approaches")
+    with pytest.raises(ValidationError, match="must fall"):
+        IndoorScene.Config(before_step_s=(0.6, 0.8))
+
+
+def test_approaches_longer_than_any_walk_are_refused_with_a_way_out() -> None:
+    short = Walk(np.array([0.0, 9.0]), np.tile(np.eye(4), (2, 1, 1)), ((4.0, 0),))
+    stretches = approaches(
+        np.random.default_rng(1), repeat(short), frames=4, before_s=(5.0, 0.5), camera_height_m=(1.0, 2.0)
+    )
+    with pytest.raises(UserError, match="as late as 5 s") as raised:
+        next(stretches)
+    assert "Give shorter ones" in str(raised.value)

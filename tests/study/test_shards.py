@@ -1,4 +1,4 @@
-"""Cameras scored in shards: as many as there are workers, with the result of the whole."""
+"""Cameras scored in shards: one for each world, with the result of the whole."""
 
 from __future__ import annotations
 
@@ -15,38 +15,32 @@ EPISODES = tuple(EpisodeSpec(9, ("test", i), frames=2) for i in range(5))
 
 
 class Counting:
-    """An executor that notes how many episodes each job has."""
+    """An executor that notes the jobs."""
 
-    def __init__(self, workers: int):
-        self.workers = workers
-        self.episodes: list[int] = []
+    def __init__(self) -> None:
+        self.jobs: list[ScoreJob] = []
 
     def map(self, evaluate, jobs):
-        self.episodes = [len(job.episodes) for job in jobs]
+        self.jobs = list(jobs)
         return map(evaluate, jobs)
 
 
-def camera(focal_length_mm: float) -> ScoreJob:
-    return ScoreJob({"focal_length_mm": focal_length_mm, "pitch_deg": 0.0}, EPISODES)
+def camera(focal_length_mm: float, blocks: int = 1) -> ScoreJob:
+    episodes = tuple(replace(spec, block=(i, blocks)) for spec in EPISODES for i in range(blocks))
+    return ScoreJob({"focal_length_mm": focal_length_mm, "pitch_deg": 0.0}, episodes)
 
 
 @pytest.mark.parametrize(
-    ("cameras", "workers", "episodes"),
-    [
-        (1, 1, [5]),
-        (1, 2, [2, 3]),
-        (1, 8, [1, 1, 1, 1, 1]),
-        (3, 2, [5, 5, 5]),
-        (2, 4, [2, 3, 2, 3]),
-        (0, 2, []),
-    ],
+    ("cameras", "blocks", "episodes"),
+    [(1, 1, [1] * 5), (3, 1, [1] * 15), (1, 2, [2] * 5), (0, 1, [])],
 )
-def test_parts_keep_every_worker_busy_and_change_nothing(toys, cameras, workers, episodes):
-    evaluate, executor = Evaluator(toy_recipe(), toys), Counting(workers)
-    jobs = [camera(focal_length_mm) for focal_length_mm in (1.0, 0.6, 3.0)[:cameras]]
+def test_every_world_is_a_job_of_its_own_and_nothing_changes(toys, cameras, blocks, episodes):
+    evaluate, executor = Evaluator(toy_recipe(), toys), Counting()
+    jobs = [camera(focal_length_mm, blocks) for focal_length_mm in (1.0, 0.6, 3.0)[:cameras]]
     fitness = evaluate.simulation.plan.fitness
     in_parts = list(score_sharded(jobs, fitness, executor, evaluate))
-    assert executor.episodes == episodes
+    assert [len(job.episodes) for job in executor.jobs] == episodes
+    assert len({job.affinity for job in executor.jobs}) == (5 if cameras else 0)
     whole = [evaluate(job) for job in jobs]
     assert [fingerprint(replace(e, seconds={})) for e in in_parts] == [
         fingerprint(replace(e, seconds={})) for e in whole
@@ -56,7 +50,16 @@ def test_parts_keep_every_worker_busy_and_change_nothing(toys, cameras, workers,
 def test_a_part_that_fails_fails_the_camera(toys):
     evaluate = Evaluator(toy_recipe(nodes={"width": {"fail_above_deg": 60}}), toys)
     fitness = evaluate.simulation.plan.fitness
-    (wide,) = score_sharded([camera(0.6)], fitness, Counting(2), evaluate)
+    (wide,) = score_sharded([camera(0.6)], fitness, Counting(), evaluate)
     assert wide.failed
     assert wide.failed.startswith("cannot judge")
     assert wide.fitness is None
+
+
+def test_a_camera_that_trains_is_left_whole(toys):
+    evaluate, executor = Evaluator(toy_recipe(), toys), Counting()
+    training = EpisodeSpec(9, ("train", 0, 0))
+    job = replace(camera(1.0), training=training)
+    list(score_sharded([job], evaluate.simulation.plan.fitness, executor, evaluate))
+    assert executor.jobs == [job]
+    assert job.affinity == training.world

@@ -7,11 +7,14 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tacos_framework.errors import UserError
 from tacos_framework.testing.samples import sample_capture, sample_rig
 from tacos_framework.values import Capture, FrameBatch
-from tacos_plugins.tasks.orb_features import OrbFeatures, grey_image
+from tacos_plugins.tasks.followed_features import FollowedFeatures, grey_image
+from tacos_plugins.tasks.orb_features import LEAST_PATCH_PX, OrbFeatures, Scale
 
 WIDTH, HEIGHT = 320, 240
 
@@ -24,11 +27,18 @@ def texture(seed: int, width: int = WIDTH + 100) -> np.ndarray:
     return (mixed - mixed.min()) / np.ptp(mixed)
 
 
-def frames_of(images, *, walk=None, dtype=np.uint8, black=0.0, white=255.0, names=("camera",)) -> FrameBatch:
+def frames_of(
+    images, *, walk=None, time_s=None, dtype=np.uint8, black=0.0, white=255.0, names=("camera",), binning=1.0
+) -> FrameBatch:
     """Frames with these (HEIGHT, WIDTH) pictures in 0..1, the same for every camera."""
     capture = sample_capture(sample_rig(*names, width_px=WIDTH, height_px=HEIGHT), frames=len(images))
+    episode = capture.episode
     if walk is not None:
-        capture = Capture(replace(capture.episode, walk=np.array(walk, np.int32)), capture.views)
+        episode = replace(episode, walk=np.array(walk, np.int32))
+    if time_s is not None:
+        episode = replace(episode, time_s=np.array(time_s, float))
+    views = tuple(replace(view, camera=replace(view.camera, binning=binning)) for view in capture.views)
+    capture = Capture(episode, views)
     samples = np.rint(black + np.stack(images)[..., None] * (white - black)).astype(dtype)
     return FrameBatch(capture, (np.repeat(samples, 3, axis=-1),) * len(names), black, white)
 
@@ -46,14 +56,48 @@ def score(frames: FrameBatch, **config):
 
 
 def test_a_moving_texture_is_followed():
-    scores = score(frames_of(panning()))
+    scores = score(frames_of(panning()), ratio_of="matches")
     assert scores["inliers"] > 300
     assert scores["inlier_ratio"] > 0.8
 
 
+def test_the_ratio_is_that_of_the_features_extracted_as_in_the_paper():
+    scores = score(frames_of(panning(2)))
+    assert scores["extracted"] > scores["matches"] > scores["inliers"] > 0
+    assert scores["inlier_ratio"] == pytest.approx(scores["inliers"] / scores["extracted"])
+
+
+def test_the_ratio_may_be_that_of_the_matches():
+    scores = score(frames_of(panning(2)), ratio_of="matches")
+    assert scores["inlier_ratio"] == pytest.approx(scores["inliers"] / scores["matches"])
+
+
+def test_features_extracted_are_those_of_both_frames():
+    first, second = panning(2)
+    second[:, WIDTH // 2 :] = 0.5
+    whole, half = score(frames_of([first, first])), score(frames_of([first, second]))
+    assert half["extracted"] < whole["extracted"]
+    assert half == pytest.approx(score(frames_of([second, first])), rel=0.1)
+
+
+@given(
+    first=st.integers(0, 4000),
+    second=st.integers(0, 4000),
+    shares=st.tuples(st.floats(0, 1), st.floats(0, 1)),
+)
+def test_ratios_are_shares(first, second, shares):
+    matches = int(shares[0] * min(first, second))
+    pair = FollowedFeatures((first + second) / 2, matches, int(shares[1] * matches))
+    assert 0 <= pair.ratio("features") <= pair.ratio("matches") <= 1
+
+
 def test_frames_that_show_different_things_have_few_inliers():
     scores = score(frames_of([texture(seed, WIDTH) for seed in range(4)]))
-    assert scores["inlier_ratio"] < 0.35
+    assert scores["inlier_ratio"] < 0.15
+    assert (
+        score(frames_of([texture(seed, WIDTH) for seed in range(4)]), ratio_of="matches")["inlier_ratio"]
+        < 0.35
+    )
 
 
 def test_noise_costs_features():
@@ -64,7 +108,7 @@ def test_noise_costs_features():
 
 def test_blank_frames_score_zero():
     blank = np.full((HEIGHT, WIDTH), 0.5)
-    assert score(frames_of([blank, blank])) == {"inliers": 0.0, "inlier_ratio": 0.0}
+    assert set(score(frames_of([blank, blank])).values()) == {0.0}
 
 
 def test_a_pair_with_too_few_matches_counts_as_zero():
@@ -87,6 +131,42 @@ def test_frames_of_different_walks_are_no_pair():
     assert apart == score(frames_of([first, second]))
 
 
+def test_frames_too_far_apart_in_time_are_no_pair():
+    frames = frames_of(panning(4), time_s=[0.0, 0.2, 0.8, 1.0])
+    near = score(frames, pair_within_s=0.2)
+    pairs = [score(frames_of(panning(4)[i : i + 2])) for i in (0, 2)]
+    assert near == {name: pytest.approx((pairs[0][name] + pairs[1][name]) / 2) for name in near}
+    assert score(frames, pair_within_s=0.1) == {}
+
+
+ALL = ("features", "patch_px", "border_px", "ransac_threshold_px")
+
+
+def test_the_count_and_the_border_follow_the_binning():
+    config = OrbFeatures.Config(border_px=40)
+    assert Scale.of(config, 1) == Scale(2000, 31, 40, 3.0)
+    assert Scale.of(config, 2) == Scale(1000, 31, 20, 3.0)
+    assert Scale.of(OrbFeatures.Config(), 4) == Scale(500, 31, 8, 3.0)
+
+
+def test_what_follows_the_binning_can_be_chosen():
+    config = OrbFeatures.Config(scale_with_binning=ALL)
+    assert Scale.of(config, 2) == Scale(1000, 16, 16, 1.5)
+    assert Scale.of(config, 16).patch_px == LEAST_PATCH_PX
+    assert Scale.of(OrbFeatures.Config(scale_with_binning=()), 4) == Scale.of(OrbFeatures.Config(), 1)
+
+
+def test_a_binned_camera_is_scored_as_its_settings_say():
+    images = panning(3, noise=0.02)
+    binned = score(frames_of(images, binning=2.0), features=400, border_px=32)
+    assert binned == score(frames_of(images), features=200, border_px=16)
+
+
+def test_the_border_has_no_keypoints():
+    first = score(frames_of(panning(2)))
+    assert score(frames_of(panning(2)), border_px=90)["extracted"] < 0.4 * first["extracted"]
+
+
 def test_a_pair_across_batches_counts():
     first, second, third = panning(3)
     scorer = OrbFeatures(OrbFeatures.Config()).begin(state=None)
@@ -95,13 +175,13 @@ def test_a_pair_across_batches_counts():
     assert scorer.scores() == score(frames_of([first, second, third]))
 
 
-def test_the_ratio_is_that_of_the_matches():
+def test_what_moves_otherwise_than_the_camera_is_an_outlier():
     """Two unrelated halves: the one that moves with the camera's epipolar geometry is what is left."""
     first, second = panning(2)
     half = WIDTH // 2
     second[:, half:] = texture(9, WIDTH)[:, half:]
-    scores = score(frames_of([first, second]))
-    whole = score(frames_of(panning(2)))
+    scores = score(frames_of([first, second]), ratio_of="matches")
+    whole = score(frames_of(panning(2)), ratio_of="matches")
     assert scores["inliers"] < 0.75 * whole["inliers"]
     assert scores["inlier_ratio"] < 0.9 * whole["inlier_ratio"]
 

@@ -25,6 +25,7 @@ from tacos_plugins.executors.process import ProcessExecutor
 from tacos_plugins.optimizers.cma_es import CmaEs
 from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.optuna_search import OptunaSearch
+from tacos_plugins.optimizers.physical_gp.optimizer import PhysicalGp
 from tacos_plugins.optimizers.policy.ppo import Ppo
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.optimizers.sobol import Sobol
@@ -150,6 +151,11 @@ class TestGeneticThatRedraws(OptimizerConformance):
 class TestRandomSearch(OptimizerConformance):
     component = RandomSearch
     config = {"evaluations": 10, "batch": 4}
+
+
+class TestPhysicalGp(OptimizerConformance):
+    component = PhysicalGp
+    config = {"evaluations": 7, "starts": 3}
 
 
 class TestSobol(OptimizerConformance):

@@ -18,6 +18,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from tacos_plugins.executors import worker
+from tacos_plugins.executors.affinity import Affinity, affinity_of, assigned
 from tacos_plugins.executors.outcomes import Lost
 
 log = logging.getLogger(__name__)
@@ -58,6 +59,7 @@ class _Worker:
         self.task: _Task | None = None
         self.deadline = float("inf")
         self.jobs_done = 0
+        self.at_hand: set[Affinity] = set()
 
     @property
     def idle(self) -> bool:
@@ -71,6 +73,7 @@ class _Worker:
         except (BrokenPipeError, ConnectionResetError):
             return False
         self.task = task
+        self.at_hand.add(affinity_of(job))
         self.deadline = float("inf") if limit_s is None else time.monotonic() + limit_s
         return True
 
@@ -164,9 +167,13 @@ class Pool:
 
     def _hand_out(self, jobs: Sequence[Any], waiting: deque[_Task]) -> None:
         """Give waiting tasks to idle workers, and start workers where too few are there."""
-        for each in [each for each in self._workers if each.idle]:
-            if waiting and each.begin(waiting[0], jobs[waiting[0].index], self._limits.job_s):
-                waiting.popleft()
+        idle = [each for each in self._workers if each.idle]
+        wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
+        busy = {each for other in self._workers if not other.idle for each in other.at_hand}
+        given = assigned(wanted, [each.at_hand for each in idle], busy)
+        for number, task in [(number, waiting[place]) for number, place in given.items()]:
+            if idle[number].begin(task, jobs[task.index], self._limits.job_s):
+                waiting.remove(task)
         starting = sum(not each.ready for each in self._workers)
         for _ in range(min(self._most - len(self._workers), len(waiting) - starting)):
             with _environment(self._environment):

@@ -79,6 +79,10 @@ class Pretrain:
     def __init__(self, config: Config) -> None:
         self.config = config
 
+    def check(self, *, seed: int, plugins: Plugins) -> None:
+        """Look for faults in the recipe whose task is trained."""
+        self._node(self._plan(plugins, seed))
+
     def run(
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:

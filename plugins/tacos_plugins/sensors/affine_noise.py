@@ -106,7 +106,8 @@ class AffineNoise:
         if len(self.calibration.photon_dn) == 1:
             light_cd_m2 = luminance(light_cd_m2)[..., None].astype(np.float32)
         samples = light_cd_m2 * np.float32(self.dn_per_luminance(exposure))
-        samples += np.float32(self.black_level_dn)
+        if self.black_level_dn:
+            samples += np.float32(self.black_level_dn)
         return samples
 
     def moments(

@@ -212,7 +212,7 @@ class Warp:
         for i, (one, other) in enumerate(pairwise(coordinates)):
             if moving and one is not None and other is not None:
                 steps[i] = np.mean([abs(other[n] - one[n]) / ranges[n] for n in moving])
-        usual = np.nanmean(steps) if np.isfinite(steps).any() else 1.0
+        usual = float(np.nanmean(steps)) if np.nansum(steps) > 0 else 1.0
         steps = np.where(np.isfinite(steps), steps, usual) + 1e-3 * usual  # no value is left out altogether
         places = np.concatenate([[0.0], np.cumsum(steps)])
         return cls(genes, places / places[-1])

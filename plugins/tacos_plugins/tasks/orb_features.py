@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LUMINANCE_WEIGHTS
-from tacos_framework.contracts import Scores, State
+from tacos_framework.contracts import Scores, ScoreScale, State
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch
+from tacos_plugins.tasks.followed_features import Features, FollowedFeatures, extract, follow, grey_image
 
-MATCHES_NEEDED = 8
-"""Fewer matches fix no fundamental matrix with one to spare: seven define it, the eighth tests it."""
+LEAST_PATCH_PX = 5
+"""A descriptor compares points of a patch that was smoothed over 7 x 7 pixels: of less, none differ."""
+
+TIME_TOLERANCE_S = 1e-6
+"""Frames at a stated distance in time are so far apart but for rounding [s]."""
+
+
+Scaled = Literal["features", "patch_px", "border_px", "ransac_threshold_px"]
+"""Settings that may follow the binning of the camera."""
 
 
 class OrbFeatures:
@@ -30,12 +36,23 @@ class OrbFeatures:
     ``inliers``
         Mean number of inliers of a pair of frames; higher is better.
     ``inlier_ratio``
-        Mean over the pairs of inliers / (inliers + outliers), in 0..1; higher is better.
+        Mean over the pairs of inliers / features extracted, the mean of the two frames' counts, in 0..1;
+        higher is better. With ``ratio_of: matches`` it is inliers / (inliers + outliers).
+    ``matches``
+        Mean number of matches of a pair.
+    ``extracted``
+        Mean number of features extracted from a frame of a pair.
 
-    A pair with too few matches counts as zero in both; an episode without any pair has neither.
+    A pair with too few matches has no inliers; an episode without any pair has no scores.
 
-    The thresholds are in pixels of the simulated image, as in the paper: a camera with more pixels finds
-    more features and is held to a finer tolerance. The detection threshold is in 1/255 of full scale.
+    Where each pixel averages b x b photosites (`Camera.binning`), the settings named in
+    ``scale_with_binning`` are divided by b: the features, which keeps as many of them per length of the
+    image, and the border, which leaves out the same margin of the scene. Patch and RANSAC's threshold stay:
+    what a descriptor holds, and how well a corner is placed, are matters of the pixels there are. So cameras
+    rank at reduced resolution about as at full resolution.
+
+    A camera with more photosites finds more features and is held to a finer tolerance, as in the paper. The
+    detection threshold is in 1/255 of full scale.
 
     References
     ----------
@@ -53,20 +70,47 @@ class OrbFeatures:
         )
         scale_factor: float = setting(1.2, help="Ratio of neighbouring pyramid levels.", gt=1, le=2)
         levels: int = setting(8, help="Pyramid levels.", ge=1, le=32)
-        patch_px: int = setting(
-            31, help="Size of the patch described; as wide a border is left out.", unit="px", ge=5
+        patch_px: int = setting(31, help="Size of the patch described.", unit="px", ge=5)
+        border_px: int | None = setting(
+            None,
+            help="Border without keypoints; by default as wide as the patch.",
+            unit="px",
+            ge=1,
         )
         ransac_threshold_px: float = setting(
-            3.0, help="Distance from its epipolar line at which a match is still an inlier.", unit="px", gt=0
+            3.0,
+            help="Distance from its epipolar line at which a match is still an inlier.",
+            unit="px",
+            gt=0,
+        )
+        scale_with_binning: tuple[Scaled, ...] = setting(
+            ("features", "border_px"),
+            help="Settings that are divided by the camera's binning; the others hold for the image as it is.",
         )
         ransac_confidence: float = setting(
             0.99, help="Probability that RANSAC meets a sample free of outliers.", gt=0, lt=1
         )
         ransac_seed: int = setting(0, help="Seed of RANSAC, set anew for each pair.", ge=0, le=2**31 - 1)
+        pair_within_s: float | None = setting(
+            None,
+            help="Match only frames at most this far apart in time; by default all that follow one another.",
+            unit="s",
+            gt=0,
+        )
+        ratio_of: Literal["features", "matches"] = setting(
+            "features", help="What inlier_ratio is a share of: the features extracted, or the matches."
+        )
 
-    scores: ClassVar[tuple[str, ...]] = ("inliers", "inlier_ratio")
+    scores: ClassVar[tuple[str, ...]] = ("inliers", "inlier_ratio", "matches", "extracted")
+    score_scales: ClassVar[Mapping[str, ScoreScale]] = {
+        "inliers": "count",
+        "inlier_ratio": "share",
+        "matches": "count",
+        "extracted": "count",
+    }
     score_meanings: ClassVar[Mapping[str, str]] = {
         "inliers": "features matched between frames that agree with one motion",
+        "inlier_ratio": "share of the features found that agree with one motion",
     }
 
     def __init__(self, config: Config) -> None:
@@ -78,11 +122,62 @@ class OrbFeatures:
 
 
 @dataclass(frozen=True)
-class Features:
-    """Keypoints (K, 2) float32 [px] and descriptors (K, 32) uint8 of one frame."""
+class Scale:
+    """What is counted in pixels, for the image as it is.
 
-    points_px: NDArray[np.float32]
-    descriptors: NDArray[np.uint8]
+    Parameters
+    ----------
+    features
+        Features kept per frame [1].
+    patch_px, border_px
+        Edge of the patch, and border without keypoints [px].
+    ransac_threshold_px
+        Distance from the epipolar line of an inlier [px].
+    """
+
+    features: int
+    patch_px: int
+    border_px: int
+    ransac_threshold_px: float
+
+    @classmethod
+    def of(cls, config: OrbFeatures.Config, binning: float) -> Scale:
+        """That of a camera whose pixels average `binning` x `binning` photosites.
+
+        >>> Scale.of(OrbFeatures.Config(), binning=2)
+        Scale(features=1000, patch_px=31, border_px=16, ransac_threshold_px=3.0)
+        """
+
+        def scaled(name: Scaled, value: float) -> float:
+            return value / binning if name in config.scale_with_binning else value
+
+        border = config.patch_px if config.border_px is None else config.border_px
+        return cls(
+            features=max(1, round(scaled("features", config.features))),
+            patch_px=max(LEAST_PATCH_PX, round(scaled("patch_px", config.patch_px))),
+            border_px=max(1, round(scaled("border_px", border))),
+            ransac_threshold_px=scaled("ransac_threshold_px", config.ransac_threshold_px),
+        )
+
+    def detector(self, config: OrbFeatures.Config) -> Any:
+        """OpenCV's ORB."""
+        return cv2.ORB.create(
+            nfeatures=self.features,
+            scaleFactor=config.scale_factor,
+            nlevels=config.levels,
+            edgeThreshold=self.border_px,
+            patchSize=self.patch_px,
+            fastThreshold=config.fast_threshold,
+        )
+
+
+@dataclass(frozen=True)
+class LastFrame:
+    """The frame before: its walk, time [s] and features."""
+
+    walk: int
+    time_s: float
+    features: Features
 
 
 class OrbScorer:
@@ -90,97 +185,49 @@ class OrbScorer:
 
     def __init__(self, config: OrbFeatures.Config) -> None:
         self._config = config
-        self._orb = cv2.ORB.create(
-            nfeatures=config.features,
-            scaleFactor=config.scale_factor,
-            nlevels=config.levels,
-            edgeThreshold=config.patch_px,
-            patchSize=config.patch_px,
-            fastThreshold=config.fast_threshold,
-        )
-        self._matcher = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True)
-        self._last: tuple[int, Features] | None = None  # walk, features
-        self._inliers: list[int] = []
-        self._ratios: list[float] = []
+        self._last: LastFrame | None = None
+        self._pairs: list[FollowedFeatures] = []
 
     def update(self, frames: FrameBatch) -> None:
         """Take in the next frames."""
-        images = frames.images[_camera_index(frames, self._config.camera)]
-        for walk, image in zip(frames.episode.walk.tolist(), images, strict=True):
+        index = _camera_index(frames, self._config.camera)
+        scale = Scale.of(self._config, frames.capture.views[index].camera.binning)
+        orb = scale.detector(self._config)
+        episode = frames.episode
+        for walk, time_s, image in zip(
+            episode.walk.tolist(), episode.time_s.tolist(), frames.images[index], strict=True
+        ):
             grey = grey_image(image, frames.black_level_dn, frames.white_level_dn)
-            features = self._extract(grey)
-            if self._last is not None and self._last[0] == walk:
-                self._score_pair(self._last[1], features)
-            self._last = (walk, features)
+            frame = LastFrame(walk, time_s, extract(orb, grey))
+            if self._last is not None and self._are_pair(self._last, frame):
+                self._pairs.append(self._follow(self._last.features, frame.features, scale))
+            self._last = frame
 
     def scores(self) -> Scores:
         """Means over all pairs of consecutive frames so far."""
-        if not self._inliers:
+        if not self._pairs:
             return {}
         return {
-            "inliers": float(np.mean(self._inliers)),
-            "inlier_ratio": float(np.mean(self._ratios)),
+            "inliers": float(np.mean([pair.inliers for pair in self._pairs])),
+            "inlier_ratio": float(np.mean([pair.ratio(self._config.ratio_of) for pair in self._pairs])),
+            "matches": float(np.mean([pair.matches for pair in self._pairs])),
+            "extracted": float(np.mean([pair.extracted for pair in self._pairs])),
         }
 
-    def _extract(self, grey: NDArray[np.uint8]) -> Features:
-        keypoints, descriptors = self._orb.detectAndCompute(grey, None)
-        if descriptors is None:
-            return Features(np.empty((0, 2), np.float32), np.empty((0, 32), np.uint8))
-        points = np.asarray(cv2.KeyPoint.convert(keypoints), np.float32)
-        return Features(points, np.asarray(descriptors, np.uint8))
+    def _are_pair(self, first: LastFrame, second: LastFrame) -> bool:
+        limit_s = self._config.pair_within_s
+        near = limit_s is None or second.time_s - first.time_s <= limit_s + TIME_TOLERANCE_S
+        return first.walk == second.walk and near
 
-    def _score_pair(self, first: Features, second: Features) -> None:
-        matches = self._match(first, second)
-        inliers = self._count_inliers(first, second, matches) if len(matches) >= MATCHES_NEEDED else 0
-        self._inliers.append(inliers)
-        self._ratios.append(inliers / len(matches) if len(matches) else 0.0)
-
-    def _match(self, first: Features, second: Features) -> Sequence[Any]:
-        if not (len(first.descriptors) and len(second.descriptors)):
-            return ()
-        matches: Sequence[Any] = self._matcher.match(first.descriptors, second.descriptors)
-        return matches
-
-    def _count_inliers(self, first: Features, second: Features, matches: Sequence[Any]) -> int:
-        cv2.setRNGSeed(self._config.ransac_seed)
-        fundamental, mask = cv2.findFundamentalMat(
-            first.points_px[[match.queryIdx for match in matches]],
-            second.points_px[[match.trainIdx for match in matches]],
-            cv2.FM_RANSAC,
-            self._config.ransac_threshold_px,
-            self._config.ransac_confidence,
+    def _follow(self, first: Features, second: Features, scale: Scale) -> FollowedFeatures:
+        config = self._config
+        return follow(
+            first,
+            second,
+            threshold_px=scale.ransac_threshold_px,
+            confidence=config.ransac_confidence,
+            seed=config.ransac_seed,
         )
-        return 0 if fundamental is None else int(np.count_nonzero(mask))
-
-
-def grey_image(
-    image_dn: NDArray[np.uint8] | NDArray[np.uint16], black_level_dn: float, white_level_dn: float
-) -> NDArray[np.uint8]:
-    """Luminance of a linear frame, stretched so that black is 0 and the white level 255.
-
-    Parameters
-    ----------
-    image_dn
-        (H, W, C) uint8 or uint16; one channel, or linear RGB [DN].
-    black_level_dn, white_level_dn
-        The file's pedestal and full scale [DN].
-
-    Returns
-    -------
-    NDArray
-        (H, W) uint8, rounded; what lies below black is 0 [1/255 of full scale].
-
-    Examples
-    --------
-    >>> frame = np.array([[[64, 64, 64], [2080, 2080, 2080], [4095, 4095, 4095]]], np.uint16)
-    >>> grey_image(frame, black_level_dn=64, white_level_dn=4095).tolist()
-    [[0, 128, 255]]
-    """
-    weights = np.array(LUMINANCE_WEIGHTS if image_dn.shape[2] == 3 else (1.0,))
-    stretch = 255 / (white_level_dn - black_level_dn)
-    affine = np.append(weights * stretch, -black_level_dn * stretch)
-    grey = cv2.transform(image_dn, affine[None])  # rounds and saturates to the file's own type
-    return np.minimum(grey, 255).astype(np.uint8).reshape(image_dn.shape[:2])
 
 
 def _camera_index(frames: FrameBatch, name: str | None) -> int:

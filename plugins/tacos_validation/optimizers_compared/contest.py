@@ -1,124 +1,167 @@
-"""One optimizer on one problem with one seed, and what it had found after how many images."""
+"""One optimizer on one problem with one seed, and what it would have recommended after how many images."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
 
-from tacos_framework.contracts import Evaluated
-from tacos_framework.variables.design_space import Candidate
-from tacos_validation.optimizers_compared.ledger import Ledger
+from tacos_framework.cache import content_key
+from tacos_framework.contracts import Executor
+from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob
+from tacos_framework.study.search import Search
+from tacos_validation.score_table import ScoreTable
 
-MOST_ASKED_PER_EVALUATION = 20
-"""A run that asks for more candidates than this for each evaluation of its budget finds nothing new."""
+MOST_IDLE_ROUNDS = 200
+"""After so many rounds in a row that render nothing, a run finds nothing new."""
+
+BUDGET_SPENT = "budget spent"
+
+
+class FromTable:
+    """Answers the jobs of a search from a table, and has rendered what the table lacks.
+
+    It stands where a study has its executor, so that a search here goes as it does in a study.
+    """
+
+    workers = 1
+
+    def __init__(self, table: ScoreTable) -> None:
+        self._table = table
+        self.seconds = 0.0
+
+    def map(self, evaluate: Callable[[Any], Any], jobs: Sequence[ScoreJob]) -> Iterator[Evaluation]:
+        """The evaluations of the jobs, each charged the images it takes whoever has had them rendered."""
+        began = time.perf_counter()
+        self._table.fill((job.values, spec) for job in jobs for spec in job.episodes)
+        found = [self._table.evaluation(job.values, job.episodes) for job in jobs]
+        self.seconds += time.perf_counter() - began
+        yield from found
+
+    def close(self) -> None:
+        """Nothing to let go of."""
 
 
 @dataclass(frozen=True)
-class Moment:
-    """Where a run stood once a candidate was evaluated.
+class Stand:
+    """What a run recommends at a checkpoint.
 
     Parameters
     ----------
-    round
-        Rounds of ask and tell, this one included.
-    asked
-        Candidates asked so far, repeated and failed ones included.
+    checkpoint
+        Images it was allowed.
     images
-        Images rendered so far; a candidate the run had before costs none.
-    seconds
-        Time spent so far in evaluations and in the optimizer [s].
-    best
-        Best fitness so far.
+        Images it had rendered when it said so.
+    values
+        The camera; None while nothing has been scored.
     """
 
-    round: int
-    asked: int
+    checkpoint: int
     images: int
-    seconds: float
-    best: float
+    values: Mapping[str, Any] | None
 
 
 @dataclass
 class Run:
-    """A run in progress; `ask`, look the candidates up, `tell`, until it is `over`.
+    """A run of an optimizer; `go` takes it to its end.
+
+    Its recommendation at a checkpoint is the last it gives before it would render more images than that.
+    An optimizer without a say in it, or that has not been asked yet, stands for the candidate of the best
+    mean fitness so far, which it may have found in the middle of a round.
 
     Parameters
     ----------
-    optimizer_name, scheme, seed
+    optimizer_name, seed
         What runs.
-    optimizer
-        The optimizer.
-    images
-        Budget [images].
-    images_per_evaluation
-        What one candidate costs [images].
+    search
+        The search, as in a study.
+    checkpoints
+        In rising order; the last is the budget [images].
+    target_rounds
+        The round after which `after_rounds` is noted.
     """
 
     optimizer_name: str
-    scheme: str
     seed: int
-    optimizer: Any
-    images: int
-    images_per_evaluation: int
-    moments: list[Moment] = field(default_factory=list)
-    winner: Mapping[str, Any] | None = None
+    search: Search
+    checkpoints: tuple[int, ...]
+    target_rounds: int
+    stands: list[Stand] = field(default_factory=list)
+    after_rounds: Stand | None = None
     stopped: str = ""
+    candidates: int = 0
     thought_seconds: float = 0.0
-    _asked: list[Candidate] = field(default_factory=list)
-    _known: set[str] = field(default_factory=set)
-    _spent: int = 0
-    _seconds: float = 0.0
-    _rounds: int = 0
-    _count: int = 0
+    _latest: Stand = Stand(0, 0, None)
+    _has_recommended: bool = False
+    _largest_round: int = 0
+    _fitness: dict[str, list[float]] = field(default_factory=dict)
+
+    def go(self, source: FromTable, evaluate: Evaluator) -> None:
+        """Search until the budget is spent or the optimizer has stopped.
+
+        Raises
+        ------
+        KeepsFailing
+            When candidates fail one after the other by the same defect of a component.
+        """
+        idle = 0
+        while not self.stopped:
+            before, known = self.search.images, source.seconds
+            began = time.perf_counter()
+            if before and self._recommends and before + self._largest_round > self._next_checkpoint:
+                self._latest, self._has_recommended = self._recommendation(), True
+            evaluations = self.search.step(cast("Executor", source), evaluate, lambda _: None)
+            self.thought_seconds += time.perf_counter() - began - (source.seconds - known)
+            self._see(before, evaluations)
+            idle = 0 if self.search.images > before else idle + 1
+            self.stopped = self._stop(idle)
+        if self.search.images <= self.checkpoints[-1]:
+            self._latest = self._recommendation()
+        self._pass_checkpoints(self.checkpoints[-1] + 1)
 
     @property
-    def over(self) -> bool:
-        """Whether the budget is spent or the optimizer has stopped."""
-        return bool(self.stopped)
+    def _next_checkpoint(self) -> int:
+        return self.checkpoints[len(self.stands)]
 
-    def ask(self) -> list[dict[str, Any]]:
-        """The values of the next candidates."""
-        began = time.perf_counter()
-        self._asked = self.optimizer.ask()
-        self._think(began)
-        return [candidate.as_dict() for candidate in self._asked]
+    @property
+    def _recommends(self) -> bool:
+        return self.search.optimizer is not None and self.search.optimizer.recommends
 
-    def tell(self, ledger: Ledger) -> None:
-        """Take in the candidates last asked."""
-        self._rounds += 1
-        observed = []
-        for candidate in self._asked:
-            values = candidate.as_dict()
-            entry = ledger[values]
-            observed.append(Evaluated(candidate, entry.fitness))
-            self._count += 1
-            if candidate.key not in self._known:
-                self._known.add(candidate.key)
-                self._spent += entry.images
-                self._seconds += entry.seconds
-            if entry.fitness is not None and self._spent <= self.images:
-                self._note(values, entry.fitness)
-        began = time.perf_counter()
-        self.optimizer.tell(observed)
-        self._think(began)
-        self.stopped = self._stop()
+    def _recommendation(self) -> Stand:
+        return Stand(0, self.search.images, next(iter(self.search.most_promising(1)), None))
 
-    def _note(self, values: Mapping[str, Any], fitness: float) -> None:
-        best = self.moments[-1].best if self.moments else float("-inf")
-        if fitness > best:
-            best, self.winner = fitness, values
-        self.moments.append(Moment(self._rounds, self._count, self._spent, self._seconds, best))
+    def _see(self, before: int, evaluations: Iterable[Evaluation]) -> None:
+        """Take in a round, candidate by candidate."""
+        spent, best = before, max(map(_mean, self._fitness.values()), default=float("-inf"))
+        for evaluation in evaluations:
+            self.candidates += 1
+            spent += evaluation.images
+            self._pass_checkpoints(spent)
+            if evaluation.fitness is None or self._has_recommended:
+                continue
+            own = self._fitness.setdefault(content_key(evaluation.values), [])
+            own.append(evaluation.fitness)
+            if _mean(own) > best:
+                best, self._latest = _mean(own), Stand(0, spent, evaluation.values)
+        self._largest_round = max(self._largest_round, spent - before)
+        if self.search.generation == self.target_rounds:
+            self.after_rounds = self._recommendation()
 
-    def _think(self, began: float) -> None:
-        took = time.perf_counter() - began
-        self._seconds += took
-        self.thought_seconds += took
+    def _pass_checkpoints(self, spent: int) -> None:
+        """The checkpoints that lie below what is spent get what was recommended last."""
+        for checkpoint in self.checkpoints[len(self.stands) :]:
+            if checkpoint >= spent:
+                return
+            self.stands.append(replace(self._latest, checkpoint=checkpoint))
 
-    def _stop(self) -> str:
-        if self._spent >= self.images:
-            return "budget spent"
-        if self._count > MOST_ASKED_PER_EVALUATION * self.images / self.images_per_evaluation:
-            return "asked again and again for what it had, or what fails"
-        return self.optimizer.stop() or ""
+    def _stop(self, idle: int) -> str:
+        if self.search.images >= self.checkpoints[-1]:
+            return BUDGET_SPENT
+        if idle >= MOST_IDLE_ROUNDS:
+            return f"{idle} rounds in a row brought nothing that was not known"
+        return self.search.stopped or ""
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values)

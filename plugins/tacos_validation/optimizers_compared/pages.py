@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,70 +11,22 @@ from matplotlib.figure import Figure
 from tacos_framework.report.figures.canvas import draw, light_grid, logarithmic_height
 from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings
 from tacos_framework.report.palette import MUTED, camera_colour
-from tacos_validation.optimizers_compared.contest import Run
-from tacos_validation.optimizers_compared.standings import Middle, Standing, curve
+from tacos_validation.optimizers_compared.outcome import Comparison
+from tacos_validation.optimizers_compared.problem import values_text
+from tacos_validation.optimizers_compared.standings import Quartiles, Ratio, Standing
 
-POINTS = 120
-"""Points of a curve."""
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """Everything the report tells.
-
-    Parameters
-    ----------
-    target
-        Median fitness of the reference.
-    target_images
-        Images that the reference's candidates come to when elites are rendered again, as in the paper.
-    target_rendered
-        Images they come to when no candidate is rendered twice.
-    """
-
-    problem: str
-    reference: str
-    images_per_evaluation: int
-    images: int
-    target: float
-    target_images: float
-    target_rendered: float
-    best_known: float
-    worst_known: float
-    groups: Mapping[tuple[str, str], Sequence[Run]]
-    standings: tuple[Standing, ...]
-    notes: tuple[str, ...]
-
-    def as_data(self) -> dict[str, Any]:
-        """For ``result.json``; what was never reached is null."""
-        return {
-            "problem": self.problem,
-            "reference": self.reference,
-            "images_per_evaluation": self.images_per_evaluation,
-            "images": self.images,
-            "target": self.target,
-            "target_images": self.target_images,
-            "target_rendered": self.target_rendered,
-            "best_known": self.best_known,
-            "worst_known": self.worst_known,
-            "standings": [_finite(asdict(each)) for each in self.standings],
-            "comparison_notes": list(self.notes),
-        }
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _finite(each) for key, each in value.items()}
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+COLOURS = 7
+"""Colours there are; the lines beyond are dashed."""
 
 
 def summary(comparison: Comparison) -> str:
     """The finding in a few lines."""
     lines = [_finding(comparison)]
-    for each in _ranked(comparison):
+    for each in comparison.standings:
+        last = max(each.regret)
         lines.append(
-            f"{each.optimizer} ({each.scheme}): regret {_interval(each.regret, 3)}, target after "
-            f"{_images(each.images)} images, reached by {each.success:.0%}"
+            f"{each.optimizer}: target after {_images(each.images)} images, reached by {each.reached:.0%}; "
+            f"regret {_regret(each.regret[last])} after {last}"
         )
     return "\n".join(lines)
 
@@ -84,146 +34,150 @@ def summary(comparison: Comparison) -> str:
 def page(comparison: Comparison) -> Page:
     """The page."""
     runs = max(each.runs for each in comparison.standings)
+    notes = (Section("Notes", (Warnings("What to know", comparison.notes),)),) if comparison.notes else ()
     return Page(
         eyebrow="Optimizers compared",
         title=_finding(comparison),
         lead=(
-            f"{len(comparison.standings)} searches of the problem {comparison.problem}, {runs} seeds each, "
-            f"{comparison.images} images for every run, {comparison.images_per_evaluation} for a candidate. "
-            f"Regret is the distance to the best fitness any run found, {comparison.best_known:.3f}; random "
-            f"candidates reach down to {comparison.worst_known:.3f}. Lines are medians over seeds, bands "
-            f"their 95 % intervals (order statistics, no assumption on the distribution)."
+            f"{len(comparison.standings)} optimizers on the problem {comparison.problem}, {runs} runs each. "
+            f"What counts is images rendered: what a run has had before and what breaks a constraint costs "
+            f"nothing. Regret is how far what a run recommends lies below the best camera known on "
+            f"{comparison.held_out} scenes that no run sees, {comparison.best_known:.3f}. Figures are "
+            f"medians over runs, with quartiles in brackets."
         ),
         sections=(
-            Section("Notes", (Warnings("What to know", comparison.notes),))
-            if comparison.notes
-            else _target(comparison),
-            *((_target(comparison),) if comparison.notes else ()),
-            Section("Regret against images", tuple(_drawings(comparison, "images"))),
-            Section("Regret against seconds", tuple(_drawings(comparison, "seconds"))),
-            Section("Standings", (_table(comparison),)),
+            *notes,
+            Section("Regret against images", (_drawing(comparison), _regrets(comparison))),
+            Section("Images to the target", (_standings(comparison), *_explained(comparison))),
         ),
     )
 
 
-def _target(comparison: Comparison) -> Section:
-    return Section(
-        "What is to be reached",
-        (
-            Paragraph(
-                f"The target is the median quality of {comparison.reference}: fitness "
-                f"{comparison.target:.3f}, a regret of {comparison.best_known - comparison.target:.3f}. The "
-                f"paper renders every candidate of every generation, which comes to "
-                f"{comparison.target_images:.0f} images; a tenth of that are "
-                f"{comparison.target_images / 10:.0f}. Here no run renders a candidate twice, so it took "
-                f"{comparison.target_rendered:.0f}. Images and seconds are counted as if each run were alone."
-            ),
+def _explained(comparison: Comparison) -> tuple[Paragraph, ...]:
+    return (
+        Paragraph(
+            f"The target is the median quality of {comparison.target_of} on the held-out scenes: fitness "
+            f"{comparison.target:.3f}, a regret of {comparison.best_known - comparison.target:.3f}, for "
+            f"which its runs had rendered {comparison.target_images:.0f} images. A run has reached it at "
+            f"the first checkpoint at which what it recommends is as good."
+        ),
+        Paragraph(
+            f"The best camera known there: {values_text(comparison.best_camera)}. Candidates are points of a "
+            f"grid, so that all runs could share {comparison.rendered} images; each is charged as if it had "
+            f"been alone."
         ),
     )
 
 
 def _finding(comparison: Comparison) -> str:
-    reached = [each for each in _ranked(comparison) if math.isfinite(each.images.median)]
-    others = [each for each in reached if f"{each.optimizer}, {each.scheme}" not in comparison.reference]
+    reached = [each for each in comparison.standings if math.isfinite(each.images.median)]
+    first = comparison.target_of.partition(" after ")[0]
+    others = [each for each in reached if each.optimizer != first]
     if not others:
-        return f"No other search reaches the quality of {comparison.reference} in {comparison.images} images"
+        return f"No other optimizer reaches the quality of {comparison.target_of}"
     best = others[0]
     share = best.images.median / comparison.target_images
     return (
-        f"{best.optimizer} ({best.scheme}) reaches the quality of {comparison.reference} with {share:.0%} of "
-        f"its images: {best.images.median:.0f} of {comparison.target_images:.0f}"
+        f"{best.optimizer} reaches the quality of {comparison.target_of} with {share:.0%} of its images: "
+        f"{best.images.median:.0f} of {comparison.target_images:.0f}"
     )
 
 
-def _ranked(comparison: Comparison) -> list[Standing]:
-    """Fewest images to the target first; those that do not reach it by their regret."""
-    return sorted(comparison.standings, key=lambda each: (each.images.median, each.regret.median))
-
-
-def _drawings(comparison: Comparison, unit: str) -> list[Drawing]:
-    schemes = dict.fromkeys(scheme for _, scheme in comparison.groups)
-    return [_drawing(comparison, scheme, unit) for scheme in schemes]
-
-
-def _drawing(comparison: Comparison, scheme: str, unit: str) -> Drawing:
-    groups = {name: runs for (name, of), runs in comparison.groups.items() if of == scheme}
-    names = list(dict.fromkeys(name for name, _ in comparison.groups))
-    most = max(
-        (getattr(r.moments[-1], unit) for runs in groups.values() for r in runs if r.moments), default=1
-    )
-    floor = max(comparison.best_known - comparison.worst_known, 1e-12) * 1e-3
+def _drawing(comparison: Comparison) -> Drawing:
+    names = list(comparison.runs)
+    finite = [
+        figure
+        for each in comparison.standings
+        for regret in each.regret.values()
+        for figure in (regret.low, regret.median, regret.high)
+        if math.isfinite(figure) and figure > 0
+    ]
+    floor = min(finite, default=1e-3) / 2
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
-        for name, runs in groups.items():
-            at = np.linspace(most / POINTS, most, POINTS)
-            drawn = curve(
-                runs,
-                at,
-                lambda moment: float(getattr(moment, unit)),
-                best_known=comparison.best_known,
-                worst_known=comparison.worst_known,
+        for each in sorted(comparison.standings, key=lambda each: names.index(each.optimizer)):
+            place = names.index(each.optimizer)
+            at = [a for a, regret in each.regret.items() if math.isfinite(regret.median)]
+            low, middle, high = (
+                np.maximum([getattr(each.regret[a], part) for a in at], floor)
+                for part in ("low", "median", "high")
             )
-            colour = camera_colour(names.index(name))
-            axes.fill_between(
-                at, np.maximum(drawn.low, floor), np.maximum(drawn.high, floor), color=colour, alpha=0.12,
-                linewidth=0,
-            )  # fmt: skip
-            axes.plot(at, np.maximum(drawn.median, floor), color=colour, linewidth=2, label=name)
+            colour, dashes = camera_colour(place), "-" if place < COLOURS else "--"
+            whole = np.where(np.isfinite(high), high, middle)
+            axes.fill_between(at, low, whole, color=colour, alpha=0.1, linewidth=0)
+            axes.plot(at, middle, dashes, color=colour, linewidth=2, marker="o", ms=3.5, label=each.optimizer)
         goal = comparison.best_known - comparison.target
-        axes.axhline(max(goal, floor), color=MUTED, linewidth=1, linestyle="--")
-        if unit == "images":
-            axes.axvline(comparison.target_images / 10, color=MUTED, linewidth=1, linestyle=":")
+        if math.isfinite(goal):
+            axes.axhline(max(goal, floor), color=MUTED, linewidth=1, linestyle="--")
+        axes.axvline(comparison.target_images / 10, color=MUTED, linewidth=1, linestyle=":")
         logarithmic_height(axes)
-        axes.set_xlim(0, most)
-        axes.set_xlabel("images rendered" if unit == "images" else "seconds, optimizer included")
-        axes.set_ylabel("regret")
-        axes.set_title(f"{scheme} catalogs")
+        axes.set_xscale("log")
+        shown = sorted({at for each in comparison.standings for at in each.regret})
+        axes.set_xticks(shown, [str(at) for at in shown])
+        axes.minorticks_off()
+        axes.set_xlabel("images rendered")
+        axes.set_ylabel("regret on the held-out scenes")
         light_grid(axes, "y")
-        axes.legend(ncols=3, labelcolor=MUTED)
+        axes.legend(ncols=4, labelcolor=MUTED)
 
-    described = f"Median regret of {', '.join(groups)} against {unit}, {scheme} catalogs."
-    caption = "Dashed: the target." + (
-        " Dotted: a tenth of the reference's images." if unit == "images" else ""
-    )
-    return Drawing(draw(f"{scheme}-{unit}", (9.2, 4.2), described, paint), caption)
+    described = f"Median regret of {', '.join(names)} against images rendered."
+    caption = "Bands are quartiles. Dashed: the target. Dotted: a tenth of its images."
+    return Drawing(draw("regret", (9.2, 4.6), described, paint), caption)
 
 
-def _table(comparison: Comparison) -> Table:
-    heads = (
-        "Optimizer", "Scheme", "Final fitness", "Final regret", "Images to the target",
-        "Seconds to the target", "Reached", "Reached with a tenth", "On unseen scenes",
-        "Thought per candidate",
-    )  # fmt: skip
+def _regrets(comparison: Comparison) -> Table:
+    checkpoints = sorted({at for each in comparison.standings for at in each.regret})
     rows = tuple(
         (
             each.optimizer,
-            each.scheme,
-            _interval(each.final, 3),
-            _interval(each.regret, 3),
-            _images(each.images),
-            _interval(each.seconds, 0),
-            f"{each.success:.0%}",
-            f"{each.success_early:.0%}",
-            "not tested" if each.unseen is None else f"{each.unseen:.3f}",
-            f"{each.thought_ms:.1f} ms",
+            *(_regret(each.regret[at]) if at in each.regret else "not run" for at in checkpoints),
         )
-        for each in _ranked(comparison)
+        for each in comparison.standings
     )
-    caption = (
-        "Medians over seeds, 95 % intervals in brackets. A tenth: with a tenth of the reference's images. "
-        "On unseen scenes: mean fitness of the winners there."
+    return Table(("Regret after", *map(str, checkpoints)), rows, "Medians over runs, quartiles in brackets.")
+
+
+def _standings(comparison: Comparison) -> Table:
+    others = list(comparison.standings[0].ratios)
+    rows = tuple(_row(each, others) for each in comparison.standings)
+    heads = (
+        "Optimizer",
+        "Images to the target",
+        "Reached by",
+        *(f"Times fewer than {other}" for other in others),
+        "Time to propose",
     )
-    return Table(heads, rows, caption)
+    return Table(heads, rows, "A time to propose is per candidate asked for, without its simulation.")
 
 
-def _images(found: Middle) -> str:
-    return _interval(found, 0)
+def _row(each: Standing, others: Sequence[str]) -> tuple[str, ...]:
+    return (
+        each.optimizer,
+        _images(each.images),
+        f"{each.reached:.0%}",
+        *(_times(each.ratios[other]) for other in others),
+        f"{each.thought_ms:.1f} ms",
+    )
 
 
-def _interval(found: Middle, digits: int) -> str:
-    return f"{_shown(found.median, digits)} [{_shown(found.low, digits)}, {_shown(found.high, digits)}]"
+def _times(ratio: Ratio) -> str:
+    if ratio.value is None:
+        return "not reached"
+    return f"{'at least ' if ratio.at_least else ''}{ratio.value:.1f}"
 
 
-def _shown(value: float, digits: int) -> str:
-    return "never" if math.isinf(value) else f"{value:.{digits}f}"
+def _images(found: Quartiles) -> str:
+    return _interval(found, 0, "never")
+
+
+def _regret(found: Quartiles) -> str:
+    return _interval(found, 3, "nothing yet")
+
+
+def _interval(found: Quartiles, digits: int, if_infinite: str) -> str:
+    low, median, high = (
+        if_infinite if math.isinf(value) else f"{value:.{digits}f}"
+        for value in (found.low, found.median, found.high)
+    )
+    return median if low == median == high else f"{median} [{low}, {high}]"

@@ -1,153 +1,179 @@
-"""From runs to curves, intervals and a table."""
+"""From runs to regret at checkpoints, images to the target, and ratios of them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-
-from tacos_validation.optimizers_compared.contest import Moment, Run
-
-CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
-class Middle:
-    """A median and its interval; infinite where it was not reached."""
+class Quartiles:
+    """The median and the quartiles of a figure over runs; infinite where it was not reached."""
 
-    median: float
     low: float
+    median: float
     high: float
 
 
-def middle(values: Sequence[float]) -> Middle:
-    """Median with a distribution-free interval: the order statistics that hold it with `CONFIDENCE`.
+def quartiles(values: Sequence[float]) -> Quartiles:
+    """Quartiles over runs, between two order statistics by weight.
 
-    Five values or fewer cannot give that confidence; the interval is then their whole range. Infinite values
-    (never reached) count as larger than all others.
+    Infinite values (never reached) count as larger than all others; between a finite one and an infinite one
+    lies an infinite one.
+
+    Examples
+    --------
+    >>> quartiles([40, 80, 80, 160, float("inf")])
+    Quartiles(low=80.0, median=80.0, high=160.0)
     """
-    from scipy.stats import binom
+    ordered = sorted(map(float, values))
 
-    ordered = sorted(values)
-    count = len(ordered)
-    places = range(1, count // 2 + 1)
-    place = max((k for k in places if 1 - 2 * binom.cdf(k - 1, count, 0.5) >= CONFIDENCE), default=1)
-    lower, upper = ordered[(count - 1) // 2], ordered[count // 2]
-    median = upper if math.isinf(upper) else (lower + upper) / 2
-    return Middle(median, ordered[place - 1], ordered[count - place])
+    def at(share: float) -> float:
+        place = share * (len(ordered) - 1)
+        below, weight = math.floor(place), place % 1
+        if weight == 0:
+            return ordered[below]
+        low, high = ordered[below], ordered[below + 1]
+        return high if math.isinf(high) else low + weight * (high - low)
+
+    return Quartiles(at(0.25), at(0.5), at(0.75))
 
 
-@dataclass(frozen=True, eq=False)
-class RegretCurve:
-    """Median regret of an optimizer over its runs, with the interval of `middle`.
+@dataclass(frozen=True)
+class JudgedRun:
+    """A run as the held-out scenes judge it.
 
     Parameters
     ----------
-    at
-        (points,) images or seconds.
-    median, low, high
-        (points,) regret.
+    optimizer, seed
+        What ran.
+    images
+        Images it had rendered when it recommended what stands at each checkpoint.
+    fitness
+        At each checkpoint, the fitness on the held-out scenes of what it recommended; minus infinity where
+        it recommended nothing, or what cannot be scored there.
     """
 
-    at: NDArray[np.float64]
-    median: NDArray[np.float64]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
+    optimizer: str
+    seed: int
+    images: Mapping[int, int]
+    fitness: Mapping[int, float]
+
+    def images_to(self, target: float) -> float:
+        """The first checkpoint at which it is as good as the target; infinite if it never was."""
+        return next((float(at) for at, value in self.fitness.items() if value >= target), math.inf)
 
 
-def curve(
-    runs: Sequence[Run],
-    at: NDArray[np.float64],
-    cost: Callable[[Moment], float],
-    *,
-    best_known: float,
-    worst_known: float,
-) -> RegretCurve:
-    """Regret of the runs once they had spent so much.
+@dataclass(frozen=True)
+class Ratio:
+    """How many times the images of another optimizer are those of this one.
 
-    Before its first scored candidate a run stands at the worst fitness known.
+    Parameters
+    ----------
+    value
+        Median images to the target of the other, over the median of this one; None where this one never
+        reaches it.
+    at_least
+        Whether the other never reached it either, so that its whole budget stands for them.
     """
-    regret = np.array(
-        [[best_known - best_after(run, spent, cost, worst_known) for spent in at] for run in runs]
-    )
-    middles = [middle(column) for column in regret.T.tolist()]
-    return RegretCurve(
-        at, *(np.array([getattr(m, name) for m in middles]) for name in ("median", "low", "high"))
-    )
 
-
-def best_after(run: Run, spent: float, cost: Callable[[Moment], float], otherwise: float) -> float:
-    """Best fitness once no more than `spent` had been spent."""
-    within = [moment.best for moment in run.moments if cost(moment) <= spent]
-    return within[-1] if within else otherwise
-
-
-def reached(run: Run, target: float, cost: Callable[[Moment], float]) -> float:
-    """What had been spent when the run first was as good as `target`; infinite if it never was."""
-    return next((cost(moment) for moment in run.moments if moment.best >= target), math.inf)
+    value: float | None
+    at_least: bool = False
 
 
 @dataclass(frozen=True)
 class Standing:
-    """What an optimizer achieved under a scheme, over its runs.
+    """What an optimizer achieved, over its runs.
 
     Parameters
     ----------
-    final
-        Best fitness after the budget.
     regret
-        Distance of that from the best fitness any run found.
-    images, seconds
-        Spent until the target was reached.
-    success
+        At each checkpoint the distance to the best camera known on the held-out scenes.
+    images
+        Images to the target.
+    reached
         Share of the runs that reached it.
-    success_early
-        Share of the runs that reached it with a tenth of the reference's images.
-    unseen
-        Mean fitness of the winners on test scenes; NaN where there are none.
+    ratios
+        Images of other optimizers over its own, by their name.
     thought_ms
-        Time in the optimizer itself for each candidate asked [ms].
+        Time in the optimizer itself for each candidate it asked for [ms].
     """
 
     optimizer: str
-    scheme: str
     runs: int
-    final: Middle
-    regret: Middle
-    images: Middle
-    seconds: Middle
-    success: float
-    success_early: float
-    unseen: float | None
+    regret: Mapping[int, Quartiles]
+    images: Quartiles
+    reached: float
+    ratios: Mapping[str, Ratio]
     thought_ms: float
 
 
-def standing(
-    runs: Sequence[Run],
+def standings(
+    runs: Mapping[str, Sequence[JudgedRun]],
     *,
     target: float,
-    early_images: float,
     best_known: float,
-    worst_known: float,
-    unseen: Sequence[float],
-) -> Standing:
-    """The standing of the runs of one optimizer under one scheme."""
-    finals = [run.moments[-1].best if run.moments else worst_known for run in runs]
-    images = [reached(run, target, lambda moment: moment.images) for run in runs]
-    asked = sum(run.moments[-1].asked for run in runs if run.moments)
-    return Standing(
-        optimizer=runs[0].optimizer_name,
-        scheme=runs[0].scheme,
-        runs=len(runs),
-        final=middle(finals),
-        regret=middle([best_known - final for final in finals]),
-        images=middle(images),
-        seconds=middle([reached(run, target, lambda moment: moment.seconds) for run in runs]),
-        success=float(np.mean(np.isfinite(images))),
-        success_early=float(np.mean(np.array(images) <= early_images)),
-        unseen=float(np.mean(unseen)) if unseen else None,
-        thought_ms=1e3 * sum(run.thought_seconds for run in runs) / max(asked, 1),
-    )
+    against: Mapping[str, float],
+    budgets: Mapping[str, int],
+    thought_ms: Mapping[str, float],
+) -> tuple[Standing, ...]:
+    """The standing of each optimizer, fewest images to the target first.
+
+    Parameters
+    ----------
+    runs
+        By optimizer.
+    target
+        Fitness on the held-out scenes that is to be reached.
+    best_known
+        The best fitness there.
+    against
+        The images that ratios are taken of, by name; infinite where the target was not reached.
+    budgets
+        What stands for them then.
+    thought_ms
+        By optimizer.
+    """
+    found = []
+    for name, own in runs.items():
+        to_target = [run.images_to(target) for run in own]
+        images = quartiles(to_target)
+        found.append(
+            Standing(
+                optimizer=name,
+                runs=len(own),
+                regret={
+                    at: quartiles([best_known - run.fitness[at] for run in own]) for at in own[0].fitness
+                },
+                images=images,
+                reached=float(np.mean(np.isfinite(to_target))),
+                ratios={
+                    other: ratio(theirs, images.median, budgets[other]) for other, theirs in against.items()
+                },
+                thought_ms=thought_ms[name],
+            )
+        )
+    return tuple(sorted(found, key=_order))
+
+
+def ratio(theirs: float, own: float, their_budget: int) -> Ratio:
+    """How many times the images `own` the images `theirs` are.
+
+    Examples
+    --------
+    >>> ratio(2064, 160, 2064)
+    Ratio(value=12.9, at_least=False)
+    >>> ratio(float("inf"), 160, 5280)
+    Ratio(value=33.0, at_least=True)
+    """
+    if math.isinf(own):
+        return Ratio(None)
+    return Ratio(their_budget / own, True) if math.isinf(theirs) else Ratio(theirs / own)
+
+
+def _order(standing: Standing) -> tuple[float, float]:
+    last = max(standing.regret)
+    return standing.images.median, standing.regret[last].median

@@ -64,6 +64,11 @@ class CompareStudies:
     def __init__(self, config: Config) -> None:
         self.config = config
 
+    def check(self, *, plugins: Plugins) -> None:
+        """Look for faults in every study."""
+        for _ in self._studies(plugins):
+            pass
+
     def run(
         self, *, out: Path, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:

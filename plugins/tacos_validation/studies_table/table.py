@@ -54,6 +54,10 @@ class StudiesTable:
     def __init__(self, config: StudiesConfig) -> None:
         self.config = config
 
+    def check(self, *, plugins: Plugins) -> None:
+        """Look for faults in every study."""
+        self.plan(plugins)
+
     def run(
         self, *, out: Path, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
@@ -90,7 +94,7 @@ class StudiesTable:
             planned.append(study)
             faults.extend(self._missing(study))
         if faults:
-            raise UserError(faults)
+            raise UserError(_once(faults))
         return planned, notes
 
     def _recipe(self, name: str) -> Recipe:
@@ -148,3 +152,14 @@ class StudiesTable:
 
 def _lines(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def _once(faults: Sequence[Fault]) -> list[Fault]:
+    """The faults, those alike said once: at the first place, and how many more there are."""
+    places: dict[tuple[str, str, str], list[str]] = {}
+    for fault in faults:
+        places.setdefault((fault.what, fault.expected, fault.remedy), []).append(fault.where)
+    return [
+        Fault(where if not more else f"{where} (and {len(more)} more like it)", *said)
+        for said, (where, *more) in places.items()
+    ]

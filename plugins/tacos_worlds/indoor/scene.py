@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,12 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Episode
 from tacos_worlds.indoor.piece import Piece
 
+if TYPE_CHECKING:
+    from tacos_worlds.indoor.building import Building
+    from tacos_worlds.indoor.walk.trip import Stretch
+
 Metres = Annotated[float, Field(gt=0)]
+Seconds = Annotated[float, Field(gt=0)]
 
 
 class IndoorScene:
@@ -22,6 +28,11 @@ class IndoorScene:
     The floor is cut into rooms joined by doors with gold-coloured thresholds. Rooms get furniture of ten
     classes that suits their use, and ceiling lights and lamps scaled to the scenario's illuminance. The agent
     walks a tour of all rooms; a second walk starts where the frames outlast the first.
+
+    Under ``sampling: walk`` frames are taken at a steady rate, as a recording has them. Under ``approaches``
+    they are taken only before thresholds, at the times ``before_step_s``: few frames then see several
+    thresholds, each from an eye height of its own. Every approach is a walk to those who follow things
+    from frame to frame, and its threshold is the one obstacle that counts in it.
 
     One generator state gives one world and one trip, always.
 
@@ -45,8 +56,20 @@ class IndoorScene:
         min_room_m: float = setting(
             5.0, help="Least edge of a room, to the middle of inner walls.", unit="m", ge=3.5
         )
-        frames: int = setting(500, help="Frames taken along the walk.", ge=1, le=1_000_000)
-        frame_rate_hz: float = setting(5.0, help="Frames per second of walking.", unit="Hz", gt=0)
+        frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000)
+        sampling: Literal["walk", "approaches"] = setting(
+            "walk", help="Where frames are taken: all along the walk, or only before thresholds."
+        )
+        frame_rate_hz: float = setting(
+            5.0, help="Frames per second of walking, under sampling: walk.", unit="Hz", gt=0
+        )
+        before_step_s: tuple[Seconds, ...] = setting(
+            (1.6, 1.4, 0.8, 0.6),
+            help="Times before a threshold is stepped on, falling, under sampling: approaches. "
+            "frames should be a multiple of their number.",
+            unit="s",
+            min_length=1,
+        )
         speed_m_s: float = setting(1.0, help="Speed of the agent on straight ways.", unit="m/s", gt=0, le=5.0)
         camera_height_m: tuple[Metres, Metres] = setting(
             (1.0, 2.0), help="Range from which each walk draws the height of the agent's eye.", unit="m"
@@ -69,6 +92,13 @@ class IndoorScene:
                 raise ValueError(
                     f"camera_height_m reaches {high} m, but must stay 0.2 m below the ceiling of "
                     f"{self.ceiling_height_m} m"
+                )
+            if any(later >= earlier for earlier, later in pairwise(self.before_step_s)):
+                raise ValueError(f"before_step_s must fall from time to time, not {self.before_step_s}")
+            if self.sampling == "approaches" and max(self.size_m) < 2 * self.min_room_m:
+                raise ValueError(
+                    f"sampling is approaches, but size_m {self.size_m} is a single room without thresholds: "
+                    f"it takes two rooms of min_room_m {self.min_room_m}"
                 )
             return self
 
@@ -95,7 +125,7 @@ class IndoorScene:
         from tacos_worlds.indoor.building import draw_building
         from tacos_worlds.indoor.finishes import TextureLibrary
         from tacos_worlds.indoor.furnishing.catalogue import Catalogue
-        from tacos_worlds.indoor.walk.trip import draw_trip
+        from tacos_worlds.indoor.walk.trip import joined
 
         if not illumination_lux > 0:
             raise ValueError(f"illumination_lux must be above 0, not {illumination_lux}")
@@ -110,12 +140,21 @@ class IndoorScene:
             catalogue=Catalogue(self._pieces),
         )
         world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)
-        return draw_trip(
-            walk_rng,
-            world,
-            building,
+        return joined(world, self._stretches(walk_rng, building))
+
+    def _stretches(self, rng: np.random.Generator, building: Building) -> Iterator[Stretch]:
+        """Where frames are taken."""
+        from tacos_worlds.indoor.walk.trip import along_walks, approaches, draw_walks
+
+        config = self.config
+        if config.sampling == "walk":
+            walks = draw_walks(rng, building, config.speed_m_s, config.camera_height_m)
+            return along_walks(rng, walks, frames=config.frames, frame_rate_hz=config.frame_rate_hz)
+        walks = draw_walks(rng, building, config.speed_m_s, camera_height_m=(0.0, 0.0))
+        return approaches(
+            rng,
+            walks,
             frames=config.frames,
-            frame_rate_hz=config.frame_rate_hz,
-            speed_m_s=config.speed_m_s,
+            before_s=config.before_step_s,
             camera_height_m=config.camera_height_m,
         )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import toy_detection
 import toy_plugin
-from safetensors.numpy import load_file
+from safetensors.numpy import load_file, save_file
 from toy_study import comparable, run, toy_recipe
 
 from tacos_framework.errors import UserError
@@ -31,7 +31,7 @@ def plugins() -> Plugins:
     return found
 
 
-def joint_recipe(weights="shared", **train):
+def joint_recipe(weights="shared", start="none", **train):
     return toy_recipe(
         rig={"sensor": {"name": "small", "width_px": 48, "height_px": 32, "pixel_um": 100}},
         nodes={
@@ -46,6 +46,7 @@ def joint_recipe(weights="shared", **train):
                 "proposals": 20,
                 "rois": 8,
                 "device": "cpu",
+                "weights": str(start),
                 "train": {"weights": weights, "learning_rate": 1e-3, **train},
             },
         },
@@ -64,9 +65,27 @@ def first_state(recipe, plugins):
     return Evaluator(recipe, plugins).simulation.initial_states()["detect"]
 
 
+def trained(folder, plugins):
+    """A file of weights."""
+    save_file(dict(first_state(joint_recipe(), plugins)), folder / "trained.safetensors")
+    return folder / "trained.safetensors"
+
+
+@pytest.mark.parametrize("start", ["none", "coco"])
+def test_frozen_weights_that_do_not_know_the_classes_are_refused(plugins, start):
+    recipe = joint_recipe("frozen", start=start)
+    with pytest.raises(UserError, match=f"never trained: weights is {start}") as raised:
+        make_plan(recipe, plugins)
+    assert ["nodes.detect.train.weights" in fault.where for fault in raised.value.faults] == [True]
+
+
+def test_weights_that_learn_may_start_at_random(plugins):
+    assert make_plan(joint_recipe("branched"), plugins).trainable == ("detect",)
+
+
 @pytest.mark.parametrize(("weights", "trainings"), [("shared", 4), ("branched", 2), ("frozen", 0)])
 def test_weights_move_as_often_as_the_recipe_says(plugins, tmp_path, weights, trainings):
-    recipe = joint_recipe(weights)
+    recipe = joint_recipe(weights, start=trained(tmp_path, plugins) if weights == "frozen" else "none")
     result = run(recipe, plugins, tmp_path / "out")
     before, after = first_state(recipe, plugins), kept_state(tmp_path / "out")
     moved = [n for n in before if n.startswith("model.") and not np.array_equal(before[n], after[n])]

@@ -9,6 +9,8 @@ import pytest
 from safetensors.numpy import load_file
 
 import tacos_framework
+from tacos_framework.errors import UserError
+from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.testing.fingerprint import fingerprint
@@ -18,7 +20,7 @@ torch = pytest.importorskip("torch", reason="the extra perception is not install
 from tacos_plugins.tasks.psmnet import training  # noqa: E402
 
 
-def recipe(batch: int, **train) -> Recipe:
+def recipe(batch: int, stereo_weights: str = "none", **train) -> Recipe:
     return Recipe.model_validate(
         {
             "name": "stereo in small",
@@ -38,6 +40,7 @@ def recipe(batch: int, **train) -> Recipe:
                     "width": 0.1,
                     "max_disparity": 16,
                     "device": "cpu",
+                    "weights": stereo_weights,
                     "train": train,
                 },
             },
@@ -47,10 +50,10 @@ def recipe(batch: int, **train) -> Recipe:
     )
 
 
-def run(out, *, batch: int = 3, resume: bool = False, **train):
+def run(out, *, batch: int = 3, resume: bool = False, **changes):
     """The candidates of all generations, and the weights after the last."""
     plugins = Plugins.discover()
-    tacos_framework.run(recipe(batch, **train), out=out, plugins=plugins, report=False, resume=resume)
+    tacos_framework.run(recipe(batch, **changes), out=out, plugins=plugins, report=False, resume=resume)
     lines = (out / "generations.jsonl").read_text().splitlines()
     (weights,) = (out / "weights").iterdir()
     return [candidate for line in lines for candidate in json.loads(line)["candidates"]], load_file(weights)
@@ -63,8 +66,21 @@ def test_weights_follow_the_cameras(tmp_path):
 
 
 def test_frozen_weights_stay(tmp_path):
-    _, weights = run(tmp_path / "out", weights="frozen")
+    run(tmp_path / "before", weights="shared")
+    (file,) = (tmp_path / "before" / "weights").iterdir()
+    _, weights = run(tmp_path / "out", stereo_weights=str(file), weights="frozen")
     assert not weights["adam.step"].any()
+    kept = load_file(file)
+    assert all(np.array_equal(weights[n], kept[n]) for n in weights if n.startswith("model."))
+
+
+def test_frozen_weights_that_were_never_trained_are_refused():
+    with pytest.raises(UserError, match="never trained: weights is none") as raised:
+        make_plan(recipe(3, weights="frozen"), Plugins.discover())
+    (fault,) = raised.value.faults
+    assert "nodes.stereo.train.weights" in fault.where
+    assert "pretrain_stereo" in fault.what
+    assert "Name such weights" in fault.remedy
 
 
 def test_a_candidate_on_which_training_diverges_fails_alone(tmp_path, monkeypatch):

@@ -7,10 +7,11 @@ import re
 import time
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
+from tacos_plugins.executors.affinity import Affinity, affinity_of, assigned
 from tacos_plugins.executors.on_ray.actor import EvaluatorActor
 from tacos_plugins.executors.on_ray.cluster import Cluster, Needs
 from tacos_plugins.executors.outcomes import Lost
@@ -43,6 +44,7 @@ class _Member:
     ready: bool = False
     task: _Task | None = None
     deadline: float = float("inf")
+    at_hand: set[Affinity] = field(default_factory=set)
 
 
 class ActorPool:
@@ -128,12 +130,16 @@ class ActorPool:
 
     def _hand_out(self, jobs: Sequence[Any], waiting: deque[_Task]) -> None:
         """Give waiting tasks to idle workers, and ask for workers where too few are there."""
-        for each in self._members:
-            if waiting and each.ready and each.owes is None:
-                each.task = waiting.popleft()
-                message = bytes(ForkingPickler.dumps(jobs[each.task.index]))
-                each.owes = each.actor.answer.remote(message)
-                each.deadline = float("inf") if self._job_s is None else time.monotonic() + self._job_s
+        idle = [each for each in self._members if each.ready and each.owes is None]
+        wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
+        busy = {each for other in self._members if other not in idle for each in other.at_hand}
+        given = assigned(wanted, [each.at_hand for each in idle], busy)
+        for each, task in [(idle[number], waiting[place]) for number, place in given.items()]:
+            waiting.remove(task)
+            each.task = task
+            each.at_hand.add(affinity_of(jobs[task.index]))
+            each.owes = each.actor.answer.remote(bytes(ForkingPickler.dumps(jobs[task.index])))
+            each.deadline = float("inf") if self._job_s is None else time.monotonic() + self._job_s
         starting = sum(not each.ready for each in self._members)
         for _ in range(min(self._most - len(self._members), len(waiting) - starting)):
             actor = self._actor_class.remote(self._payload_ref, self._threads)

@@ -6,15 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.surrogate.fitness_posterior import FitnessPosterior, normal_rule
-from tacos_plugins.surrogate.kernel import matern, scaled_distances
 
 Array = NDArray[np.float64]
 
 DRAWS = 64
 """Points of the quasi-random rule that expected improvements are taken over."""
-
-FAILING_LENGTH = 0.15
-"""How far a failure is taken to reach, in ranges of each coordinate times the root of their number."""
 
 OPTIMISM = 2.0
 """Standard deviations above the mean by which global candidates are ranked."""
@@ -32,27 +28,6 @@ def expected_improvement(posterior: FitnessPosterior, incumbent: float) -> Array
     """
     draws = posterior.marginal_draws(normal_rule(DRAWS, len(posterior.models)))
     return np.asarray(np.maximum(draws - incumbent, 0.0).mean(axis=0))
-
-
-def chance_of_success(rows: Array, succeeded: Array, failed: Array) -> Array:
-    """(points,) probability that a candidate can be evaluated, from those that could and those that failed.
-
-    Parameters
-    ----------
-    rows, succeeded, failed
-        (points, names) scaled coordinates of those in question and of those that were tried.
-
-    Notes
-    -----
-    Each one tried counts by how near it is; one half of a success and one sixth of a failure count
-    everywhere. So a lone failure leaves a chance of 1 in 3 where it happened and most of it elsewhere.
-    """
-    if not len(failed):
-        return np.ones(len(rows))
-    reach = np.full(rows.shape[1], FAILING_LENGTH * np.sqrt(max(rows.shape[1], 1)))
-    good = matern(scaled_distances(rows, succeeded, reach)).sum(axis=1) + 1 / 2
-    bad = matern(scaled_distances(rows, failed, reach)).sum(axis=1) + 1 / 6
-    return np.asarray(good / (good + bad))
 
 
 def chosen_in_turn(posterior: FitnessPosterior, incumbent: float, chances: Array, count: int) -> list[int]:

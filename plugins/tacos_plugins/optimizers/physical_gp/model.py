@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import DesignProblem
-from tacos_plugins.optimizers.physical_gp.acquisition import chance_of_success
 from tacos_plugins.optimizers.physical_gp.history import (
     TIME,
     Trial,
@@ -18,6 +17,7 @@ from tacos_plugins.optimizers.physical_gp.history import (
     observations,
     scores_known,
 )
+from tacos_plugins.optimizers.physical_gp.viability import Viability
 from tacos_plugins.surrogate.coordinates import CoordinateSystem
 from tacos_plugins.surrogate.grey_box import GreyBox
 from tacos_plugins.surrogate.kernel import Hyperparameters
@@ -61,15 +61,14 @@ class SearchModel:
     ----------
     grey_box
         The posterior of the fitness.
-    succeeded, failed
-        (trials, names) scaled coordinates of what could be evaluated and what failed.
+    viability
+        What can be evaluated.
     fitted
         The hyperparameters, to begin from next time.
     """
 
     grey_box: GreyBox
-    succeeded: Array
-    failed: Array
+    viability: Viability
     fitted: Fitted
 
     @classmethod
@@ -114,10 +113,5 @@ class SearchModel:
             fixed=kept,
         )
         fitted = Fitted(before.trials if kept and before else len(trials), grey_box.hyperparameters)
-        rows = system.rows(coordinates)
-        failed = np.array([trial.failed for trial in trials], dtype=bool)
-        return cls(grey_box, rows[~failed], rows[failed], fitted)
-
-    def chances(self, rows: Array) -> Array:
-        """(points,) probability that a candidate at scaled coordinates can be evaluated."""
-        return chance_of_success(rows, self.succeeded, self.failed)
+        succeeded = np.array([not trial.failed for trial in trials], dtype=bool)
+        return cls(grey_box, Viability.fit(system.rows(coordinates), succeeded), fitted)

@@ -32,8 +32,8 @@ class PhysicalGp:
     the next; each score has a process of its own, and the fitness is their known sum. Candidates are scored
     on few scenes, by turns, and scenes are random effects: wide before deep. A first round is spread over all
     there is; from then on each candidate is the one of largest expected improvement over the best posterior
-    mean, among all parts of all catalogs that keep the constraints. Every few rounds one is taken for what it
-    might be.
+    mean there is, tried or not, among all parts of all catalogs that keep the constraints. Every few rounds
+    one is taken for what it might be.
 
     What failed is not asked again, and what is near it seldom. Where no rig or task says anything of the
     problem, candidates are compared by their variables and their fitness.
@@ -68,7 +68,7 @@ class PhysicalGp:
             1, help="Episodes a candidate is scored on, by turns; the study may have fewer.", ge=1
         )
         global_every: int = setting(
-            5,
+            3,
             help=(
                 "Every so many rounds one candidate is taken for what it might be, against getting stuck; "
                 "0 for never."

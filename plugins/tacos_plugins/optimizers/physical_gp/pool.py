@@ -16,8 +16,8 @@ from tacos_plugins.surrogate.coordinates import CoordinateSystem
 Array = NDArray[np.float64]
 Genes = tuple[float, ...]
 
-POOL = 2048
-"""Candidates compared each round, all parts of a catalog among them; drawn once, in a fifth of a second."""
+POOL = 1024
+"""Candidates compared each round, all parts of a catalog among them; drawn once, in a tenth of a second."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from tacos_plugins.optimizers.physical_gp.acquisition import (
 )
 from tacos_plugins.optimizers.physical_gp.model import SearchModel
 from tacos_plugins.optimizers.physical_gp.pool import Genes, Located, Pool
+from tacos_plugins.surrogate.fitness_posterior import FitnessPosterior
 
 Array = NDArray[np.float64]
 
@@ -72,15 +73,14 @@ def proposed(
     closed
         Genes of those that must not be asked.
     """
-    incumbent = float(model.grey_box.posterior_at(tried.rows).mean.max())
-    left = pool.everywhere.without(closed)
-    left = left if len(left) else pool.others(rng).without(closed)
-    gains = expected_improvement(model.grey_box.posterior_at(left.rows), incumbent)
-    among = _with_neighbours(left, gains * model.chances(left.rows), pool, rng).without(closed)
-    posterior, chances = model.grey_box.posterior_at(among.rows), model.chances(among.rows)
-    gain = float((expected_improvement(posterior, incumbent) * chances).max())
-    chosen = among.take(chosen_in_turn(posterior, incumbent, chances, count))
-    return Proposal(chosen.candidates, gain / max(abs(incumbent), 1e-12))
+    known = Assessed.of(model, pool.everywhere.joined(tried))
+    near = _with_neighbours(known.located, known.gains(known.best_mean), pool, rng)
+    incumbent = max(known.best_mean, Assessed.of(model, near).best_mean)
+    left = near.without(closed)
+    among = Assessed.of(model, left if len(left) else pool.others(rng).without(closed))
+    chosen = chosen_in_turn(among.posterior, incumbent, among.chances, count)
+    gain = float(among.gains(incumbent).max()) / max(abs(incumbent), 1e-12)
+    return Proposal(among.located.take(chosen).candidates, gain)
 
 
 def might_be_best(
@@ -88,20 +88,60 @@ def might_be_best(
 ) -> Candidate | None:
     """A candidate that is good or unknown, of some drawn at random; None where none is left."""
     left = pool.everywhere.without(closed)
-    some = left.take(rng.permutation(len(left))[: -(-len(left) // GLOBAL_SHARE)])
-    if not len(some):
+    if not len(left):
         return None
-    return some.candidates[most_promising(model.grey_box.posterior_at(some.rows), model.chances(some.rows))]
+    some = Assessed.of(model, left.take(rng.permutation(len(left))[: -(-len(left) // GLOBAL_SHARE)]))
+    return some.located.candidates[most_promising(some.posterior, some.chances)]
 
 
 def recommended(
     model: SearchModel, pool: Pool, tried: Located, count: int, rng: np.random.Generator
 ) -> list[Candidate]:
     """The candidates of highest mean fitness, tried or not, the best first, and not all alike."""
-    known = pool.everywhere.joined(tried)
-    among = _with_neighbours(known, _likely_means(model, known), pool, rng)
-    order = np.argsort(-_likely_means(model, among), kind="stable").tolist()
-    return list(among.take(_apart(np.nan_to_num(among.rows, nan=0.5), order, count)).candidates)
+    known = Assessed.of(model, pool.everywhere.joined(tried))
+    among = Assessed.of(model, _with_neighbours(known.located, known.likely_means, pool, rng))
+    order = np.argsort(-among.likely_means, kind="stable").tolist()
+    rows = np.nan_to_num(among.located.rows, nan=0.5)
+    return list(among.located.take(_apart(rows, order, count)).candidates)
+
+
+@dataclass(frozen=True, eq=False)
+class Assessed:
+    """Candidates, and what a model says of them.
+
+    Parameters
+    ----------
+    located
+        Which.
+    posterior
+        Their fitness.
+    chances
+        (candidates,) probability that each can be evaluated.
+    """
+
+    located: Located
+    posterior: FitnessPosterior
+    chances: Array
+
+    @classmethod
+    def of(cls, model: SearchModel, located: Located) -> Assessed:
+        """What a model says of these."""
+        return cls(located, model.grey_box.posterior_at(located.rows), model.viability.chances(located.rows))
+
+    @property
+    def likely_means(self) -> Array:
+        """(candidates,) mean fitness; of those that will rather fail, unless all will, as low as can be."""
+        likely = self.chances >= min(0.5, float(self.chances.max()))
+        return np.where(likely, self.posterior.mean, -np.inf)
+
+    @property
+    def best_mean(self) -> float:
+        """The largest mean fitness, of candidates that need not have been tried."""
+        return float(self.likely_means.max())
+
+    def gains(self, incumbent: float) -> Array:
+        """(candidates,) improvement to be expected over a fitness."""
+        return expected_improvement(self.posterior, incumbent) * self.chances
 
 
 def _with_neighbours(located: Located, worth: Array, pool: Pool, rng: np.random.Generator) -> Located:
@@ -109,12 +149,6 @@ def _with_neighbours(located: Located, worth: Array, pool: Pool, rng: np.random.
     best = located.take(np.argsort(-worth, kind="stable")[:FINALISTS])
     near = [pool.around(best.candidates[:CENTRES], NEIGHBOURS, step, rng) for step in STEPS]
     return best.joined(*near)
-
-
-def _likely_means(model: SearchModel, located: Located) -> Array:
-    """(candidates,) mean fitness; that of those that will rather fail is as low as can be."""
-    mean = model.grey_box.posterior_at(located.rows).mean
-    return np.where(model.chances(located.rows) >= 0.5, mean, -np.inf)
 
 
 def _apart(rows: Array, order: list[int], count: int) -> list[int]:

@@ -23,7 +23,7 @@ OPENGL_VERSION = 330
 _LIBRARIES = (("libGL.so.1", "libEGL.so.1"), ("libGL.so", "libEGL.so"), ("libOpenGL.so.0", "libEGL.so.1"))
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshader")
 
-_GL_TEXTURE_2D_ARRAY, _GL_RGBA, _GL_UNSIGNED_BYTE = 0x8C1A, 0x1908, 0x1401
+_GL_TEXTURE_2D_ARRAY, _GL_RGBA, _GL_RGBA8, _GL_UNSIGNED_BYTE = 0x8C1A, 0x1908, 0x8058, 0x1401
 
 _context: moderngl.Context | None = None
 _library = ""
@@ -73,13 +73,13 @@ def describe_gl() -> GlInfo:
     return _info_of(gl_context())
 
 
-def write_level(texture: moderngl.TextureArray, level: int, texels: NDArray[np.uint8]) -> None:
-    """Write one mipmap level of a stack of RGBA textures, which moderngl itself cannot.
+def add_level(texture: moderngl.TextureArray, level: int, texels: NDArray[np.uint8]) -> None:
+    """Add one mipmap level to a stack of RGBA textures, which moderngl itself cannot.
 
     Parameters
     ----------
     level
-        Number of the level; it must exist.
+        Number of the level, from 1.
     texels
         (layers, rows, columns, 4) uint8.
     """
@@ -87,12 +87,12 @@ def write_level(texture: moderngl.TextureArray, level: int, texels: NDArray[np.u
     layers, rows, columns, _ = texels.shape
     texels = np.ascontiguousarray(texels)
     texture.use(0)
-    write = ctypes.CDLL(_library).glTexSubImage3D
+    write = ctypes.CDLL(_library).glTexImage3D
     write.restype = None
-    write.argtypes = [ctypes.c_uint] + [ctypes.c_int] * 7 + [ctypes.c_uint] * 2 + [ctypes.c_void_p]
+    write.argtypes = [ctypes.c_uint] + [ctypes.c_int] * 6 + [ctypes.c_uint] * 2 + [ctypes.c_void_p]
     size = (columns, rows, layers)
     pixels = (_GL_RGBA, _GL_UNSIGNED_BYTE, texels.ctypes.data)
-    write(_GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, *size, *pixels)
+    write(_GL_TEXTURE_2D_ARRAY, level, _GL_RGBA8, *size, 0, *pixels)
 
 
 def flush() -> None:

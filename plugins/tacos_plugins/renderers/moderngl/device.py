@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections import OrderedDict
 from functools import lru_cache
 from time import perf_counter
 
@@ -11,6 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.cache import LRUCache
 from tacos_framework.values import Camera, World
 from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, light_world
 from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
@@ -24,7 +24,7 @@ from tacos_plugins.renderers.moderngl.targets import TargetPool
 
 log = logging.getLogger(__name__)
 
-_WORLDS_KEPT = 4
+_MOST_WORLDS = 1000  # memory is what bounds them
 _PROBE_NEAR_M = 0.02
 
 
@@ -46,7 +46,9 @@ class Device:
         self.context = context
         self._programs = Programs(context)
         self.faces = FaceStore(0)
-        self._painters: OrderedDict[tuple[str, float], Painter] = OrderedDict()
+        self.painters: LRUCache[Painter] = LRUCache(
+            _MOST_WORLDS, bytes_of=lambda painter: painter.world.nbytes, let_go=Painter.release
+        )
 
     def painter(self, world: World, texel_m: float) -> Painter:
         """The painter of a world.
@@ -56,21 +58,15 @@ class Device:
         texel_m
             Distance of light map texels [m].
         """
-        key = (world.key, texel_m)
-        if key not in self._painters:
-            while len(self._painters) >= _WORLDS_KEPT:
-                self._painters.popitem(last=False)[1].release()
-            start = perf_counter()
-            self._painters[key] = self._prepare(world, texel_m)
-            log.info("lit and uploaded %d triangles in %.1f s", world.triangle_count, perf_counter() - start)
-        self._painters.move_to_end(key)
-        return self._painters[key]
+        return self.painters.get((world.key, texel_m), lambda: self._prepare(world, texel_m))
 
     def _prepare(self, world: World, texel_m: float) -> Painter:
+        start = perf_counter()
         lit = light_world(world, _indirect_lux(world), texel_m)
         painter = Painter(self._programs, GpuWorld(self.context, world, lit))
         if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
             self._add_probes(painter, world, lit)
+        log.info("lit and uploaded %d triangles in %.1f s", world.triangle_count, perf_counter() - start)
         return painter
 
     def _add_probes(self, painter: Painter, world: World, lit: BakedMesh) -> None:
@@ -85,7 +81,7 @@ class Device:
         places = probe_places(world, lit.tracer)
         probes = [look_around(place, world.lights, view) for place in places]
         above = lit.mesh.position_m + np.float32(0.05) * lit.mesh.normal
-        painter.world.set_probes(probes, nearest_visible(places, above, lit.tracer))
+        painter.world.set_probes(probes, lit, nearest_visible(places, above, lit.tracer))
 
 
 def device() -> Device:

@@ -61,11 +61,9 @@ class GpuWorld:
         self.ambient_cd_m2 = world.ambient_cd_m2
         self.has_sky = world.sky_cd_m2 is not None
         self.levels, level_of_material = roughness_levels(world.materials)
-        self._probe_of_vertex = np.zeros(len(lit.mesh.position_m), np.int32)
-        self._lit = lit
         self.kinds = [SurfaceKind(bits) for bits in np.unique(lit.chunks.kind).tolist()]
         self.surface = _buffer(context, _surface_vertices(world, lit))
-        self.gloss = _buffer(context, _gloss_vertices(lit, self._probe_of_vertex))
+        self.gloss = _buffer(context, _gloss_vertices(lit, np.zeros(len(lit.mesh.position_m), np.int32)))
         self.geometry = _buffer(context, _geometry_vertices(lit))
         self.indices = _buffer(context, lit.mesh.triangles)
         self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
@@ -81,11 +79,13 @@ class GpuWorld:
         if world.sky_cd_m2 is not None:
             self.textures["sky"] = _panorama(context, world.sky_cd_m2)
 
-    def set_probes(self, probes: Sequence[Probe], of_vertex: NDArray[np.int32]) -> None:
+    def set_probes(self, probes: Sequence[Probe], lit: BakedMesh, of_vertex: NDArray[np.int32]) -> None:
         """Let glossy surfaces mirror probes; before, they mirror darkness.
 
         Parameters
         ----------
+        lit
+            The light this world was made with.
         of_vertex
             (V,) the probe each vertex mirrors.
         """
@@ -96,7 +96,7 @@ class GpuWorld:
             self.textures[name].release()
         self.textures["probe_boxes"] = _table(self._context, boxes)
         self.textures["probes"] = _layers(self._context, prefiltered(probes, self.levels))
-        self.gloss.write(_gloss_vertices(self._lit, of_vertex).tobytes())
+        self.gloss.write(_gloss_vertices(lit, of_vertex).tobytes())
 
     def surface_arrays(self, program: moderngl.Program) -> moderngl.VertexArray:
         """Vertex array that feeds a surface program."""
@@ -110,6 +110,12 @@ class GpuWorld:
         """A depth beyond everything that can be seen from an optical centre [m]."""
         farthest = np.maximum(np.abs(self._lower_m - eye_m), np.abs(self._upper_m - eye_m))
         return 1.01 * float(np.linalg.norm(farthest)) + 1.0
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the GPU, or of the process where rendering is in software [bytes]."""
+        buffers = (self.surface, self.gloss, self.geometry, self.indices, self.commands)
+        return sum(buffer.size for buffer in buffers) + sum(map(_texture_bytes, self.textures.values()))
 
     def release(self) -> None:
         """Give all memory of the GPU back."""
@@ -138,6 +144,14 @@ def _format(layout: np.dtype[np.void], program: moderngl.Program) -> str:
         kind = "f" if field.base.kind == "f" else "i"
         words.append(f"{count}{kind}" if name in program else f"{field.itemsize}x")
     return " ".join(words)
+
+
+def looked_up(of_surface: NDArray[np.int32], surface: NDArray[np.float32]) -> NDArray[np.int32]:
+    """What stands in a table for each pixel of an image of surface numbers, of which few pixels differ."""
+    flat = surface.reshape(-1)
+    start = np.concatenate([[0], np.flatnonzero(flat[1:] != flat[:-1]) + 1])
+    length = np.diff(start, append=len(flat))
+    return np.repeat(of_surface[flat[start].astype(np.intp)], length).reshape(surface.shape)
 
 
 def _surface_vertices(world: World, lit: BakedMesh) -> NDArray[np.void]:
@@ -179,6 +193,13 @@ def _bounds(position_m: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArr
 
 def _buffer(context: moderngl.Context, data: NDArray[Any]) -> moderngl.Buffer:
     return context.buffer(data.tobytes() or bytes(64))  # OpenGL refuses empty buffers
+
+
+def _texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
+    """Memory of a texture, mipmap levels included [bytes]."""
+    texels = texture.width * texture.height * getattr(texture, "layers", 1)
+    level = texels * 4 * int(texture.dtype[1])  # drivers keep three channels as four
+    return level * 4 // 3 if texture.dtype == "f1" else level
 
 
 def _table(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Texture:

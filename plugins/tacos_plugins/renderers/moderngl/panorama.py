@@ -50,7 +50,7 @@ class Face:
 
 def face_of(picture: RenderedView) -> Face:
     """The face that a picture through `cube_camera` shows."""
-    levels = [picture.luminance_cd_m2.copy()]
+    levels = [picture.luminance_cd_m2]
     for _ in range(LEVELS - 1):
         half = cv2.resize(levels[-1], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
         levels.append(half.astype(np.float32, copy=False))

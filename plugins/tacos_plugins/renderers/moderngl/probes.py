@@ -98,7 +98,8 @@ def look_around(place_m: NDArray[np.float64], lights: Sequence[Light], view: Fac
         faces[face], depth = view(camera, pose)
         reach[face] = min(float(np.median(depth[middle, middle])), _BEYOND_M)
         for light in lights:
-            paint_light(faces[face], depth, rays @ rotation.T, place_m, light)
+            if may_show(rotation, light.position_m - place_m, light):
+                paint_light(faces[face], depth, rays @ rotation.T, place_m, light)
     forward, left, back, right, up, down = reach
     return Probe(
         position_m=place_m,
@@ -106,6 +107,13 @@ def look_around(place_m: NDArray[np.float64], lights: Sequence[Light], view: Fac
         upper_m=place_m + np.array([forward, left, up]),
         faces_cd_m2=faces,
     )
+
+
+def may_show(rotation: NDArray[np.float64], to_light_m: NDArray[np.float64], light: Light) -> bool:
+    """Whether a face of 90 degrees with (3, 3) axes may show a light: its bounding sphere reaches into view."""
+    x, y, z = to_light_m @ rotation
+    reach = light.radius_m if light.normal is None else float(np.linalg.norm(light.half_u_m + light.half_v_m))
+    return bool(z > -reach and max(abs(x), abs(y)) - z < math.sqrt(2) * reach)
 
 
 def paint_light(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -20,7 +21,7 @@ from tacos_plugins.renderers.moderngl.targets import RenderTarget, TargetPool
 
 @dataclass(frozen=True, eq=False)
 class RenderedView:
-    """What is seen from one pose. The arrays are overwritten by the next picture.
+    """What is seen from one pose.
 
     Parameters
     ----------
@@ -29,7 +30,8 @@ class RenderedView:
     depth_m
         (H, W) float32 at pixel centres, infinite for nothing [m].
     surface
-        (H, W) float32 number of the smooth surface at pixel centres, 0 for nothing.
+        (H, W) float32 number of the smooth surface at pixel centres, 0 for nothing. The next picture
+        overwrites it.
     """
 
     luminance_cd_m2: NDArray[np.float32]
@@ -41,7 +43,7 @@ class Photographer(Protocol):
     """Takes pictures with one camera."""
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
-        """The picture from a pose. Its arrays may be overwritten by the next picture."""
+        """The picture from a pose."""
         ...
 
 
@@ -60,29 +62,29 @@ class Multisampling:
 
     def __init__(self, targets: TargetPool, camera: Camera, near_m: float, samples: int):
         self._targets, self._camera, self._near_m, self._samples = targets, camera, near_m, samples
-        size = (camera.height_px, camera.width_px)
-        self._luminance = np.empty((*size, 3), np.float32)
-        self._geometry = np.empty((*size, 2), np.float32)
+        self._shape = (camera.height_px, camera.width_px)
+        self._geometry = targets.scratch("geometry", (*self._shape, 2))
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
         geometry, colour = self._draw(painter, world_from_camera)
+        luminance = np.empty((*self._shape, 3), np.float32)
         geometry.read(self._geometry)
-        colour.read(self._luminance)
-        return self._picture()
+        colour.read(luminance)
+        return self._picture(luminance)
 
     def take_all(
         self, shots: Sequence[tuple[Painter, NDArray[np.float64]]], context: moderngl.Context
     ) -> Iterator[RenderedView]:
         """The pictures of painters from poses, each copied to memory while the next one is drawn."""
-        arrays = (self._geometry, self._luminance)
-        slots = [[context.buffer(reserve=array.nbytes) for array in arrays] for _ in range(2)]
+        channels = (2, 3)
+        pixels = math.prod(self._shape)
+        slots = [[context.buffer(reserve=4 * pixels * count) for count in channels] for _ in range(2)]
         try:
             for number, (painter, pose) in enumerate(shots):
-                for target, array, buffer in zip(
-                    self._draw(painter, pose), arrays, slots[number % 2], strict=True
-                ):
-                    target.copy(buffer, array.shape[2])
+                drawn = zip(self._draw(painter, pose), channels, slots[number % 2], strict=True)
+                for target, count, buffer in drawn:
+                    target.copy(buffer, count)
                 if number > 0:
                     yield self._copied(slots[(number - 1) % 2])
             if len(shots) > 0:
@@ -104,12 +106,13 @@ class Multisampling:
         return geometry, colour
 
     def _copied(self, buffers: Sequence[moderngl.Buffer]) -> RenderedView:
-        for array, buffer in zip((self._geometry, self._luminance), buffers, strict=True):
+        luminance = np.empty((*self._shape, 3), np.float32)
+        for array, buffer in zip((self._geometry, luminance), buffers, strict=True):
             buffer.read_into(array)
-        return self._picture()
+        return self._picture(luminance)
 
-    def _picture(self) -> RenderedView:
-        return RenderedView(self._luminance, self._geometry[..., 0], self._geometry[..., 1])
+    def _picture(self, luminance: NDArray[np.float32]) -> RenderedView:
+        return RenderedView(luminance, self._geometry[..., 0].copy(), self._geometry[..., 1])
 
 
 class EdgeBlending:
@@ -127,9 +130,9 @@ class EdgeBlending:
         self._targets, self._camera, self._near_m = targets, camera, near_m
         self._half_pixels = half_pixel_camera(camera)
         height, width = camera.height_px, camera.width_px
-        self._luminance = np.empty((height, width, 3), np.float32)
-        self._geometry = np.empty((height, width, 2), np.float32)
-        self._surface = np.empty((2 * height + 1, 2 * width + 1, 1), np.float32)
+        self._geometry = targets.scratch("geometry", (height, width, 2))
+        self._seen = targets.scratch("seen", (height, width))
+        self._surface = targets.scratch("surface", (2 * height + 1, 2 * width + 1, 1))
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
@@ -144,7 +147,8 @@ class EdgeBlending:
         chunks = painter.in_view(fine)  # which sees half a pixel more on every side
         painter.geometry(view, geometry, chunks)
         geometry.read(self._geometry)
-        seen = np.ascontiguousarray(self._geometry[..., 1])
+        seen = self._seen
+        np.copyto(seen, self._geometry[..., 1])
         chunks = painter.with_surfaces(chunks, seen)
         painter.surfaces(fine, coverage, chunks)
         coverage.read(self._surface)  # before colour is asked for, as reading waits for all that was
@@ -154,9 +158,10 @@ class EdgeBlending:
         surface = self._surface[..., 0]
         surface[1::2, 1::2] = seen  # rounding may differ between sizes of image
         edges = find_edges(surface)  # while other threads draw colour
-        colour.read(self._luminance)
-        edges.blend(self._luminance)
-        return RenderedView(self._luminance, self._geometry[..., 0], seen)
+        luminance = np.empty((*seen.shape, 3), np.float32)
+        colour.read(luminance)
+        edges.blend(luminance)
+        return RenderedView(luminance, self._geometry[..., 0].copy(), seen)
 
 
 def half_pixel_camera(camera: Camera) -> Camera:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from tacos_framework.camera.geometry import world_from_camera
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View
 from tacos_plugins.renderers.moderngl.device import Device, device
+from tacos_plugins.renderers.moderngl.gpu_world import looked_up
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import cube_camera
 from tacos_plugins.renderers.moderngl.rendered_views import (
@@ -21,6 +22,8 @@ from tacos_plugins.renderers.moderngl.rendered_views import (
     RenderedView,
 )
 from tacos_plugins.renderers.moderngl.resample import Resampling
+
+Number = TypeVar("Number", np.float32, np.int32)
 
 Shot = tuple[Painter, NDArray[np.float64]]
 """What draws the world as it is at a moment, and the (4, 4) camera pose then [m]."""
@@ -65,6 +68,12 @@ class ModernglRenderer:
             help="Frames are fetched as they are done (direct), or through pixel buffers while the next is "
             "drawn (buffered, with multisampling or no antialiasing); auto is buffered on GPUs.",
         )
+        worlds_memory_mb: int = setting(
+            2048,
+            help="Memory in each process for worlds kept lit; a house of 15 x 15 m takes about 220 MB.",
+            unit="MB",
+            ge=1,
+        )
         reuse: Literal["off", "cube-map"] = setting(
             "off",
             help="Keep what is seen from each place in all directions (cube-map) and take from it the "
@@ -89,6 +98,7 @@ class ModernglRenderer:
             When there is no OpenGL, saying what to install.
         """
         used = device()
+        used.painters.most_bytes = self._config.worlds_memory_mb * 10**6
         used.faces.most_bytes = self._config.reuse_memory_mb * 10**6
         painter = used.painter(episode.world, self._config.light_texel_m)
         return Capture(
@@ -102,21 +112,24 @@ class ModernglRenderer:
         if self._config.reuse == "cube-map" and not episode.movers:  # a cube map shows one moment
             photographer = self._resampling(used, episode.world.key, camera, photographer)
         shots = _shots(painter, episode, camera, episode.time_s)
-        shape = (len(episode), camera.height_px, camera.width_px)
-        luminance = np.empty((*shape, 3), np.float32)
-        depth = np.empty(shape, np.float32)
-        object_id = np.empty(shape, np.int32)
+        size = (camera.height_px, camera.width_px)
+        luminance, depth, object_id = [], [], []
         for frame, picture in enumerate(self._pictures(used, photographer, shots)):
-            luminance[frame], depth[frame] = picture.luminance_cd_m2, picture.depth_m
-            object_id[frame] = painter.world.object_of_surface[picture.surface.astype(np.int32)]
+            depth.append(picture.depth_m)
+            object_id.append(looked_up(painter.world.object_of_surface, picture.surface))
             if self._config.motion_samples > 1:
-                luminance[frame] = 0.0
                 during_s = episode.time_s[frame] + self._offsets_s(exposure)
-                for there, pose in _shots(painter, episode, camera, during_s):
-                    luminance[frame] += photographer.take(there, pose).luminance_cd_m2
-                luminance[frame] *= np.float32(1 / self._config.motion_samples)
+                luminance.append(_mean_light(photographer, _shots(painter, episode, camera, during_s), size))
+            else:
+                luminance.append(picture.luminance_cd_m2)
         poses = np.array([pose for _, pose in shots]).reshape(-1, 4, 4)
-        return View(camera, poses, luminance, depth, object_id)
+        return View(
+            camera,
+            poses,
+            _stacked(luminance, (*size, 3), np.float32),
+            _stacked(depth, size, np.float32),
+            _stacked(object_id, size, np.int32),
+        )
 
     def _pictures(
         self, used: Device, photographer: Photographer, shots: Sequence[Shot]
@@ -153,6 +166,26 @@ class ModernglRenderer:
         """(M,) moments spread evenly over an exposure, from its middle [s]."""
         count = self._config.motion_samples
         return np.asarray(((np.arange(count) + 0.5) / count - 0.5) * exposure.time_s)
+
+
+def _mean_light(
+    photographer: Photographer, shots: Sequence[Shot], size: tuple[int, int]
+) -> NDArray[np.float32]:
+    """(H, W, 3) mean luminance of several shots [cd/m2]."""
+    total = np.zeros((*size, 3), np.float32)
+    for painter, pose in shots:
+        total += photographer.take(painter, pose).luminance_cd_m2
+    total *= np.float32(1 / len(shots))
+    return total
+
+
+def _stacked(
+    frames: Sequence[NDArray[Number]], shape: tuple[int, ...], dtype: type[Number]
+) -> NDArray[Number]:
+    """(N, ...) frames together; one alone is not copied, as at many megapixels copying is what costs."""
+    if len(frames) == 1:
+        return frames[0][None]
+    return np.stack(frames) if frames else np.empty((0, *shape), dtype)
 
 
 def _shots(painter: Painter, episode: Episode, camera: Camera, time_s: NDArray[np.float64]) -> list[Shot]:

@@ -1,14 +1,16 @@
-"""Framebuffers, pooled by size, and how they are read back."""
+"""Framebuffers, pooled by size, and the memory they are read back into."""
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-_SIZES_KEPT = 8
+_MOST_BYTES = 1 << 30
+_MOST_SIZES = 8
 
 
 class RenderTarget:
@@ -37,6 +39,7 @@ class RenderTarget:
         depth: moderngl.Renderbuffer | None = None,
     ):
         self._context, self._owns_depth = context, depth is None
+        self.nbytes = 4 * size[0] * size[1] * samples * (channels + (depth is None))
         several = samples if samples > 1 else 0
         self.depth = depth or context.depth_renderbuffer(size, samples=several)
         self.framebuffer = context.framebuffer(
@@ -75,10 +78,14 @@ class RenderTarget:
 
 
 class TargetPool:
-    """Targets by size; all of the sizes least recently used are released."""
+    """Targets by size; all of the sizes least recently used are released.
+
+    At twelve megapixels those of one size take 0.7 GB.
+    """
 
     def __init__(self, context: moderngl.Context):
         self._context = context
+        self._memory: dict[str, NDArray[np.float32]] = {}
         self._targets: OrderedDict[tuple[int, int], dict[tuple[int, int, int], RenderTarget]] = OrderedDict()
 
     def get(
@@ -91,15 +98,28 @@ class TargetPool:
         depth_of
             Channels of the target of the same size whose depth is tested against and kept.
         """
-        if size not in self._targets:
-            while len(self._targets) >= _SIZES_KEPT:
-                for target in self._targets.popitem(last=False)[1].values():
-                    target.release()
-            self._targets[size] = {}
+        of_size = self._targets.setdefault(size, {})
         self._targets.move_to_end(size)
-        of_size = self._targets[size]
         key = (channels, samples, depth_of or 0)
         if key not in of_size:
             depth = None if depth_of is None else self.get(size, depth_of, samples).depth
             of_size[key] = RenderTarget(self._context, size, channels, samples, depth)
+            self._make_room()
         return of_size[key]
+
+    def scratch(self, name: str, shape: tuple[int, ...]) -> NDArray[np.float32]:
+        """Memory to read back into, by name: the same each time, as new memory costs more than to fill it."""
+        count = math.prod(shape)
+        if name not in self._memory or self._memory[name].size < count:
+            self._memory[name] = np.empty(count, np.float32)
+        return self._memory[name][:count].reshape(shape)
+
+    def _make_room(self) -> None:
+        """Release sizes used long ago; a picture takes two, which stay."""
+        while len(self._targets) > 2 and (len(self._targets) > _MOST_SIZES or self._nbytes > _MOST_BYTES):
+            for target in self._targets.popitem(last=False)[1].values():
+                target.release()
+
+    @property
+    def _nbytes(self) -> int:
+        return sum(target.nbytes for of_size in self._targets.values() for target in of_size.values())

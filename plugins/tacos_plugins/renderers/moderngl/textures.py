@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Material
-from tacos_plugins.renderers.moderngl.context import describe_gl, write_level
+from tacos_plugins.renderers.moderngl.context import add_level, describe_gl
 
 GREATEST_TEXTURE_PX = 1024
 """Larger textures are reduced to this edge [px]."""
@@ -39,9 +39,11 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
     in linear light and encoded then, so that distant surfaces keep their mean reflectance.
     """
     images = [material.texture for material in materials if material.texture is not None]
+    encoded = _square_roots(linear_from_srgb(np.arange(256, dtype=np.uint8)))
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
-        return [np.rint(np.sqrt(level) * 255).astype(np.uint8) for level in pyramid(linear_from_srgb(image))]
+        coarser = pyramid(linear_from_srgb(image))[1:]
+        return [cv2.LUT(image, encoded), *map(_square_roots, coarser)]
 
     return _stack(context, np.full((1, 1, 3), 255, np.uint8), images, levels)
 
@@ -51,7 +53,7 @@ def normal_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
     images = [material.normal_map for material in materials if material.normal_map is not None]
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
-        return [np.rint(level).astype(np.uint8) for level in pyramid(image.astype(np.float32))]
+        return [image, *(np.rint(level).astype(np.uint8) for level in pyramid(image.astype(np.float32))[1:])]
 
     return _stack(context, np.full((1, 1, 3), 128, np.uint8), images, levels)
 
@@ -86,8 +88,13 @@ def pyramid(image: NDArray[np.float32]) -> list[NDArray[np.float32]]:
     """
     levels = [image]
     while (edge := len(levels[-1]) // 2) >= 1:
-        levels.append(levels[-1].reshape(edge, 2, edge, 2, -1).mean(axis=(1, 3)))
+        half = cv2.resize(levels[-1], (edge, edge), interpolation=cv2.INTER_AREA)
+        levels.append(half.reshape(edge, edge, -1))
     return levels
+
+
+def _square_roots(linear: NDArray[np.float32]) -> NDArray[np.uint8]:
+    return np.rint(np.sqrt(linear) * 255).astype(np.uint8)
 
 
 def _stack(
@@ -99,7 +106,7 @@ def _stack(
     """Stack `first` and `images`, all scaled to the edge of the largest, each with its own mipmap levels."""
     edge = min(max((len(image) for image in images), default=1), GREATEST_TEXTURE_PX)
     depth = edge.bit_length()
-    stacked = [np.full((len(images) + 1, edge >> n, edge >> n, 4), 255, np.uint8) for n in range(depth)]
+    stacked = [np.empty((len(images) + 1, edge >> n, edge >> n, 4), np.uint8) for n in range(depth)]
     for layer, image in enumerate((first, *images)):
         levels = levels_of(image)
         # Smaller images are spread over the missing finer levels, larger ones leave theirs out.
@@ -108,17 +115,16 @@ def _stack(
             level = levels[max(len(levels) - 1 - number, 0)]
             if len(level) != size:
                 level = cv2.resize(level, (size, size), interpolation=cv2.INTER_LINEAR).astype(np.uint8)
-            place[layer, ..., :3] = level
+            cv2.cvtColor(level, cv2.COLOR_RGB2RGBA, dst=place[layer])
     return _upload(context, stacked)
 
 
 def _upload(context: moderngl.Context, levels: Sequence[NDArray[np.uint8]]) -> moderngl.TextureArray:
     layers, edge = levels[0].shape[:2]
-    texture = context.texture_array((edge, edge, layers), 4, levels[0].tobytes())
+    texture = context.texture_array((edge, edge, layers), 4, levels[0])
     texture.repeat_x = texture.repeat_y = True
-    texture.build_mipmaps()  # makes room for the levels
     for number, level in enumerate(levels[1:], start=1):
-        write_level(texture, number, level)
+        add_level(texture, number, level)
     in_software = describe_gl().is_software  # where blending two levels costs half as much again per pixel
     between_levels = moderngl.LINEAR_MIPMAP_NEAREST if in_software else moderngl.LINEAR_MIPMAP_LINEAR
     texture.filter = (between_levels, moderngl.LINEAR)

@@ -20,7 +20,7 @@ from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
 from tacos_plugins.tasks.faster_rcnn.labels import class_numbers, frame_labels
 from tacos_plugins.tasks.faster_rcnn.networks import Backbone, faster_rcnn, still_norms
 from tacos_plugins.tasks.faster_rcnn.training import WHERE, DetectorTraining, inputs, train
-from tacos_plugins.tasks.faster_rcnn.weights import load_weights, weights_file
+from tacos_plugins.tasks.faster_rcnn.weights import COCO, load_weights, weights_file
 from tacos_plugins.tasks.learning.checkpoints import NONE
 from tacos_plugins.tasks.learning.device import (
     DEVICE_HELP,
@@ -146,6 +146,15 @@ class FasterRcnn:
             model = self._model()
         load_weights(model, self.config.weights, self.config.backbone)
         return fresh_state(model.state_dict(), model)
+
+    def untrained(self) -> str | None:
+        """Why the weights the settings name detect nothing yet; None where they know its classes."""
+        reasons = {
+            NONE: "weights is none, so they are random",
+            COCO: "weights is coco, whose last layer knows other classes and starts at random",
+        }
+        reason = reasons.get(self.config.weights)
+        return reason and f"{reason}; procedure.pretrain makes trained ones (pretrain_detector)"
 
     def fit(
         self, batches: Iterable[FrameBatch], *, state: State, budget: Budget, rng: np.random.Generator

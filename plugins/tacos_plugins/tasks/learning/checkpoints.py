@@ -62,7 +62,14 @@ def named_weights(name: str, *, where: str, others: Sequence[str] = ()) -> Path 
     path = Path(name)
     if path.suffix in SUFFIXES:
         if not path.is_file():
-            raise UserError(Fault(where, f"there is no file {path}", EXPECTED, "Correct the path."))
+            raise UserError(
+                Fault(
+                    where,
+                    f"there is no file {path}",
+                    EXPECTED,
+                    "Correct the path, or make it: procedure.pretrain does.",
+                )
+            )
         return path
     shipped = {path.stem: path for path in (shipped_folder("catalogs") / "weights").glob("*.safetensors")}
     if name not in shipped:

@@ -101,6 +101,12 @@ class PsmnetDepth:
             load_checkpoint(tensors, network, where=where, made_for=f"PSMNet of width {self.config.width:g}")
         return fresh_state(network.state_dict(), network)
 
+    def untrained(self) -> str | None:
+        """Why the weights the settings name match nothing yet; None where a file has them."""
+        if self._weights is not None:
+            return None
+        return "weights is none, so they are random; procedure.pretrain makes trained ones (pretrain_stereo)"
+
     def fit(
         self, batches: Iterable[FrameBatch], *, state: State, budget: Budget, rng: np.random.Generator
     ) -> State:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,12 @@ class Walk:
     def duration_s(self) -> float:
         """How long it takes [s]."""
         return float(self.time_s[-1])
+
+    def raised(self, by_m: float) -> Walk:
+        """The same walk with the eye so much higher [m]."""
+        poses = self.world_from_agent.copy()
+        poses[:, 2, 3] += by_m
+        return replace(self, world_from_agent=poses)
 
 
 def draw_walk(rng: np.random.Generator, route: Route, *, speed_m_s: float, camera_height_m: float) -> Walk:

@@ -1,0 +1,101 @@
+"""How often worlds are built when a few cameras are scored on several scenes by two workers.
+
+OMP_NUM_THREADS=1 python benchmarks/worlds_once.py --cameras 4 --scenes 4
+
+Before, a job was a camera on all scenes, and every worker built every world; now a job is a camera in one world
+and says so, and a worker is given jobs of the worlds it has. Results are compared, too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tacos_framework import load_recipe
+from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
+from tacos_framework.study.shards import score_sharded
+from tacos_plugins.executors.process import ProcessExecutor
+
+
+@dataclass(frozen=True)
+class WithoutAffinity:
+    """A job that does not say which world it needs."""
+
+    job: ScoreJob
+
+    def run(self, simulation) -> Evaluation:  # type: ignore[no-untyped-def]
+        """Do it."""
+        return self.job.run(simulation)
+
+
+def main() -> None:
+    """Score the same cameras both ways."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--cameras", type=int, default=4)
+    parser.add_argument("--scenes", type=int, default=4)
+    parser.add_argument("--frames", type=int, default=4)
+    parser.add_argument("--workers", type=int, default=2)
+    arguments = parser.parse_args()
+
+    recipe = load_recipe("headset_quick", {"study.episodes": arguments.scenes})
+    plan = make_plan(recipe, Plugins.discover())
+    episodes = tuple(EpisodeSpec(1, ("scene", i), arguments.frames) for i in range(arguments.scenes))
+    jobs = [ScoreJob(camera, episodes) for camera in feasible_cameras(plan, arguments.cameras)]
+
+    workers = arguments.workers
+
+    def before(executor: ProcessExecutor, evaluate: Evaluator) -> Iterator[Evaluation]:
+        return executor.map(evaluate, [WithoutAffinity(job) for job in jobs])  # type: ignore[list-item]
+
+    def now(executor: ProcessExecutor, evaluate: Evaluator) -> Iterator[Evaluation]:
+        return score_sharded(jobs, plan.fitness, executor, evaluate)  # type: ignore[arg-type]
+
+    found = [measured(way, Evaluator(recipe), workers) for way in (before, now)]
+    same = [[e.fitness for e in evaluations] for evaluations in found]
+    assert all(evaluation.failed is None for evaluations in found for evaluation in evaluations)
+    print("the same fitness" if same[0] == same[1] else f"other fitness: {same}")
+
+
+def feasible_cameras(plan: Plan, count: int) -> list[dict[str, Any]]:
+    """Cameras drawn at random that break no constraint."""
+    rng, found = np.random.default_rng(1), list[dict[str, Any]]()
+    while len(found) < count:
+        values = plan.space.sample(rng).as_dict()
+        derived = plan.rig.instance.derived(plan.rig_variables(values))
+        if not any(constraint.broken(derived) for constraint in plan.constraints):
+            found.append(values)
+    return found
+
+
+def measured(
+    way: Callable[[ProcessExecutor, Evaluator], Iterator[Evaluation]], evaluate: Evaluator, workers: int
+) -> Sequence[Evaluation]:
+    """The evaluations, and on the terminal what they cost."""
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=workers))
+    began, spent_s = time.monotonic(), processor_s()
+    evaluations = list(way(executor, evaluate))
+    executor.close()
+    world_s = sum(evaluation.seconds.get("world", 0.0) for evaluation in evaluations)
+    print(
+        f"{way.__name__:8} {time.monotonic() - began:6.1f} s by the clock, "
+        f"{processor_s() - spent_s:6.1f} s of processor time, {world_s:6.1f} s building worlds"
+    )
+    return evaluations
+
+
+def processor_s() -> float:
+    """Processor time of the workers that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+"""Which waiting job an idle worker does next, where jobs need costly things that workers keep."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Hashable, Sequence
+from typing import Any
+
+Affinity = Hashable | None
+
+
+def affinity_of(job: Any) -> Affinity:
+    """What a job needs that is costly to make, if it says so (`tacos_framework.contracts.JobRunner`)."""
+    found: Affinity = getattr(job, "affinity", None)
+    return found
+
+
+def assigned(
+    waiting: Sequence[Affinity], idle: Sequence[Collection[Affinity]], busy: Collection[Affinity]
+) -> dict[int, int]:
+    """The job each idle worker is to do: ``{worker: job}``.
+
+    A worker goes on with what it has at hand; then it takes up what no worker has yet; and before it idles it
+    makes anew what another has, the last job of those most wait for. No worker idles while a job waits.
+
+    Parameters
+    ----------
+    waiting
+        What each waiting job needs, in the order in which results are wanted; None for nothing.
+    idle
+        What each idle worker has at hand.
+    busy
+        What the other workers have at hand.
+
+    Examples
+    --------
+    >>> assigned(["attic", "cellar"], idle=[set(), {"attic"}], busy=set())
+    {1: 0, 0: 1}
+    >>> assigned(["attic", "attic"], idle=[set()], busy={"attic"})
+    {0: 1}
+    """
+    left = dict(enumerate(waiting))
+    given: dict[int, int] = {}
+    taken = {*busy, *(each for at_hand in idle for each in at_hand)} - {None}
+
+    def give(worker: int, job: int | None) -> None:
+        if job is not None:
+            taken.add(left.pop(job))
+            given[worker] = job
+
+    for worker, at_hand in enumerate(idle):
+        give(
+            worker, next((job for job, needs in left.items() if needs is not None and needs in at_hand), None)
+        )
+    for worker in (each for each in range(len(idle)) if each not in given):
+        give(worker, next((job for job, needs in left.items() if needs is None or needs not in taken), None))
+    for worker in (each for each in range(len(idle)) if each not in given):
+        wanted = Counter(left.values())
+        give(worker, max(left, key=lambda job: (wanted[left[job]], job), default=None))
+    return given

@@ -1,0 +1,128 @@
+"""Features of a frame, and which of them are found again in the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.colour import LUMINANCE_WEIGHTS
+
+MATCHES_NEEDED = 8
+"""Fewer matches fix no fundamental matrix with one to spare: seven define it, the eighth tests it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """Keypoints (K, 2) float32 [px] and descriptors (K, 32) uint8 of one frame."""
+
+    points_px: NDArray[np.float32]
+    descriptors: NDArray[np.uint8]
+
+    def __len__(self) -> int:
+        return len(self.points_px)
+
+
+@dataclass(frozen=True)
+class FollowedFeatures:
+    """How a pair of frames did.
+
+    Parameters
+    ----------
+    extracted
+        Features of a frame, the mean of both [1].
+    matches
+        Those of either that are matched to one of the other [1].
+    inliers
+        Those of the matches that agree with one rigid motion of the camera [1].
+    """
+
+    extracted: float
+    matches: int
+    inliers: int
+
+    def ratio(self, of: Literal["features", "matches"]) -> float:
+        """Inliers as a share of either; 0 where there is nothing to be a share of."""
+        whole = self.extracted if of == "features" else self.matches
+        return self.inliers / whole if whole else 0.0
+
+
+def extract(detector: Any, grey: NDArray[np.uint8]) -> Features:
+    """The features an OpenCV detector with binary descriptors finds in a (H, W) image."""
+    keypoints, descriptors = detector.detectAndCompute(grey, None)
+    if descriptors is None:
+        return Features(np.empty((0, 2), np.float32), np.empty((0, 32), np.uint8))
+    points = np.asarray(cv2.KeyPoint.convert(keypoints), np.float32)
+    return Features(points, np.asarray(descriptors, np.uint8))
+
+
+def follow(
+    first: Features, second: Features, *, threshold_px: float, confidence: float, seed: int
+) -> FollowedFeatures:
+    """Match two frames by mutual nearest neighbours, and count what RANSAC finds to be one rigid motion.
+
+    Parameters
+    ----------
+    threshold_px
+        Distance from its epipolar line at which a match is still an inlier [px].
+    confidence
+        Probability that RANSAC meets a sample free of outliers [1].
+    seed
+        Seed of RANSAC.
+    """
+    matches = _match(first, second)
+    inliers = 0
+    if len(matches) >= MATCHES_NEEDED:
+        cv2.setRNGSeed(seed)
+        fundamental, mask = cv2.findFundamentalMat(
+            first.points_px[[match.queryIdx for match in matches]],
+            second.points_px[[match.trainIdx for match in matches]],
+            cv2.FM_RANSAC,
+            threshold_px,
+            confidence,
+        )
+        inliers = 0 if fundamental is None else int(np.count_nonzero(mask))
+    return FollowedFeatures((len(first) + len(second)) / 2, len(matches), inliers)
+
+
+def _match(first: Features, second: Features) -> Sequence[Any]:
+    if not (len(first) and len(second)):
+        return ()
+    matches: Sequence[Any] = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(
+        first.descriptors, second.descriptors
+    )
+    return matches
+
+
+def grey_image(
+    image_dn: NDArray[np.uint8] | NDArray[np.uint16], black_level_dn: float, white_level_dn: float
+) -> NDArray[np.uint8]:
+    """Luminance of a linear frame, stretched so that black is 0 and the white level 255.
+
+    Parameters
+    ----------
+    image_dn
+        (H, W, C) uint8 or uint16; one channel, or linear RGB [DN].
+    black_level_dn, white_level_dn
+        The file's pedestal and full scale [DN].
+
+    Returns
+    -------
+    NDArray
+        (H, W) uint8, rounded; what lies below black is 0 [1/255 of full scale].
+
+    Examples
+    --------
+    >>> frame = np.array([[[64, 64, 64], [2080, 2080, 2080], [4095, 4095, 4095]]], np.uint16)
+    >>> grey_image(frame, black_level_dn=64, white_level_dn=4095).tolist()
+    [[0, 128, 255]]
+    """
+    weights = np.array(LUMINANCE_WEIGHTS if image_dn.shape[2] == 3 else (1.0,))
+    stretch = 255 / (white_level_dn - black_level_dn)
+    affine = np.append(weights * stretch, -black_level_dn * stretch)
+    grey = cv2.transform(image_dn, affine[None])  # rounds and saturates to the file's own type
+    return np.minimum(grey, 255).astype(np.uint8).reshape(image_dn.shape[:2])

@@ -1,0 +1,100 @@
+"""What a comparison of optimizers found."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from tacos_validation.optimizers_compared.standings import JudgedRun, Standing
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Everything the report tells.
+
+    Parameters
+    ----------
+    target_of
+        Whose quality the target is, in words.
+    target
+        The median of that quality on the held-out scenes.
+    target_images
+        Images those runs had rendered for it, in the median.
+    best_known, best_camera
+        The best fitness on the held-out scenes, and the camera that has it.
+    held_out
+        How many such scenes there are.
+    runs, standings
+        What each run and each optimizer achieved.
+    rendered
+        Images rendered in all, as runs share a table.
+    notes
+        What a reader should know.
+    """
+
+    problem: str
+    target_of: str
+    target: float
+    target_images: float
+    best_known: float
+    best_camera: Mapping[str, Any]
+    held_out: int
+    runs: Mapping[str, Sequence[JudgedRun]]
+    standings: tuple[Standing, ...]
+    rendered: int
+    notes: tuple[str, ...]
+
+    def as_data(self) -> dict[str, Any]:
+        """For ``result.json``; what was never reached, or never scored, is null."""
+        plain: dict[str, Any] = _finite(
+            {
+                "problem": self.problem,
+                "target_of": self.target_of,
+                "target": self.target,
+                "target_images": self.target_images,
+                "best_known": self.best_known,
+                "best_camera": dict(self.best_camera),
+                "held_out_scenes": self.held_out,
+                "standings": [asdict(each) for each in self.standings],
+                "rendered": self.rendered,
+            }
+        )
+        return {**plain, "comparison_notes": list(self.notes)}
+
+
+def curves_csv(comparison: Comparison) -> str:
+    """A row for each run and checkpoint; fields are empty while a run recommends nothing."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["optimizer", "seed", "checkpoint", "images", "held_out_fitness", "regret"])
+    for runs in comparison.runs.values():
+        for run in runs:
+            for at, fitness in run.fitness.items():
+                scored = [fitness, comparison.best_known - fitness] if math.isfinite(fitness) else ["", ""]
+                writer.writerow([run.optimizer, run.seed, at, run.images[at], *scored])
+    return text.getvalue()
+
+
+def standings_csv(comparison: Comparison) -> str:
+    """A row for each optimizer and checkpoint."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    heads = ["regret_low", "regret_median", "regret_high", "images_to_target", "reached"]
+    writer.writerow(["optimizer", "checkpoint", *heads])
+    for each in comparison.standings:
+        for at, regret in each.regret.items():
+            figures = [regret.low, regret.median, regret.high, each.images.median, each.reached]
+            writer.writerow([each.optimizer, at, *(_finite(figure) for figure in figures)])
+    return text.getvalue()
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _finite(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

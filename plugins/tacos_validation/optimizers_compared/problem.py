@@ -1,0 +1,105 @@
+"""The design problem that is searched: a recipe, on a grid, with scenes that never change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe, Test, Use
+from tacos_framework.recipe.loading import load_recipe
+from tacos_framework.simulation import EpisodeSpec
+from tacos_validation.optimizers_compared.grid import on_grid
+from tacos_validation.optimizers_compared.settings import CompareOptimizersConfig, HeldOut
+
+
+@dataclass(frozen=True)
+class Contenders:
+    """The problem with each of the optimizers.
+
+    Parameters
+    ----------
+    plans
+        By name of the optimizer; equal but for it.
+    notes
+        Which were left out, and why.
+    """
+
+    plans: Mapping[str, Plan]
+    notes: tuple[str, ...]
+
+    @property
+    def problem(self) -> Plan:
+        """The plan of any of them."""
+        return next(iter(self.plans.values()))
+
+
+def contenders_of(config: CompareOptimizersConfig, plugins: Plugins) -> Contenders:
+    """The problem, checked, with each optimizer in turn.
+
+    Raises
+    ------
+    UserError
+        With everything that is wrong with the problem, its grid or any optimizer that is not optional.
+    """
+    loaded = load_recipe(config.problem, dict(config.change))
+    if not isinstance(loaded, Recipe):
+        raise UserError(Fault("problem", f"{config.problem} is no study", "a recipe that designs"))
+    study = loaded.study.model_copy(update={"renew_episodes": "never", "race": None})
+    held_out = config.held_out  # its test scenes here, so that as many worlds are kept
+    test = Test(seed=held_out.seed, frames=held_out.frames, episodes=held_out.episodes)
+    recipe = loaded.model_copy(update={"study": study, "compare": None, "test": test})
+    plan = make_plan(recipe, plugins)
+    if plan.trainable:
+        raise UserError(
+            Fault(
+                "problem",
+                f"{config.problem} trains a task, so fitness depends on more than the candidate",
+                "a problem whose tasks do not learn",
+            )
+        )
+    space = on_grid(plan.space, config.grid)
+    plans: dict[str, Plan] = {}
+    notes: list[str] = []
+    faults: list[Fault] = []
+    for name, use in config.optimizers.items():
+        try:
+            plans[name] = replace(_with_optimizer(recipe, name, use, plugins), space=space)
+        except UserError as error:
+            if name in config.optional:
+                said = "; ".join(f"{fault.what}. {fault.remedy}".rstrip() for fault in error.faults)
+                notes.append(f"{name} was left out: {said}")
+            else:
+                faults.extend(error.faults)
+    if faults:
+        raise UserError(faults)
+    return Contenders(plans, tuple(notes))
+
+
+def held_out_scenes(asked: HeldOut) -> list[EpisodeSpec]:
+    """The scenes that no optimizer sees."""
+    return [EpisodeSpec(asked.seed, ("held out", i), asked.frames) for i in range(asked.episodes)]
+
+
+def _with_optimizer(recipe: Recipe, name: str, use: Use, plugins: Plugins) -> Plan:
+    try:
+        return make_plan(recipe.model_copy(update={"optimizer": use}), plugins)
+    except UserError as error:
+        raise UserError([_at(f"optimizers.{name}", fault) for fault in error.faults]) from error
+
+
+def _at(place: str, fault: Fault) -> Fault:
+    """A fault of the optimizer in the place where the comparison names it."""
+    return replace(fault, where=f"{place}: {fault.where}")
+
+
+def values_text(values: Mapping[str, Any]) -> str:
+    """A camera in a line, parts by their names."""
+    shown = {name: value["name"] if isinstance(value, Mapping) else value for name, value in values.items()}
+    return ", ".join(
+        f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in shown.items()
+    )

@@ -1,0 +1,1 @@
+"""Whether a small study ranks cameras as the same study at full size does."""

@@ -1,0 +1,107 @@
+"""How well two orders of the same cameras agree, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FitnessOn = Callable[[str, Sequence[int]], float | None]
+"""Fitness of a camera, by name, on scenes, by number; None where it has none."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Agreement of two orders.
+
+    Parameters
+    ----------
+    tau
+        Kendall's tau-b; None where one of the orders has all cameras equal.
+    interval
+        Its bootstrap interval over scenes; None where that cannot be told.
+    """
+
+    tau: float | None
+    interval: tuple[float, float] | None
+
+
+def tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:
+    """Kendall's tau-b, which takes ties into account: 1 for equal orders, -1 for opposite ones.
+
+    None where all values of one sequence are equal, so that there is no order.
+
+    Examples
+    --------
+    >>> tau_b([1, 2, 3, 4], [1, 2, 4, 3])
+    0.666666666667
+    """
+    from scipy.stats import kendalltau
+
+    value = float(kendalltau(first, second, variant="b").statistic)
+    return None if np.isnan(value) else round(value, 12)  # equal orders give 1, not 1 less the rounding
+
+
+def places(fitness: Mapping[str, float]) -> dict[str, float]:
+    """The place of each camera, 1 for the highest fitness; equal ones share the mean of theirs.
+
+    Examples
+    --------
+    >>> places({"a": 0.5, "b": 0.9, "c": 0.5})
+    {'a': 2.5, 'b': 1.0, 'c': 2.5}
+    """
+    from scipy.stats import rankdata
+
+    ranks = rankdata([-value for value in fitness.values()])
+    return {name: float(rank) for name, rank in zip(fitness, ranks, strict=True)}
+
+
+def agreement(
+    cameras: Sequence[str],
+    first: FitnessOn,
+    second: FitnessOn,
+    scenes: int,
+    *,
+    resamples: int,
+    confidence: float,
+    rng: np.random.Generator,
+) -> Agreement:
+    """Tau-b of two studies of the same cameras on the same scenes.
+
+    Both studies see the same draw of scenes each time: how sure the agreement is depends on which scenes were
+    seen, not on how well one study knows a scene that the other has not seen.
+
+    Parameters
+    ----------
+    cameras
+        Names of those that have a place in both.
+    first, second
+        Their fitness.
+    scenes
+        How many there are. With one alone there is no interval.
+    resamples, confidence
+        Draws of scenes, and the share of them that the interval holds.
+    rng
+        Draws the scenes.
+    """
+    tau = _tau_on(range(scenes), cameras, first, second)
+    if tau is None or scenes < 2:
+        return Agreement(tau, None)
+    draws: NDArray[np.int64] = rng.integers(scenes, size=(resamples, scenes))
+    found = [value for draw in draws.tolist() if (value := _tau_on(draw, cameras, first, second)) is not None]
+    if not found:
+        return Agreement(tau, None)
+    low, high = np.quantile(found, [(1 - confidence) / 2, (1 + confidence) / 2])
+    return Agreement(tau, (float(low), float(high)))
+
+
+def _tau_on(
+    scenes: Sequence[int], cameras: Sequence[str], first: FitnessOn, second: FitnessOn
+) -> float | None:
+    pairs = [(first(name, scenes), second(name, scenes)) for name in cameras]
+    known = [(a, b) for a, b in pairs if a is not None and b is not None]
+    if len(known) < 2:
+        return None
+    return tau_b([a for a, _ in known], [b for _, b in known])

@@ -1,0 +1,169 @@
+"""One set of cameras, scored by a small study and by the same study at full size."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.contracts import Executor
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.fitness import Fitness
+from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.randomness import generator
+from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.loading import load_recipe
+from tacos_framework.report.page import write_page
+from tacos_framework.results import Results
+from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator
+from tacos_framework.study.progress import Progress
+from tacos_validation.rank_agreement.agreement import agreement, tau_b
+from tacos_validation.rank_agreement.cameras import RankedCamera, cameras_of
+from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
+from tacos_validation.rank_agreement.pages import page, summary, table_csv
+from tacos_validation.rank_agreement.settings import RankAgreementConfig
+from tacos_validation.score_table import ScoreTable, TableRow, evaluation_of
+
+Rows = Mapping[str, Sequence[TableRow]]
+"""For each camera its scores on each scene."""
+
+
+class RankAgreement:
+    """Tells whether a small study puts cameras in the order in which the same study at full size has them.
+
+    Both see the same worlds, walks, poses and noise draws, in each light; only what ``full`` names differs.
+    A camera that breaks a constraint or fails has no place, and is named with the reason. Tasks that
+    learn are scored with the weights they start from. A broken run goes on with ``--resume``: scores are
+    kept as they come.
+    """
+
+    Config = RankAgreementConfig
+
+    def __init__(self, config: RankAgreementConfig) -> None:
+        self.config = config
+
+    def run(
+        self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
+    ) -> Mapping[str, Any]:
+        """Rank them; leaves ``report.html`` and ``table.csv``."""
+        plans = self._plans(plugins)
+        cameras = cameras_of(self.config.cameras, next(iter(plans.values())))
+        results = Results(out)
+        scored: dict[tuple[str, str], Rows] = {}
+        for (light, size), plan in plans.items():
+            progress.phase(f"{light}, {size}", len(cameras) * self._scenes(plan))
+            scored[light, size] = self._score(plan, plugins, cameras, executor, results, progress)
+        outcome = self._outcome(plans, scored, cameras, seed)
+        write_page(out / "report.html", page(outcome))
+        results.write_text("table.csv", table_csv(outcome))
+        return {**outcome.as_data(), "summary": summary(outcome)}
+
+    def _plans(self, plugins: Plugins) -> dict[tuple[str, str], Plan]:
+        """The study in each light and size, checked; all faults at once."""
+        plans: dict[tuple[str, str], Plan] = {}
+        faults: list[Fault] = []
+        for light, keys in self.config.lights.items():
+            for size in SIZES:
+                full = self.config.full if size == "full" else {}
+                try:
+                    recipe = load_recipe(self.config.study, {**self.config.change, **keys, **full})
+                    if not isinstance(recipe, Recipe):
+                        what = f"{self.config.study} is no study"
+                        raise UserError(Fault("study", what, "a recipe that designs"))
+                    plans[light, size] = make_plan(recipe, plugins)
+                except UserError as error:
+                    faults.extend(error.faults)
+        if faults:
+            raise UserError(list(dict.fromkeys(faults)))
+        return plans
+
+    def _scenes(self, plan: Plan) -> int:
+        return self.config.scenes or plan.recipe.study.episodes
+
+    def _score(
+        self,
+        plan: Plan,
+        plugins: Plugins,
+        cameras: Sequence[RankedCamera],
+        executor: Executor,
+        results: Results,
+        progress: Progress,
+    ) -> Rows:
+        evaluate = Evaluator(plan.recipe, plugins)
+        states = evaluate.simulation.initial_states() if plan.trainable else {}
+        table = ScoreTable(plan, evaluate, executor, results, states)
+        specs = [EpisodeSpec(plan.recipe.seed, ("design", 0, i)) for i in range(self._scenes(plan))]
+        wanted = [(camera.values, spec) for camera in cameras for spec in specs]
+        for _ in range(len(wanted) - len(table.lacking(wanted))):
+            progress.step()
+        table.fill(wanted, progress.step)
+        return {camera.name: [table.row(camera.values, spec) for spec in specs] for camera in cameras}
+
+    def _outcome(
+        self,
+        plans: Mapping[tuple[str, str], Plan],
+        scored: Mapping[tuple[str, str], Rows],
+        cameras: Sequence[RankedCamera],
+        seed: int,
+    ) -> RankOutcome:
+        values = {camera.name: camera.values for camera in cameras}
+        lights = []
+        for light in self.config.lights:
+            judges = {size: _Judge(values, scored[light, size], plans[light, size].fitness) for size in SIZES}
+            evaluations = {size: judge.all_scenes() for size, judge in judges.items()}
+            quick, full = (evaluations[size] for size in SIZES)
+            ranked = [n for n in values if quick[n].fitness is not None and full[n].fitness is not None]
+            found = agreement(
+                ranked,
+                judges["quick"],
+                judges["full"],
+                self._scenes(plans[light, "quick"]),
+                resamples=self.config.resamples,
+                confidence=self.config.confidence,
+                rng=generator(seed, "rank agreement", light),
+            )
+            lights.append(RankedLight(light, found, _by_score(ranked, quick, full), evaluations))
+        first = next(iter(plans.values()))
+        notes = tuple(
+            f"{name} learns in the study; here it is scored with the weights it starts from."
+            for name in first.trainable
+        )
+        return RankOutcome(
+            study=self.config.study,
+            gate=self.config.gate,
+            fewest=self.config.fewest,
+            confidence=self.config.confidence,
+            scenes=self._scenes(first),
+            lights=tuple(lights),
+            notes=notes,
+        )
+
+
+class _Judge:
+    """The fitness of cameras on any choice of scenes."""
+
+    def __init__(self, values: Mapping[str, Mapping[str, Any]], rows: Rows, fitness: Fitness) -> None:
+        self._values, self._rows, self._fitness = values, rows, fitness
+
+    def __call__(self, camera: str, scenes: Sequence[int]) -> float | None:
+        return self._evaluation(camera, scenes).fitness
+
+    def all_scenes(self) -> dict[str, Evaluation]:
+        return {name: self._evaluation(name, range(len(rows))) for name, rows in self._rows.items()}
+
+    def _evaluation(self, camera: str, scenes: Sequence[int]) -> Evaluation:
+        rows = self._rows[camera]
+        return evaluation_of(self._values[camera], [rows[scene] for scene in scenes], self._fitness)
+
+
+def _by_score(
+    ranked: Sequence[str], quick: Mapping[str, Evaluation], full: Mapping[str, Evaluation]
+) -> dict[str, float | None]:
+    reported = [set(size[name].scores) for name in ranked for size in (quick, full)]
+    everywhere = sorted(set.intersection(*reported)) if reported else []
+    return {
+        score: tau_b([quick[n].scores[score] for n in ranked], [full[n].scores[score] for n in ranked])
+        for score in everywhere
+        if score != "fitness" and len(ranked) > 1
+    }
