@@ -1,13 +1,16 @@
-"""The HTML report of a study: one file, pictures first, nothing fetched from elsewhere.
+"""Pages of procedures, and the report of a study: one file each, nothing fetched from elsewhere.
 
 ================  ===========================================================================================
+``page``          a page of a procedure: text, tables, drawings, written in one go
+``palette``       the colours of all of them, in light and dark
+``quantities``    numbers in words
 ``study_data``    a results folder as plain values
 ``story``         sentences made from them, with ``comparison`` behind the differences
 ``tables``        tables, cell by cell
 ``pictures``      sample frames, and how large to show them beside one another
 ``view_geometry`` where a camera looks: pure geometry
-``figures``       the drawings, one a file
-``html``          all of it on one page
+``figures``       the drawings, one a file, on the ``canvas`` that all pages draw on
+``html``          the report of a study: all of it on one page
 ================  ===========================================================================================
 
 Importing this package loads neither matplotlib nor jinja2; `write_report` does.
@@ -38,8 +41,8 @@ def write_report(folder: Path) -> Path:
     UserError
         Where the folder holds no readable ``result.json``.
     """
-    from tacos_framework.report.page import write_html
     from tacos_report.html import render
+    from tacos_report.page import write_html
     from tacos_report.study_data import read_study
 
     return write_html(folder / "report.html", render(read_study(folder)))

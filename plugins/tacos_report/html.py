@@ -7,9 +7,6 @@ from typing import Any
 
 from markupsafe import Markup
 
-from tacos_framework.report.page import page_templates
-from tacos_framework.report.palette import camera_variable, stylesheet
-from tacos_framework.report.quantities import measured, row_detail, shown, unit_of, words
 from tacos_report import sections, story
 from tacos_report.comparison import best_of
 from tacos_report.figures.catalog_choices import catalog_choices
@@ -20,8 +17,11 @@ from tacos_report.figures.search_curve import search_curve
 from tacos_report.figures.side_view import side_view
 from tacos_report.figures.time_spent import time_spent
 from tacos_report.figures.top_view import top_view
+from tacos_report.page import page_templates
+from tacos_report.palette import camera_variable, stylesheet
 from tacos_report.pictures import MOST_ENLARGED, picture, row_width_px, side_by_side
 from tacos_report.plain_values import mapping
+from tacos_report.quantities import measured, row_detail, shown, unit_of, words
 from tacos_report.study_data import StudyData, Tried
 from tacos_report.tables import OF_PURCHASE, camera_table, score_table
 
@@ -34,7 +34,7 @@ _OPTIONAL = ("name", "stopped", "command", "seed", "tacos")
 def render(study: StudyData) -> str:
     """The whole page."""
     return (
-        page_templates("tacos_report")
+        page_templates()
         .get_template("study.html.j2")
         .render(
             study=study,

@@ -8,7 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.report.quantities import (
+from tacos_report import verdicts
+from tacos_report.comparison import CameraDifference, best_of, difference, score_names
+from tacos_report.plain_values import mapping, showable, text
+from tacos_report.quantities import (
     duration,
     measured,
     number,
@@ -19,9 +22,6 @@ from tacos_framework.report.quantities import (
     unit_of,
     words,
 )
-from tacos_report import verdicts
-from tacos_report.comparison import CameraDifference, best_of, difference, score_names
-from tacos_report.plain_values import mapping, showable, text
 from tacos_report.study_data import DESIGNED, CameraResult, StudyData, Tried
 from tacos_report.view_geometry import floor_range_m
 

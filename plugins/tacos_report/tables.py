@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from tacos_framework.report.quantities import (
+from tacos_report.comparison import CameraDifference, best_of, difference, score_names
+from tacos_report.quantities import (
     joined,
     measured,
     percent,
@@ -15,7 +16,6 @@ from tacos_framework.report.quantities import (
     unit_of,
     words,
 )
-from tacos_report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_report.story import ground_words, higher_is_better, score_weights
 from tacos_report.study_data import CameraResult, StudyData
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tacos_framework.report.quantities import joined, number, signed
 from tacos_report.analysis import Comparison, Decision
 from tacos_report.plain_values import Interval
+from tacos_report.quantities import joined, number, signed
 
 WORDS = {
     "better": "better",

@@ -72,7 +72,8 @@ def degenerate(designed: Search, recipe: Recipe) -> str | None:
     """
     if designed.best is None:
         reason = designed.last_failure or designed.stopped or "nothing was evaluated"
-        return f"No camera could be scored, so none is named: {reason}. Widen design: or loosen constraints:."
+        remedy = "Widen design: or loosen constraints:" if designed.broken_in_a_row else "log.txt says more"
+        return f"No camera could be scored, so none is named: {reason}. {remedy}."
     found = {stats.mean_fitness for stats in designed.candidate_stats.values()}
     if len(designed.candidate_stats) > 1 and len(found) == 1:
         scored = f"All {len(designed.candidate_stats)} cameras of the search"
@@ -142,5 +143,5 @@ def _sentence(title: str, found: PairedInterval, confidence: float, margin: floa
         case _:
             return (
                 f"{scenes} do not tell whether the designed camera or {title} is better ({interval}): "
-                "set test.most_episodes higher, or call them equal for want of a difference that matters."
+                "set test.most_episodes higher, so that more scenes are added."
             )

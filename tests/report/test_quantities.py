@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.report import palette
-from tacos_framework.report.quantities import duration, measured, number, percent, shown, unit_of, words
+from tacos_report import palette
 from tacos_report.pictures import side_by_side
+from tacos_report.quantities import duration, measured, number, percent, shown, unit_of, words
 from tacos_report.study_data import CameraResult
 from tacos_report.view_geometry import floor_range_m, footprint, half_extents, wedge
 

@@ -16,7 +16,6 @@ from tacos_framework.contracts import Executor
 from tacos_framework.formation import PlacedSensor
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
-from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import ContextMissing
@@ -32,6 +31,7 @@ from tacos_gap.report.page import Circumstances, page
 from tacos_gap.sensing import NODE, with_sensor
 from tacos_gap.transfer import Photographed, patch, patched
 from tacos_plugins.building import build
+from tacos_report.page import write_page
 
 
 class Diagnose:

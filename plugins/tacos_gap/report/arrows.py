@@ -10,13 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_framework.report.figures.canvas import draw
-from tacos_framework.report.palette import MUTED, RULE
-from tacos_framework.report.quantities import number
 from tacos_gap.boards import BoardEvidence
 from tacos_gap.problem import Problem
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER, BEFORE
+from tacos_report.figures.canvas import draw
+from tacos_report.palette import MUTED, RULE
+from tacos_report.quantities import number
 
 
 @dataclass(frozen=True, eq=False)

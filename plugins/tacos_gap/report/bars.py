@@ -8,13 +8,13 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import DOT, INK, MUTED, RULE, TERMS
-from tacos_framework.report.quantities import number
 from tacos_gap.causes import slot_probabilities
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_gap.report.words import share
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import DOT, INK, MUTED, RULE, TERMS
+from tacos_report.quantities import number
 
 _LEAST_SHOWN = 0.005
 _RIVALS = 3

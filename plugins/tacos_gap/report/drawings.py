@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.formation import PlacedEffect
-from tacos_framework.report.page import Drawing
 from tacos_gap.captures import RealCapture
 from tacos_gap.findings import Diagnosis
 from tacos_gap.fit import Fitted
@@ -20,6 +19,7 @@ from tacos_gap.report.image_map import image_map
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.profiles import profile
 from tacos_gap.report.views import over, view_of
+from tacos_report.page import Drawing
 
 CODES = frozenset({"code_comb", "clipped", "top_level"})
 """Statistics best seen in a histogram."""

@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import MUTED, RULE
 from tacos_gap.captures import RealCapture
 from tacos_gap.formation import simulate
 from tacos_gap.report.series import AFTER, BEFORE, REAL
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import MUTED, RULE
 
 _MOST_CODES = 160
 

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from tacos_framework.report.figures.canvas import draw
-from tacos_framework.report.palette import MUTED, RULE
-from tacos_framework.report.quantities import number
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.views import view_of
+from tacos_report.figures.canvas import draw
+from tacos_report.palette import MUTED, RULE
+from tacos_report.quantities import number
 
 DIVERGING = LinearSegmentedColormap.from_list(
     "less-more", ["#0b6aa8", "#9ec7e2", "#f7f7f5", "#efb58a", "#cb5b05"]

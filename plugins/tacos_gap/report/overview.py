@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from tacos_framework.contracts import STAGES
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import INK, MUTED, RULE
-from tacos_framework.report.quantities import number
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_gap.report.views import view_of
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import INK, MUTED, RULE
+from tacos_report.quantities import number
 
 MOST = 14
 _STAND_OUT = 1.3

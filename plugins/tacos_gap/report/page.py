@@ -6,7 +6,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tacos_framework.report.page import (
+from tacos_gap.captures import CaptureFolder, RealCapture
+from tacos_gap.findings import Cause, Diagnosis
+from tacos_gap.problem import placed
+from tacos_gap.report import bars, words
+from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
+from tacos_gap.report.frames import ComparedFrames, compare, to_show
+from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
+from tacos_gap.report.overview import overview
+from tacos_gap.report.views import over
+from tacos_report.page import (
     Block,
     Code,
     Drawing,
@@ -19,16 +28,7 @@ from tacos_framework.report.page import (
     Table,
     image_uri,
 )
-from tacos_framework.report.quantities import duration, number
-from tacos_gap.captures import CaptureFolder, RealCapture
-from tacos_gap.findings import Cause, Diagnosis
-from tacos_gap.problem import placed
-from tacos_gap.report import bars, words
-from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
-from tacos_gap.report.frames import ComparedFrames, compare, to_show
-from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
-from tacos_gap.report.overview import overview
-from tacos_gap.report.views import over
+from tacos_report.quantities import duration, number
 from tacos_report.story import design_words
 
 SIMULATIONS = ("real", "simulated", "simulated with the causes")

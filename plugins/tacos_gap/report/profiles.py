@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_framework.report.figures.canvas import draw, light_grid
 from tacos_gap.evidence import Label
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER_LINE, BAND, BEFORE_LINE, REAL_DOTS, legend
 from tacos_gap.report.views import Over, StatisticView, place_words, position, view_of
+from tacos_report.figures.canvas import draw, light_grid
 
 MOST_PLACES = 16
 _EVEN = ("dark", "flat", "bracket")

@@ -7,7 +7,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tacos_framework.report.palette import INK, MUTED, PAPER, RULE, camera_colour
+from tacos_report.palette import INK, MUTED, PAPER, RULE, camera_colour
 
 REAL, BEFORE, AFTER = INK, camera_colour(0), camera_colour(1)
 

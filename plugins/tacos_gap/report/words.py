@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tacos_framework.report.quantities import number, unit_sign
 from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
 from tacos_gap.report.views import view_of
 from tacos_gap.transfer import added
+from tacos_report.quantities import number, unit_sign
 
 _NAMED = 5
 """Captures named before the rest are counted."""

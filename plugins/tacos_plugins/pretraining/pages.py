@@ -8,9 +8,9 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.page import Code, Drawing, Page, Paragraph, Section, Table
-from tacos_framework.report.palette import camera_colour
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.page import Code, Drawing, Page, Paragraph, Section, Table
+from tacos_report.palette import camera_colour
 
 
 @dataclass(frozen=True, eq=False)

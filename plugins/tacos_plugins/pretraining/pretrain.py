@@ -20,7 +20,6 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.report.page import write_page
 from tacos_framework.results import Results
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.simulation import Evaluator
@@ -29,6 +28,7 @@ from tacos_framework.values import FrameBatch, Rig
 from tacos_plugins.pretraining.kept_frames import read_frames
 from tacos_plugins.pretraining.pages import PretrainingOutcome, page, summary
 from tacos_plugins.pretraining.shots import Shooting, shots_of_worlds
+from tacos_report.page import write_page
 
 LOG = "epochs.jsonl"
 MODEL = "model."

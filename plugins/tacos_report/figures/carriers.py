@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
-from tacos_framework.report.palette import MUTED, PAPER, RULE
+from tacos_report.palette import MUTED, PAPER, RULE
 
 
 @dataclass(frozen=True)

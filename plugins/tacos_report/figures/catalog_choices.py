@@ -7,9 +7,9 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import DOT, INK, MUTED, RULE, camera_colour
-from tacos_framework.report.quantities import number, row_detail, words
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import DOT, INK, MUTED, RULE, camera_colour
+from tacos_report.quantities import number, row_detail, words
 from tacos_report.study_data import Tried
 
 _SHOWN = 10

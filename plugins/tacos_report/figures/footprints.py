@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from tacos_framework.report.palette import camera_variable
+from tacos_report.palette import camera_variable
 from tacos_report.study_data import CameraResult
 from tacos_report.view_geometry import Point, footprint, half_extents
 

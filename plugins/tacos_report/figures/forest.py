@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import INK, MUTED, RULE, camera_colour
-from tacos_framework.report.quantities import signed
 from tacos_report import verdicts
 from tacos_report.analysis import Comparison
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import INK, MUTED, RULE, camera_colour
+from tacos_report.quantities import signed
 
 
 def forest(

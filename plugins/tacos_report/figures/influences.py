@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import DOT, INK, TERMS, camera_colour
-from tacos_framework.report.quantities import number, unit_sign, words
 from tacos_report.analysis import Influence
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import DOT, INK, TERMS, camera_colour
 from tacos_report.plain_values import finite
+from tacos_report.quantities import number, unit_sign, words
 
 _COLUMNS = 3
 _NAMED = 6

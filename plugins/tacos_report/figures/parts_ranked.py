@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import DOT, INK, PAPER, camera_colour
-from tacos_framework.report.quantities import number
 from tacos_report.analysis import RankedPart
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import DOT, INK, PAPER, camera_colour
+from tacos_report.quantities import number
 
 _ROW_IN = 0.215
 

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import INK, PAPER, RULE, TERMS, camera_colour
-from tacos_framework.report.quantities import measured, number, words
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import INK, PAPER, RULE, TERMS, camera_colour
+from tacos_report.quantities import measured, number, words
 from tacos_report.study_data import CameraResult
 
 _LIGHT_TEXT_ON = {TERMS[0], TERMS[3], TERMS[5]}

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import DOT, INK, MUTED, PAPER, camera_colour
-from tacos_framework.report.quantities import number
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import DOT, INK, MUTED, PAPER, camera_colour
+from tacos_report.quantities import number
 from tacos_report.study_data import Generation, Tried
 
 

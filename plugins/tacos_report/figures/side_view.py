@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from tacos_framework.report.figures.canvas import draw
-from tacos_framework.report.palette import INK, MUTED, camera_colour
-from tacos_framework.report.quantities import quantity
+from tacos_report.figures.canvas import draw
 from tacos_report.figures.carriers import Carrier, carrier_of
+from tacos_report.palette import INK, MUTED, camera_colour
+from tacos_report.quantities import quantity
 from tacos_report.story import floor_words
 from tacos_report.study_data import CameraResult
 from tacos_report.view_geometry import floor_range_m, wedge

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw
-from tacos_framework.report.palette import DOT, INK, MUTED
-from tacos_framework.report.quantities import duration, number, words
+from tacos_report.figures.canvas import draw
+from tacos_report.palette import DOT, INK, MUTED
+from tacos_report.quantities import duration, number, words
 
 
 def time_spent(seconds_by_node: Mapping[str, float]) -> str:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw
-from tacos_framework.report.palette import INK, MUTED, RULE, camera_colour
-from tacos_framework.report.quantities import quantity
+from tacos_report.figures.canvas import draw
+from tacos_report.palette import INK, MUTED, RULE, camera_colour
+from tacos_report.quantities import quantity
 
 Ends = tuple[float, float]
 

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from tacos_framework.report.figures.canvas import draw
-from tacos_framework.report.palette import INK, MUTED, RULE, camera_colour
-from tacos_framework.report.quantities import quantity
+from tacos_report.figures.canvas import draw
+from tacos_report.palette import INK, MUTED, RULE, camera_colour
+from tacos_report.quantities import quantity
 from tacos_report.study_data import CameraResult
 from tacos_report.view_geometry import wedge
 

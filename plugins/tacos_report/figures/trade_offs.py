@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import DOT, INK, PAPER, camera_colour
-from tacos_framework.report.quantities import unit_sign, words
 from tacos_report.analysis import FrontPoint, Objective
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import DOT, INK, PAPER, camera_colour
+from tacos_report.quantities import unit_sign, words
 
 _COLUMNS = 2
 _NAMED = 12

@@ -5,7 +5,7 @@ Each has a function ``blocks(study)``: what it shows, nothing where the result d
 
 from __future__ import annotations
 
-from tacos_framework.report.page import Section
+from tacos_report.page import Section
 from tacos_report.sections import decision, equivalents, front, importance, purchase, ranking, scenarios
 from tacos_report.study_data import StudyData
 

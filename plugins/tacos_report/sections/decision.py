@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tacos_framework.report.page import Block, Drawing, Paragraph, Table
 from tacos_report import verdicts
 from tacos_report.figures.forest import forest
+from tacos_report.page import Block, Drawing, Paragraph, Table
 from tacos_report.study_data import StudyData
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tacos_framework.report.page import Block, Drawing, Paragraph, Table
-from tacos_framework.report.quantities import number, quantity, unit_of, words
 from tacos_report.analysis import Equivalents
 from tacos_report.figures.tolerances import VariableRange, tolerances
+from tacos_report.page import Block, Drawing, Paragraph, Table
 from tacos_report.plain_values import Interval, finite
+from tacos_report.quantities import number, quantity, unit_of, words
 from tacos_report.study_data import StudyData
 from tacos_report.verdicts import share_words
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tacos_framework.report.page import Block, Detailed, Drawing, Table
-from tacos_framework.report.quantities import number, quantity, words
 from tacos_report.analysis import FrontPoint, Objective
 from tacos_report.figures.trade_offs import trade_offs
+from tacos_report.page import Block, Detailed, Drawing, Table
+from tacos_report.quantities import number, quantity, words
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tacos_framework.report.page import Block, Drawing
 from tacos_report.figures.influences import curves, shares
+from tacos_report.page import Block, Drawing
 from tacos_report.study_data import StudyData
 
 

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_framework.report.page import Block, SideBySide, Table, Warnings
-from tacos_framework.report.quantities import number, quantity, shown, unit_of, words
+from tacos_report.page import Block, SideBySide, Table, Warnings
 from tacos_report.plain_values import finite, showable
+from tacos_report.quantities import number, quantity, shown, unit_of, words
 from tacos_report.study_data import CameraResult, StudyData
 
 _PROSE = ("name", "source", "sources", "notes", "doubts", "grade", "provenance")

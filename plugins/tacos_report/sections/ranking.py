@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from tacos_framework.report.page import Block, Detailed, Drawing, Folded, Paragraph, Table
-from tacos_framework.report.quantities import number, words
 from tacos_report.analysis import RankedPart
 from tacos_report.figures.parts_ranked import parts_ranked
+from tacos_report.page import Block, Detailed, Drawing, Folded, Paragraph, Table
+from tacos_report.quantities import number, words
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
 

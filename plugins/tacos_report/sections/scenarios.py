@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tacos_framework.report.page import Block, Detailed, Paragraph, Table
-from tacos_framework.report.quantities import number, words
+from tacos_report.page import Block, Detailed, Paragraph, Table
+from tacos_report.quantities import number, words
 from tacos_report.study_data import CameraResult, StudyData
 
 

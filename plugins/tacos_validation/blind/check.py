@@ -13,10 +13,10 @@ from typing import Any
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
-from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_gap.candidates import candidates
+from tacos_report.page import write_page
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.generators.specifications import (
     CAPTURES,

@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure as Canvas
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings
-from tacos_framework.report.palette import INK, MUTED, PAPER, camera_colour
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_report.palette import INK, MUTED, PAPER, camera_colour
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.scoring import Figure, baselines, ladder
 

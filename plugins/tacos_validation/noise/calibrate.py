@@ -11,12 +11,12 @@ from pydantic import model_validator
 from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor, lambertian_luminance
 from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plugins import Plugins
-from tacos_framework.report.page import Code, Drawing, Page, Section, Table, Warnings, write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
 from tacos_plugins.sensors.calibration import Calibration, load_calibration
+from tacos_report.page import Code, Drawing, Page, Section, Table, Warnings, write_page
 from tacos_validation.noise.bench import (
     CameraSetting,
     NoiseBench,

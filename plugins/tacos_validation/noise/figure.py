@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.palette import MUTED, RULE, camera_colour
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.palette import MUTED, RULE, camera_colour
 
 CHANNEL_COLOURS = {
     "R": camera_colour(0),

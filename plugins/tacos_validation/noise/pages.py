@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
-from tacos_framework.report.page import PagePicture, image_uri
+from tacos_report.page import PagePicture, image_uri
 from tacos_validation.noise.frame_files import FrameStack
 
 _WIDEST_PX = 900

@@ -13,11 +13,11 @@ from tacos_framework.camera.exposure import gain_factor
 from tacos_framework.errors import UserError
 from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plugins import Plugins
-from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings, write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
 from tacos_plugins.sensors.calibration import load_calibration
+from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings, write_page
 from tacos_validation.noise.bench import (
     CameraSetting,
     NoiseBench,

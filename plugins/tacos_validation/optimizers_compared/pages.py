@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid, logarithmic_height
-from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings
-from tacos_framework.report.palette import MUTED, camera_colour
+from tacos_report.figures.canvas import draw, light_grid, logarithmic_height
+from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_report.palette import MUTED, camera_colour
 from tacos_validation.optimizers_compared.outcome import Comparison
 from tacos_validation.optimizers_compared.problem import values_text
 from tacos_validation.optimizers_compared.standings import Quartiles, Ratio, Standing

@@ -7,9 +7,9 @@ import io
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw
-from tacos_framework.report.page import Drawing, Page, Paragraph, Section, Table, Warnings
-from tacos_framework.report.palette import INK, MUTED, camera_colour
+from tacos_report.figures.canvas import draw
+from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_report.palette import INK, MUTED, camera_colour
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.page import Drawing, Page, Section, Table
-from tacos_framework.report.palette import MUTED, camera_colour
-from tacos_framework.report.quantities import number, words
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.page import Drawing, Page, Section, Table
+from tacos_report.palette import MUTED, camera_colour
+from tacos_report.quantities import number, words
 from tacos_validation.studies_compared.pairs import (
     FITNESS,
     Spread,

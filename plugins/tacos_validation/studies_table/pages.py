@@ -9,10 +9,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.page import Detailed, Drawing, Page, Paragraph, Section, Table, Warnings
-from tacos_framework.report.palette import MUTED, camera_colour
-from tacos_framework.report.quantities import duration, number
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.page import Detailed, Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_report.palette import MUTED, camera_colour
+from tacos_report.quantities import duration, number
 from tacos_validation.studies_table.findings import RowResult, StudyRun, SummaryCell
 from tacos_validation.studies_table.settings import StudiesConfig, SummaryColumn
 

@@ -15,9 +15,9 @@ from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.report.page import write_page
 from tacos_framework.results import Results
 from tacos_framework.study.progress import Progress
+from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
 from tacos_validation.studies_table.findings import StudyRun, findings
 from tacos_validation.studies_table.pages import TableOutcome, folder_of, page, summary, table_csv

@@ -9,8 +9,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
-from tacos_framework.report.figures.canvas import draw, light_grid
-from tacos_framework.report.page import (
+from tacos_framework.values import FrameBatch
+from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.page import (
     Drawing,
     Heading,
     Page,
@@ -21,8 +22,7 @@ from tacos_framework.report.page import (
     Table,
     image_uri,
 )
-from tacos_framework.report.palette import INK, MUTED, camera_colour
-from tacos_framework.values import FrameBatch
+from tacos_report.palette import INK, MUTED, camera_colour
 from tacos_validation.task_validation.acquisition import Taken
 from tacos_validation.task_validation.agreement import INTERVAL
 from tacos_validation.task_validation.findings import ValidationFindings

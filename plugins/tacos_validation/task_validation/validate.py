@@ -14,11 +14,11 @@ from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Use
-from tacos_framework.report.page import write_page
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import Episode, Rig
 from tacos_plugins.building import build, build_rig, episode_of
+from tacos_report.page import write_page
 from tacos_validation.noise.bench import CameraSetting
 from tacos_validation.task_validation.acquisition import Taken, take
 from tacos_validation.task_validation.findings import ValidationFindings

@@ -13,7 +13,15 @@ from tacos_framework.errors import Fault, UserError, did_you_mean
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _TAKEN = frozenset(
-    {"tacos_framework", "tacos_plugins", "tacos_worlds", "tacos_gap", "tacos_report", "tacos_validation"}
+    {
+        "tacos_framework",
+        "tacos_report",
+        "tacos_plugins",
+        "tacos_decision",
+        "tacos_worlds",
+        "tacos_gap",
+        "tacos_validation",
+    }
 ).union(sys.stdlib_module_names)
 
 PROJECT_FILES = {

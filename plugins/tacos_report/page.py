@@ -34,7 +34,7 @@ class Warnings:
 
 @dataclass(frozen=True)
 class Drawing:
-    """An inline SVG, as `tacos_framework.report.figures.canvas.draw` gives it."""
+    """An inline SVG, as `tacos_report.figures.canvas.draw` gives it."""
 
     svg: str
     caption: str
@@ -148,19 +148,19 @@ def write_page(path: Path, page: Page) -> None:
     """Write the page as one HTML file that fetches nothing."""
     from markupsafe import Markup
 
-    from tacos_framework.report.palette import stylesheet
+    from tacos_report.palette import stylesheet
 
     template = page_templates().get_template("page.html.j2")
     write_html(path, template.render(page=page, palette=Markup(stylesheet())))
 
 
-def page_templates(*packages: str) -> Environment:
-    """Templates of these packages, then those that all pages share, ``page.css`` for one; text is escaped."""
-    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+def page_templates() -> Environment:
+    """Where the templates of all pages are found, ``page.css`` for one; text is escaped."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
     environment = Environment(
-        loader=ChoiceLoader([PackageLoader(package) for package in (*packages, "tacos_framework.report")]),
+        loader=PackageLoader("tacos_report"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from tacos_framework.report.palette import INK, MUTED, PAPER, RULE, tinted
+from tacos_report.palette import INK, MUTED, PAPER, RULE, tinted
 
 _STYLE: dict[str, Any] = {
     "svg.fonttype": "none",  # real text: searchable, and in the page's own font
@@ -58,7 +58,7 @@ def draw(name: str, size_in: tuple[float, float], description: str, paint: Calla
     description
         Said in place of the picture to readers who do not see it.
     paint
-        Draws in the light colours of `tacos_framework.report.palette`.
+        Draws in the light colours of `tacos_report.palette`.
     """
     style: Any = {**_STYLE, "svg.hashsalt": name}
     with matplotlib.rc_context(style):
