@@ -11,13 +11,15 @@ from tacos_framework.simulation import Evaluation
 from tacos_framework.study.problem import broken_by, coordinates_of, design_problem
 from tacos_framework.study.record import ScoredEpisode, StudiedCamera, StudyRecord, Values
 from tacos_framework.study.search import Search
+from tacos_framework.study.unseen_test import UnseenTest
 
 
 def make_record(
     plan: Plan,
     searches: Sequence[Search],
     lines: Iterable[Mapping[str, Any]],
-    test: Mapping[str, Evaluation],
+    test: UnseenTest | None,
+    failed: Mapping[str, str],
     score: Callable[[Sequence[Values], int], list[Evaluation]],
     degenerate: str | None,
 ) -> StudyRecord:
@@ -32,7 +34,9 @@ def make_record(
     lines
         The generations of all searches, as the results folder has them.
     test
-        Evaluations on the test scenes, by name of the camera.
+        What came out on the test scenes; None where the recipe has none.
+    failed
+        Cameras of which no candidate could be scored, and why in a sentence.
     score
         Scores plain values on so many fresh episodes.
     degenerate
@@ -75,7 +79,7 @@ def make_record(
             ),
             *(
                 episode
-                for evaluation in test.values()
+                for evaluation in (test.scored if test else {}).values()
                 for episode in _of_evaluation(evaluation, "test", "test", designed.generation)
             ),
         ),
@@ -84,6 +88,8 @@ def make_record(
         broken=partial(broken_by, plan),
         unknown=lambda values: plan.unknown(values, derived(values)),
         score=score_episodes,
+        comparisons=test.comparisons if test else {},
+        failed={**failed, **(test.failed if test else {})},
         degenerate=degenerate,
         objectives=plan.objectives,
     )
