@@ -1,4 +1,4 @@
-"""Pinhole geometry: from the agent's pose to pixels, and to what a rasterizer needs.
+"""Pinhole geometry: from the agent's pose to pixels and back.
 
 Frames: agent x forward, y left, z up; camera x right, y down, z forward (OpenCV). A pose
 ``a_from_b`` takes homogeneous points of frame b to frame a. Pixel (0, 0) has its centre at (0.0, 0.0).
