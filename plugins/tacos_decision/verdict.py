@@ -81,5 +81,5 @@ def _sentence(title: str, found: PairedInterval, confidence: float) -> str:
         case _:
             return (
                 f"{scenes} do not tell whether the designed camera or {title} is better ({interval}): "
-                "set test.most_episodes higher, or call them equal for want of a difference that matters."
+                "set test.most_episodes higher, so that more scenes are added."
             )

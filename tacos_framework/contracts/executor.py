@@ -19,9 +19,9 @@ class JobRunner(Protocol):
     ``workers: int``
         How many jobs it runs at a time. 1 where it does not say.
 
-    A job may have an attribute ``affinity: Hashable | None``: what it needs that is costly to make and is kept
-    in the process that made it (a world, lit). Workers do well to be given jobs of an affinity they have had,
-    but results never depend on it.
+    A job may have an attribute ``affinity: Hashable | None``: what it needs that is costly to make and is
+    kept in the process that made it (a world, lit). Workers do well to be given jobs of an affinity they have
+    had, but results never depend on it.
     """
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:

@@ -43,7 +43,8 @@ class Simulation:
         self.plan = plan
         recipe = plan.recipe
         self._rig = plan.rig.instance
-        kept = max(recipe.study.episodes, recipe.test.episodes if recipe.test else 1)
+        study = recipe.study
+        kept = max(study.episodes, study.final_episodes or 1, recipe.test.episodes if recipe.test else 1)
         lights = len({scenario.illumination_lux for scenario in recipe.scenarios})
         self._episodes: LRUCache[Episode] = LRUCache(
             size=(kept + bool(plan.trainable)) * lights,

@@ -18,7 +18,8 @@ def degenerate(designed: Search, recipe: Recipe) -> str | None:
     """
     if designed.best is None:
         reason = designed.last_failure or designed.stopped or "nothing was evaluated"
-        return f"No camera could be scored, so none is named: {reason}. Widen design: or loosen constraints:."
+        remedy = "Widen design: or loosen constraints:" if designed.broken_in_a_row else "log.txt says more"
+        return f"No camera could be scored, so none is named: {reason}. {remedy}."
     found = {stats.mean_fitness for stats in designed.candidate_stats.values()}
     if len(designed.candidate_stats) > 1 and len(found) == 1:
         scored = f"All {len(designed.candidate_stats)} cameras of the search"

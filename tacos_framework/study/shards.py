@@ -38,6 +38,8 @@ def score_sharded(
     for of_job in shards:
         evaluations = list(islice(results, len(of_job)))
         yield evaluations[0] if len(of_job) == 1 else merged_evaluation(evaluations, fitness)
+    for _ in results:  # to the end: there an executor cleans up, and one that gives too many is found out
+        pass
 
 
 def _shards(job: ScoreJob) -> list[ScoreJob]:

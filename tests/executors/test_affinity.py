@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_plugins.executors.affinity import assigned
+from tacos_plugins.executors.affinity import JobTimes, assigned
 from tacos_plugins.executors.process import ProcessExecutor
 from tests.executors import jobs
 
-worlds = st.none() | st.sampled_from("abcde")
-at_hand = st.sets(worlds, max_size=3)
+worlds = st.sampled_from([None, *"abcd"])
+at_hand = st.sets(worlds, max_size=2)
 
 
-@given(waiting=st.lists(worlds, max_size=8), idle=st.lists(at_hand, max_size=4), busy=at_hand)
+@given(waiting=st.lists(worlds, max_size=6), idle=st.lists(at_hand, max_size=3), busy=at_hand)
 def test_no_worker_idles_while_a_job_waits_and_no_job_is_given_twice(waiting, idle, busy):
     given_out = assigned(waiting, idle, busy)
     assert len(given_out) == min(len(waiting), len(idle))
@@ -24,7 +24,7 @@ def test_no_worker_idles_while_a_job_waits_and_no_job_is_given_twice(waiting, id
     assert all(0 <= job < len(waiting) for job in given_out.values())
 
 
-@given(waiting=st.lists(worlds, max_size=8), idle=st.lists(at_hand, max_size=4), busy=at_hand)
+@given(waiting=st.lists(worlds, max_size=6), idle=st.lists(at_hand, max_size=3), busy=at_hand)
 def test_a_world_is_made_twice_only_where_a_worker_would_idle(waiting, idle, busy):
     given_out = assigned(waiting, idle, busy)
     made_already = {*busy, *(world for has in idle for world in has)}
@@ -34,6 +34,24 @@ def test_a_world_is_made_twice_only_where_a_worker_would_idle(waiting, idle, bus
         left = [world for other, world in enumerate(waiting) if other not in given_out.values()]
         assert not (set(left) - {None}) & idle[worker], "it had something else at hand"
         assert all(world in made_already for world in left if world is not None), "a new world waits"
+
+
+def test_what_another_has_is_made_anew_only_where_that_is_sooner():
+    waiting = ["attic"] * 4
+    assert assigned(waiting, [set()], busy={"attic"}, cost_of_making=5) == {}
+    assert assigned(waiting, [set(), set()], busy={"attic"}, cost_of_making=4) == {0: 3}
+    assert assigned([*waiting, "cellar"], [set()], busy={"attic"}, cost_of_making=5) == {0: 4}
+    assert assigned(waiting, [{"attic"}], busy={"attic"}, cost_of_making=5) == {0: 0}
+
+
+def test_the_cost_of_making_is_what_was_seen():
+    times = JobTimes()
+    assert times.cost_of_making == 1
+    times.saw(12.0, made=True)
+    assert times.cost_of_making == 1
+    times.saw(2.0, made=False)
+    times.saw(4.0, made=False)
+    assert times.cost_of_making == pytest.approx(4)
 
 
 @pytest.mark.parametrize("scenes", [2, 5, 9])

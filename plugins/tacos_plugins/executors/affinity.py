@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Hashable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 Affinity = Hashable | None
@@ -15,13 +16,38 @@ def affinity_of(job: Any) -> Affinity:
     return found
 
 
+@dataclass
+class JobTimes:
+    """What jobs took whose needs were at hand, and those for which they had to be made."""
+
+    _total_s: dict[bool, float] = field(default_factory=lambda: {False: 0.0, True: 0.0})
+    _count: dict[bool, int] = field(default_factory=lambda: {False: 0, True: 0})
+
+    def saw(self, seconds: float, *, made: bool) -> None:
+        """A job took so long [s]."""
+        self._total_s[made] += seconds
+        self._count[made] += 1
+
+    @property
+    def cost_of_making(self) -> float:
+        """How many jobs could be done in the time of one for which everything is made anew; 1 if unknown."""
+        if not all(self._count.values()) or not self._total_s[False]:
+            return 1.0
+        at_hand_s, made_s = (self._total_s[made] / self._count[made] for made in (False, True))
+        return max(1.0, made_s / at_hand_s)
+
+
 def assigned(
-    waiting: Sequence[Affinity], idle: Sequence[Collection[Affinity]], busy: Collection[Affinity]
+    waiting: Sequence[Affinity],
+    idle: Sequence[Collection[Affinity]],
+    busy: Collection[Affinity],
+    cost_of_making: float = 1.0,
 ) -> dict[int, int]:
     """The job each idle worker is to do: ``{worker: job}``.
 
     A worker goes on with what it has at hand; then it takes up what no worker has yet; and before it idles it
-    makes anew what another has, the last job of those most wait for. No worker idles while a job waits.
+    makes anew what another has, the last job of those most wait for, where so many wait that it is done with
+    it before the other would be.
 
     Parameters
     ----------
@@ -31,6 +57,8 @@ def assigned(
         What each idle worker has at hand.
     busy
         What the other workers have at hand.
+    cost_of_making
+        See `JobTimes`; at 1 no worker idles while a job waits.
 
     Examples
     --------
@@ -56,5 +84,6 @@ def assigned(
         give(worker, next((job for job, needs in left.items() if needs is None or needs not in taken), None))
     for worker in (each for each in range(len(idle)) if each not in given):
         wanted = Counter(left.values())
-        give(worker, max(left, key=lambda job: (wanted[left[job]], job), default=None))
+        last = max(left, key=lambda job: (wanted[left[job]], job), default=None)
+        give(worker, last if last is not None and wanted[left[last]] >= cost_of_making else None)
     return given

@@ -18,7 +18,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from tacos_plugins.executors import worker
-from tacos_plugins.executors.affinity import Affinity, affinity_of, assigned
+from tacos_plugins.executors.affinity import Affinity, JobTimes, affinity_of, assigned
 from tacos_plugins.executors.outcomes import Lost
 
 log = logging.getLogger(__name__)
@@ -60,6 +60,7 @@ class _Worker:
         self.deadline = float("inf")
         self.jobs_done = 0
         self.at_hand: set[Affinity] = set()
+        self.makes, self.began_s = False, 0.0
 
     @property
     def idle(self) -> bool:
@@ -73,8 +74,9 @@ class _Worker:
         except (BrokenPipeError, ConnectionResetError):
             return False
         self.task = task
+        self.makes, self.began_s = affinity_of(job) not in self.at_hand, time.monotonic()
         self.at_hand.add(affinity_of(job))
-        self.deadline = float("inf") if limit_s is None else time.monotonic() + limit_s
+        self.deadline = float("inf") if limit_s is None else self.began_s + limit_s
         return True
 
     def answer(self) -> bytes | None:
@@ -131,6 +133,7 @@ class Pool:
         self._worker_end, self._lifeline = self._context.Pipe(duplex=False)
         atexit.register(self._lifeline.close)  # ahead of multiprocessing's own, which would wait for workers
         self._workers: list[_Worker] = []
+        self._times = JobTimes()
         self._round = 0
         self._closed = False
 
@@ -170,7 +173,7 @@ class Pool:
         idle = [each for each in self._workers if each.idle]
         wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
         busy = {each for other in self._workers if not other.idle for each in other.at_hand}
-        given = assigned(wanted, [each.at_hand for each in idle], busy)
+        given = assigned(wanted, [each.at_hand for each in idle], busy, self._times.cost_of_making)
         for number, task in [(number, waiting[place]) for number, place in given.items()]:
             if idle[number].begin(task, jobs[task.index], self._limits.job_s):
                 waiting.remove(task)
@@ -208,6 +211,7 @@ class Pool:
         if task is None:
             return
         each.jobs_done += 1
+        self._times.saw(time.monotonic() - each.began_s, made=each.makes)
         if task.round == self._round:
             done[task.index] = answer
         limits = self._limits

@@ -18,8 +18,8 @@ THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "
 """Environment variables that numerical libraries and the llvmpipe rasterizer read once, when they start."""
 
 MEMORY_IS_KEPT = {"MALLOC_MMAP_MAX_": "0", "MALLOC_TRIM_THRESHOLD_": str(2**31)}
-"""Lets the C library (glibc) keep what is freed, up to 2 GiB, for the next image: to get the memory of one of twelve
-megapixels anew from the system takes about as long as to fill it several times."""
+"""Lets the C library (glibc) keep what is freed, up to 2 GiB, for the next image: to get the memory of one of
+twelve megapixels anew from the system takes about as long as to fill it several times."""
 
 
 class ProcessExecutor:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise, product
+from itertools import chain, islice, pairwise, product
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,14 @@ from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Ge
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 
 Array = NDArray[np.float64]
+Own = tuple[float, ...]
+"""The genes of one variable."""
 
 MOST_COMBINATIONS = 256
-"""Choices are combined in all ways up to so many; of more, each pool holds others, drawn at random."""
+"""Up to so many combinations of choices have as many candidates each; more are mixed, as they can be had."""
 
 ATTEMPTS = 8
-"""How often candidates of a combination are drawn again where too few keep the constraints."""
+"""How many times as many candidates are drawn as are wanted, at most, where few keep the constraints."""
 
 MOST_VALUES = 32
 """Whole numbers with more values are drawn from their range, as if they were continuous, and rounded."""
@@ -32,7 +34,7 @@ MOST_VALUES = 32
 SWEEP = 17
 """Places along a gene at which it is looked how coordinates change."""
 
-REDRAWN = 0.1
+REDRAWN = 0.25
 """Probability that a choice is drawn anew where candidates are drawn around one."""
 
 
@@ -85,13 +87,11 @@ class FeasibleCandidates:
         There are more where the combinations are more, fewer where constraints leave no room, and none where
         nothing that was drawn keeps them. Each candidate comes once.
         """
-        combinations = list(self._combinations(count, rng))
-        each = max(1, math.ceil(count / len(combinations))) if self._continuous else 1
-        found: dict[Candidate, PlacedCandidate] = {}
-        for combination in combinations:
-            for placed in self._of_combination(combination, each, rng):
-                found.setdefault(placed.candidate, placed)
-        return list(found.values())
+        if self._combinations <= MOST_COMBINATIONS:
+            placed = self._evenly(count, rng)
+        else:
+            placed = islice(self._mixed(count, rng), count)
+        return list({each.candidate: each for each in placed}.values())
 
     def most_broken(self, count: int, rng: np.random.Generator) -> str | None:
         """The constraint that most of `count` candidates drawn at random break; None where they keep all."""
@@ -118,10 +118,10 @@ class FeasibleCandidates:
             for i in self._continuous:
                 place = self._warps[i].place(genes[i]) + step * rng.standard_normal()
                 genes[i] = self._warps[i].gene(float(np.clip(place, 0.0, 1.0)))
-            for variable, first in self._choices:
+            for (_, first), values in zip(self._choices, self._values, strict=True):
                 if rng.random() < REDRAWN:
-                    values = _values_of(variable)
-                    genes[first : first + len(variable.genes)] = values[rng.integers(len(values))]
+                    own = values[rng.integers(len(values))]
+                    genes[first : first + len(own)] = own
             if (placed := self.placed(genes)) is not None:
                 found.setdefault(placed.candidate, placed)
         return list(found.values())
@@ -139,19 +139,59 @@ class FeasibleCandidates:
         others = [variable for variable in self.space.variables if not _has_range(variable)]
         return [(variable, names.index(variable.name)) for variable in others]
 
-    def _combinations(self, count: int, rng: np.random.Generator) -> Iterator[Array]:
-        """Genes with each combination of choices; those of the continuous variables are in the middle."""
-        values = [_values_of(variable) for variable, _ in self._choices]
-        if math.prod(map(len, values)) <= MOST_COMBINATIONS:
-            chosen = list(product(*values))
-        else:
-            columns = [[each[i % len(each)] for i in rng.permutation(count)] for each in values]
-            chosen = list(zip(*columns, strict=True))
-        for combination in chosen:
-            genes = self._middle.copy()
-            for (_, first), own in zip(self._choices, combination, strict=True):
-                genes[first : first + len(own)] = own
-            yield genes
+    @cached_property
+    def _values(self) -> list[list[Own]]:
+        """The genes of all values of each of the others."""
+        return [_values_of(variable) for variable, _ in self._choices]
+
+    @property
+    def _combinations(self) -> int:
+        return math.prod(map(len, self._values))
+
+    def _evenly(self, count: int, rng: np.random.Generator) -> Iterator[PlacedCandidate]:
+        """As many candidates of each combination that can be had."""
+        combinations = list(product(*self._values))
+        most = count if self._continuous else len(combinations)
+        for _ in range(2):  # once more of those that can be had, where constraints leave few
+            each = math.ceil(most / len(combinations))
+            found = [self._of_combination(self._genes(own), each, rng) for own in combinations]
+            yield from chain.from_iterable(found)
+            most -= sum(map(len, found))
+            combinations = [own for own, some in zip(combinations, found, strict=True) if some]
+            if not combinations or most < count / 2:
+                break
+
+    def _mixed(self, count: int, rng: np.random.Generator) -> Iterator[PlacedCandidate]:
+        """One candidate of a combination at a time: of all in turn where that takes few tries, or of any."""
+        tries = ATTEMPTS * count
+        every = list(product(*self._values)) if self._combinations <= tries else None
+        tried = 0
+        while tried < tries:
+            if every is not None:
+                batch = [every[i] for i in rng.permutation(len(every))]
+            else:
+                batch = list(zip(*(_shuffled(own, count, rng) for own in self._values), strict=True))
+            for combination, places in zip(batch, self._places(len(batch), rng), strict=True):
+                if (placed := self._at(self._genes(combination), places)) is not None:
+                    yield placed
+            tried += len(batch)
+
+    def _genes(self, combination: Sequence[Own]) -> Array:
+        """Genes with these choices; those drawn from a range are in the middle."""
+        genes = self._middle.copy()
+        for (_, first), own in zip(self._choices, combination, strict=True):
+            genes[first : first + len(own)] = own
+        return genes
+
+    def _places(self, count: int, rng: np.random.Generator) -> Array:
+        """(count, genes drawn from a range) places of a Latin hypercube."""
+        return np.asarray(qmc.LatinHypercube(len(self._continuous), rng=rng).random(count))
+
+    def _at(self, genes: Array, places: Array) -> PlacedCandidate | None:
+        """The candidate with its numbers at these places between 0 and 1."""
+        for i, place in zip(self._continuous, places, strict=True):
+            genes[i] = self._warps[i].gene(place)
+        return self.placed(genes)
 
     @property
     def _middle(self) -> Array:
@@ -161,12 +201,8 @@ class FeasibleCandidates:
         """About `count` candidates of one combination, by Latin hypercubes."""
         found: list[PlacedCandidate] = []
         for _ in range(ATTEMPTS if self._continuous else 1):
-            for places in qmc.LatinHypercube(len(self._continuous), rng=rng).random(count):
-                drawn = genes.copy()
-                for i, place in zip(self._continuous, places, strict=True):
-                    drawn[i] = self._warps[i].gene(place)
-                if (placed := self.placed(drawn)) is not None:
-                    found.append(placed)
+            drawn = (self._at(genes.copy(), places) for places in self._places(count, rng))
+            found.extend(placed for placed in drawn if placed is not None)
             if 2 * len(found) >= count:
                 break
         return found[:count]
@@ -246,6 +282,11 @@ def bare_coordinates(space: DesignSpace, candidate: Candidate) -> dict[str, floa
     return found
 
 
+def _shuffled(values: Sequence[Own], count: int, rng: np.random.Generator) -> list[Own]:
+    """So many of these values in random order, each as often as any."""
+    return [values[i % len(values)] for i in rng.permutation(count)]
+
+
 def _has_range(variable: Variable) -> bool:
     """Whether values are drawn from a range, rather than listed."""
     if isinstance(variable, Integer):
@@ -253,7 +294,7 @@ def _has_range(variable: Variable) -> bool:
     return isinstance(variable, Continuous)
 
 
-def _values_of(variable: Variable) -> list[tuple[float, ...]]:
+def _values_of(variable: Variable) -> list[Own]:
     """The genes of all values of a variable that is not continuous."""
     if isinstance(variable, CatalogChoice):
         return [variable.encode(row) for row in variable.rows]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from tacos_plugins.executors.affinity import Affinity, affinity_of, assigned
+from tacos_plugins.executors.affinity import Affinity, JobTimes, affinity_of, assigned
 from tacos_plugins.executors.on_ray.actor import EvaluatorActor
 from tacos_plugins.executors.on_ray.cluster import Cluster, Needs
 from tacos_plugins.executors.outcomes import Lost
@@ -45,6 +45,8 @@ class _Member:
     task: _Task | None = None
     deadline: float = float("inf")
     at_hand: set[Affinity] = field(default_factory=set)
+    makes: bool = False
+    began_s: float = 0.0
 
 
 class ActorPool:
@@ -97,6 +99,7 @@ class ActorPool:
         )
         self._payload_ref = self._ray.put(payload)  # once a node, whatever the number of workers
         self._members: list[_Member] = []
+        self._times = JobTimes()
         self._failed_starts = 0
         self._round = 0
         self._closed = False
@@ -133,13 +136,15 @@ class ActorPool:
         idle = [each for each in self._members if each.ready and each.owes is None]
         wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
         busy = {each for other in self._members if other not in idle for each in other.at_hand}
-        given = assigned(wanted, [each.at_hand for each in idle], busy)
+        given = assigned(wanted, [each.at_hand for each in idle], busy, self._times.cost_of_making)
         for each, task in [(idle[number], waiting[place]) for number, place in given.items()]:
             waiting.remove(task)
             each.task = task
-            each.at_hand.add(affinity_of(jobs[task.index]))
+            needs = affinity_of(jobs[task.index])
+            each.makes, each.began_s = needs not in each.at_hand, time.monotonic()
+            each.at_hand.add(needs)
             each.owes = each.actor.answer.remote(bytes(ForkingPickler.dumps(jobs[task.index])))
-            each.deadline = float("inf") if self._job_s is None else time.monotonic() + self._job_s
+            each.deadline = float("inf") if self._job_s is None else each.began_s + self._job_s
         starting = sum(not each.ready for each in self._members)
         for _ in range(min(self._most - len(self._members), len(waiting) - starting)):
             actor = self._actor_class.remote(self._payload_ref, self._threads)
@@ -174,7 +179,9 @@ class ActorPool:
         task, each.task, each.owes, each.deadline = each.task, None, None, float("inf")
         if task is None:
             each.ready, self._failed_starts = True, 0
-        elif task.round == self._round:
+            return
+        self._times.saw(time.monotonic() - each.began_s, made=each.makes)
+        if task.round == self._round:
             done[task.index] = ForkingPickler.loads(message)
 
     def _replace(

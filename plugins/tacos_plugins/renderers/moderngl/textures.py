@@ -43,7 +43,7 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
         coarser = pyramid(linear_from_srgb(image))[1:]
-        return [cv2.LUT(image, encoded), *map(_square_roots, coarser)]
+        return [encoded[image], *map(_square_roots, coarser)]
 
     return _stack(context, np.full((1, 1, 3), 255, np.uint8), images, levels)
 
@@ -89,7 +89,7 @@ def pyramid(image: NDArray[np.float32]) -> list[NDArray[np.float32]]:
     levels = [image]
     while (edge := len(levels[-1]) // 2) >= 1:
         half = cv2.resize(levels[-1], (edge, edge), interpolation=cv2.INTER_AREA)
-        levels.append(half.reshape(edge, edge, -1))
+        levels.append(half.astype(np.float32, copy=False).reshape(edge, edge, -1))
     return levels
 
 
