@@ -15,7 +15,8 @@ import tempfile
 from pathlib import Path
 
 from tacos_framework import run
-from tacos_framework.recipe import Recipe, read_recipe
+from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.loading import read_any_recipe
 
 QUICK = Path(__file__).parents[1] / "recipes" / "headset_quick.yaml"
 
@@ -31,7 +32,7 @@ def main() -> None:
         "optimizer.generations": arguments.generations,
         "rig.binning": arguments.binning,
     }
-    recipe, faults = read_recipe(QUICK, sets=sets)
+    recipe, faults = read_any_recipe(QUICK, sets=sets)
     assert not faults, faults
     recipe = Recipe.model_validate({**recipe.as_data(), "compare": None})
     with tempfile.TemporaryDirectory() as folder:

@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework import run
-from tacos_framework.recipe import Recipe, read_recipe
+from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.loading import read_any_recipe
 
 QUICK = Path(__file__).parents[1] / "recipes" / "headset_quick.yaml"
 FRAMES = 160
@@ -34,7 +35,7 @@ RACE: Mapping[str, Any] = {"standard_errors": 2.0, "min_blocks": 3}
 
 def recipe(seed: int, race: Mapping[str, Any] | None, sets: Mapping[str, Any]) -> Recipe:
     """The quick study with longer walks, cut into blocks, without cameras off the shelf."""
-    read, faults = read_recipe(QUICK, sets={"seed": seed, **SETS, **sets})
+    read, faults = read_any_recipe(QUICK, sets={"seed": seed, **SETS, **sets})
     assert not faults, faults
     study = {**read.study.model_dump(), "race": race}
     return Recipe.model_validate({**read.as_data(), "compare": None, "study": study})

@@ -138,13 +138,3 @@ class Objective:
     name: str
     unit: str
     aim: Literal["max", "min"]
-
-    def value(
-        self,
-        values: Mapping[str, Any],
-        derived: Mapping[str, float],
-        scores: Mapping[str, float] | None = None,
-    ) -> float | None:
-        """What a candidate has of it; None where it is unknown. Parameters are those of :func:`quantity`."""
-        found = quantity(self.name, values, derived, scores)
-        return None if found is None or isinstance(found, str) else float(found)

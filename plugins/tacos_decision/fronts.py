@@ -20,6 +20,7 @@ from tacos_decision.model import CameraModel, interval
 from tacos_decision.pool import Pool, camera_at, joined, part_names
 from tacos_framework.cache import content_key
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.quantities import quantity
 from tacos_framework.study.record import Values
 
 Array = NDArray[np.float64]
@@ -152,8 +153,8 @@ def _values(model: CameraModel, cameras: Sequence[Values]) -> Array:
     for i, camera in enumerate(cameras):
         derived = model.record.derived(camera)
         means = {name: float(values[i]) for name, values in scores.items()}
-        found = [objective.value(camera, derived, means) for objective in model.record.objectives]
-        rows.append([math.nan if value is None else value for value in found])
+        found = [quantity(objective.name, camera, derived, means) for objective in model.record.objectives]
+        rows.append([math.nan if value is None or isinstance(value, str) else value for value in found])
     return np.array(rows)
 
 

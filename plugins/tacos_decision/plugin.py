@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from tacos_framework.hookspecs import hookimpl
 
+log = logging.getLogger(__name__)
+
 
 @hookimpl
 def tacos_analyse_study(record: Any) -> Mapping[str, Any]:
-    """Rank every part, find the equals and what matters: see `tacos_decision.analysis`."""
-    from tacos_decision.analysis import analyse
+    """The verdict on the test scenes; all parts ranked, the equals and what matters.
 
-    return analyse(record)
+    An analysis that raises costs no verdict.
+    """
+    from tacos_decision.analysis import analyse
+    from tacos_decision.verdict import verdict
+    from tacos_framework.plugins.failures import in_words, tried
+
+    found, error = tried(partial(analyse, record))
+    if error is not None:
+        log.warning("no camera is ranked", exc_info=error)
+        found = {"ranking_absent": f"No camera can be ranked, as the analysis raised {in_words(error)}."}
+    return {**verdict(record), **(found or {})}

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.formation import physical_settings_of
 from tacos_framework.settings import Settings, unit_of
 from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures import RealCapture
 from tacos_gap.findings import Cause, Parameter, Physical, as_fine_as, short
+from tacos_gap.physical_settings import physical_settings_of
 from tacos_gap.sensing import sensor_at
 
 HEAD = "# Effects that close the gap; add them to a recipe: tacos-run RECIPE --with patched.yaml\n"

@@ -5,7 +5,15 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from tacos_framework.components import Command
 from tacos_framework.hookspecs import hookimpl
+from tacos_report.commands import commands
+
+
+@hookimpl
+def tacos_commands() -> list[Command]:
+    """``tacos report``."""
+    return commands()
 
 
 @hookimpl

@@ -56,18 +56,6 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
 
 
-def linear_from_srgb(code: ArrayLike) -> NDArray[np.float64]:
-    """Undo :func:`srgb_from_linear`.
-
-    Examples
-    --------
-    >>> linear_from_srgb([0.0, 0.5, 1.0]).round(4).tolist()
-    [0.0, 0.214, 1.0]
-    """
-    encoded = np.clip(np.asarray(code, dtype=np.float64), 0.0, 1.0)
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-
-
 def display_image(
     image_dn: NDArray[np.generic], black_level_dn: float, white_level_dn: float
 ) -> NDArray[np.uint8]:

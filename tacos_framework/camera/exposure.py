@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 
 def gain_factor(gain_db: float) -> float:
     """Gain as a factor on the signal; 20 dB is a factor of 10 [1].
@@ -17,30 +14,6 @@ def gain_factor(gain_db: float) -> float:
     10.0
     """
     return 10 ** (gain_db / 20)
-
-
-def lambertian_luminance(illuminance_lux: ArrayLike, reflectance: ArrayLike) -> NDArray[np.float64]:
-    """Luminance of a matte surface, the same from every side.
-
-    Parameters
-    ----------
-    illuminance_lux
-        Light that falls on the surface [lux].
-    reflectance
-        Share of it that the surface returns, 0..1 [1].
-
-    Returns
-    -------
-    NDArray
-        Luminance [cd/m2].
-
-    Examples
-    --------
-    >>> lambertian_luminance(20.0, 0.8).round(3).item()  # a white wall in a dim room
-    5.093
-    """
-    light = np.asarray(illuminance_lux, dtype=np.float64) * np.asarray(reflectance, dtype=np.float64)
-    return np.asarray(light / math.pi)
 
 
 def exposure_per_luminance(time_s: float, f_number: float) -> float:
@@ -68,7 +41,7 @@ def exposure_per_luminance(time_s: float, f_number: float) -> float:
 
     Examples
     --------
-    >>> luminance = lambertian_luminance(20.0, 0.8).item()
+    >>> luminance = 20.0 * 0.8 / math.pi  # of a matte white wall that 20 lux fall on
     >>> round(luminance * exposure_per_luminance(time_s=0.030, f_number=2.0), 6)
     0.03
     """

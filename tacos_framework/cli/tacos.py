@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tacos_framework.cli.exits import DONE, exit_status
@@ -21,8 +20,6 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
-    report = commands.add_parser("report", help="write the report of a study anew")
-    report.add_argument("folder", metavar="DIR", type=Path, help="results folder of a run")
     for command in plugins.commands(taken=tuple(commands.choices)):
         try:
             command.add_arguments(argparse.ArgumentParser())  # in vain, as a parser once added stays
@@ -41,7 +38,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     own: dict[str, Callable[[argparse.Namespace], int]] = {
         "plugins": lambda arguments: _plugins(plugins),
         "doctor": lambda arguments: _doctor(plugins),
-        "report": lambda arguments: _report(arguments.folder, plugins),
     }
     commands = {command.name: command.run for command in plugins.commands()} | own
     return exit_status(lambda: commands[arguments.command](arguments))
@@ -96,20 +92,3 @@ def _torch() -> EnvironmentFinding:
     return EnvironmentFinding(
         "torch", f"{torch.__version__}, {'cuda' if torch.cuda.is_available() else 'cpu'}"
     )
-
-
-def _report(folder: Path, plugins: Plugins) -> int:
-    from tacos_framework.errors import Fault, UserError
-
-    if not (folder / "result.json").is_file():
-        raise UserError(Fault(str(folder), "there is no result.json", "the results folder of a run"))
-    written, failures = plugins.write_reports(folder)
-    for path in written:
-        print(path)
-    for failure in failures:
-        assert failure.error is not None
-        raise failure.error
-    if not written:
-        remedy = "A procedure writes its report as it runs; `tacos plugins` lists what is broken."
-        raise UserError(Fault(str(folder), "no plugin reports on it", "results of a study", remedy))
-    return DONE

@@ -21,7 +21,7 @@ from tacos_framework.formation.arrays import SensorAt, form_files
 from tacos_framework.formation.chain import EffectChain
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.image_formation import ImageFormation
-from tacos_framework.formation.image_units import in_image_units, physical_settings_of
+from tacos_framework.formation.image_units import in_image_units
 from tacos_framework.formation.placed import PlacedEffect, PlacedSensor
 
 __all__ = [
@@ -33,5 +33,4 @@ __all__ = [
     "SensorAt",
     "form_files",
     "in_image_units",
-    "physical_settings_of",
 ]

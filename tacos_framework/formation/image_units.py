@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -95,35 +94,3 @@ def _of_photosites(kind: type[Settings]) -> tuple[str, ...]:
         if unit_of(kind, name) in LENGTH_UNITS or averaging_of(kind, name)
         if field.annotation in (float, int, float | None)
     )
-
-
-def physical_settings_of(
-    kind: type[Settings], values: Mapping[str, Any], geometry: ImageGeometry, context: ImageContext
-) -> dict[str, tuple[str, float]]:
-    """Settings in pixels and digital numbers of a camera's photosites, in physical units.
-
-    Parameters
-    ----------
-    kind
-        Settings of an effect.
-    values
-        Those given.
-    geometry, context
-        The camera they were found with.
-
-    Returns
-    -------
-    dict
-        Setting -> physical setting and its value, where there is one and the camera is known well enough.
-    """
-    found = {}
-    for name, image_name in physical_settings(kind).items():
-        value = values.get(image_name)
-        if not isinstance(value, int | float):
-            continue
-        unit = unit_of(kind, name)
-        per = image_units_per(unit, unit_of(kind, image_name), geometry=geometry, context=context)
-        if per:
-            pedestal = context.black_level_dn if includes_pedestal(kind, image_name) else 0.0
-            found[image_name] = (name, (value - pedestal) / per)
-    return found

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from tacos_framework.catalog import OffTheShelf
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.plan import Plan
@@ -91,8 +90,7 @@ def infeasible(
 def derived_of(plan: Plan, values: Mapping[str, Any]) -> Mapping[str, float] | None:
     """What the rig derives from plain values; None where it refuses them."""
     try:
-        with plan.rig.calling("derived"):
-            return dict(plan.rig.instance.derived(plan.rig_variables(values)))
+        return plan.derived(values)
     except (ValidationError, CandidateFailed):
         return None
 
@@ -125,11 +123,6 @@ def _nearest(seen: Sequence[tuple[tuple[float, ...], dict[str, Breach]]]) -> tup
         for name, breach in broken.items():
             largest[name] = max(largest.get(name, 0.0), breach.amount)
     return min(seen, key=lambda one: math.fsum(b.amount / largest[n] for n, b in one[1].items()))
-
-
-def product_infeasible(plan: Plan, camera: OffTheShelf) -> Infeasible | None:
-    """Why an off-the-shelf camera keeps no constraint, however what it leaves free is chosen."""
-    return infeasible(plan, plan.free_of(camera), camera.fixes)
 
 
 def check_feasible(findings: RecipeFindings, plan: Plan) -> None:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_framework.plan.feasibility import derived_of, product_infeasible
+from tacos_framework.plan.feasibility import derived_of, infeasible
 from tacos_framework.plan.plan import Plan
-from tacos_framework.quantities import quantity
 from tacos_framework.variables.design_space import CatalogChoice
 
 NAMED = 10
@@ -29,7 +28,7 @@ def notes_on_constraints(plan: Plan) -> Iterator[str]:
 
 def inadmissible(plan: Plan) -> dict[str, str]:
     """Products that break a constraint however what they leave free is chosen: name and why."""
-    found = {camera.name: product_infeasible(plan, camera) for camera in plan.cameras}
+    found = {camera.name: infeasible(plan, plan.free_of(camera), camera.fixes) for camera in plan.cameras}
     return {name: broken.sentence for name, broken in found.items() if broken is not None}
 
 
@@ -59,12 +58,9 @@ def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:
         if not isinstance(variable, CatalogChoice):
             continue
         candidates = [{**middle, variable.name: row.as_dict()} for row in variable.rows]
-        derived = [derived_of(plan, each) or {} for each in candidates]
+        unknown = [plan.unknown(each, derived_of(plan, each) or {}) for each in candidates]
         for constraint in plan.constraints:
-            values = [
-                quantity(constraint.quantity, each, own)
-                for each, own in zip(candidates, derived, strict=True)
-            ]
-            names = tuple(r.name for r, v in zip(variable.rows, values, strict=True) if v is None)
-            if 0 < len(names) < len(values) and constraint.unknown == "allow":
+            known = zip(variable.rows, unknown, strict=True)
+            names = tuple(row.name for row, missing in known if constraint.quantity in missing)
+            if 0 < len(names) < len(candidates) and constraint.unknown == "allow":
                 yield constraint.quantity, variable.name, names

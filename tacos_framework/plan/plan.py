@@ -105,6 +105,12 @@ class Plan:
         values = {**self._still_fixed(values), **values}
         return tuple(c.quantity for c in self.constraints if quantity(c.quantity, values, derived) is None)
 
+    def derived(self, values: Mapping[str, Any]) -> dict[str, float]:
+        """What the rig derives from plain values of the design variables; raises as `rig_variables` does."""
+        variables = self.rig_variables(values)
+        with self.rig.calling("derived"):
+            return dict(self.rig.instance.derived(variables))
+
     def _widest_aperture(self, values: Mapping[str, Any]) -> tuple[Constraint, ...]:
         """A lens must open as far as every scenario says, designed f-numbers among them."""
         everywhere = values.get("scenario.f_number")

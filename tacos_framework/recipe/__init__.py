@@ -34,7 +34,6 @@ from tacos_framework.recipe.recipe import (
     Use,
     Weighted,
     parse_recipe,
-    read_recipe,
 )
 
 __all__ = [
@@ -62,5 +61,4 @@ __all__ = [
     "load_recipe",
     "parse_recipe",
     "read_any_recipe",
-    "read_recipe",
 ]

@@ -38,7 +38,27 @@ def read_any_recipe(
     sets: Mapping[str, Any] | None = None,
     effects: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
-    """The recipe of a study or of a procedure, and the faults of its form; see `read_recipe`."""
+    """Read the recipe of a study or of a procedure.
+
+    Parameters
+    ----------
+    name
+        Path of the file, or name of a shipped recipe.
+    sets
+        Dotted keys and the values to put there (``--set``).
+    effects
+        Effects to add (``--with``).
+
+    Returns
+    -------
+    The recipe, and the faults of its form. Where there are faults the recipe holds what could be
+    understood, so that further checks can find further faults; it must not be run.
+
+    Raises
+    ------
+    UserError
+        When there is no such file, or it cannot be read as YAML at all.
+    """
     document = read_yaml_draft(find_recipe(name))
     read = procedure_from if is_procedure(document) else recipe_from
     return read(document, sets or {}, effects)

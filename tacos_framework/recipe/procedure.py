@@ -90,7 +90,7 @@ def is_procedure(document: Document) -> bool:
 def procedure_from(
     document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
 ) -> tuple[ProcedureRecipe, list[Fault]]:
-    """A procedure's recipe from its document, and the faults of its form; see `read_recipe`."""
+    """A procedure's recipe from its document, and the faults of its form; see `parse_recipe`."""
     document, faults = with_overrides(document, sets, effects)
     faults += document.faults
     data = dict(document.data)

@@ -300,7 +300,7 @@ class Test(Settings):
 class Recipe(Settings):
     """What to design, how to simulate it, and what to score it by.
 
-    Built from YAML by `read_recipe` or in Python with keyword arguments; both are equal in power.
+    Built from YAML by `load_recipe` or in Python with keyword arguments; both are equal in power.
     """
 
     model_config = ConfigDict(populate_by_name=True)
@@ -390,49 +390,19 @@ class Recipe(Settings):
         return Path(name).parent if name and Path(name).is_file() else None
 
     def as_data(self) -> dict[str, Any]:
-        """The recipe as plain data, every default filled in; `read_recipe` of it gives an equal recipe."""
+        """The recipe as plain data, every default filled in; `parse_recipe` of it gives an equal recipe."""
         return self.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 
-def read_recipe(
-    source: str | Path,
-    *,
-    sets: Mapping[str, Any] | None = None,
-    effects: Sequence[Mapping[str, Any]] = (),
-) -> tuple[Recipe, list[Fault]]:
-    """Read a recipe from a file.
-
-    Parameters
-    ----------
-    source
-        Path of the file.
-    sets
-        Dotted keys and the values to put there (``--set``).
-    effects
-        Effects to add (``--with``).
-
-    Returns
-    -------
-    The recipe, and the faults of its form. Where there are faults the recipe holds what could be
-    understood, so that further checks can find further faults; it must not be run.
-
-    Raises
-    ------
-    UserError
-        When the file cannot be read as YAML at all.
-    """
-    return recipe_from(read_yaml_draft(Path(source)), sets or {}, effects)
-
-
 def parse_recipe(text: str, *, name: str = "recipe") -> tuple[Recipe, list[Fault]]:
-    """As `read_recipe`, from text."""
+    """A recipe from text, and the faults of its form; see `read_any_recipe`."""
     return recipe_from(read_yaml_draft(text, name=name), {}, ())
 
 
 def recipe_from(
     document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
 ) -> tuple[Recipe, list[Fault]]:
-    """As `read_recipe`, from a YAML document."""
+    """As `parse_recipe`, from a YAML document."""
     data = document.data
     if not isinstance(data, dict):
         form = Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")

@@ -11,13 +11,15 @@ from tacos_framework.simulation import Evaluation
 from tacos_framework.study.problem import broken_by, coordinates_of, design_problem
 from tacos_framework.study.record import ScoredEpisode, StudiedCamera, StudyRecord, Values
 from tacos_framework.study.search import Search
+from tacos_framework.study.unseen_test import UnseenTest
 
 
 def make_record(
     plan: Plan,
     searches: Sequence[Search],
     lines: Iterable[Mapping[str, Any]],
-    test: Mapping[str, Evaluation],
+    test: UnseenTest | None,
+    failed: Mapping[str, str],
     score: Callable[[Sequence[Values], int], list[Evaluation]],
     degenerate: str | None,
 ) -> StudyRecord:
@@ -32,7 +34,9 @@ def make_record(
     lines
         The generations of all searches, as the results folder has them.
     test
-        Evaluations on the test scenes, by name of the camera.
+        What came out on the test scenes; None where the recipe has none.
+    failed
+        Cameras of which no candidate could be scored, and why in a sentence.
     score
         Scores plain values on so many fresh episodes.
     degenerate
@@ -42,13 +46,17 @@ def make_record(
     titles = {camera.name: camera.title for camera in plan.cameras}
     renew = plan.recipe.study.renew_episodes == "each_generation"
 
-    def derived(values: Values) -> Mapping[str, float]:
-        return dict(plan.rig.instance.derived(plan.rig_variables(values)))
-
     def score_episodes(cameras: Sequence[Values], count: int) -> list[list[ScoredEpisode]]:
         found = score(cameras, count)
         return [list(_of_evaluation(each, "analysis", "analysis", designed.generation)) for each in found]
 
+    episodes = list(_of_lines(lines, renew))
+    for search in searches:
+        for final in search.finalists:
+            name = f"final/{search.generation if renew else 0}"
+            episodes += _of_evaluation(final, name, "final", search.generation)
+    for tested in test.scored.values() if test else ():
+        episodes += _of_evaluation(tested, "test", "test", designed.generation)
     return StudyRecord(
         recipe=plan.recipe,
         space=plan.space,
@@ -63,27 +71,14 @@ def make_record(
             )
             for search in searches
         ),
-        episodes=(
-            *_of_lines(lines, renew),
-            *(
-                episode
-                for search in searches
-                for final in search.finalists
-                for episode in _of_evaluation(
-                    final, f"final/{search.generation if renew else 0}", "final", search.generation
-                )
-            ),
-            *(
-                episode
-                for evaluation in test.values()
-                for episode in _of_evaluation(evaluation, "test", "test", designed.generation)
-            ),
-        ),
-        derived=derived,
+        episodes=tuple(episodes),
+        derived=plan.derived,
         coordinates=partial(coordinates_of, plan),
         broken=partial(broken_by, plan),
-        unknown=lambda values: plan.unknown(values, derived(values)),
+        unknown=lambda values: plan.unknown(values, plan.derived(values)),
         score=score_episodes,
+        comparisons=test.comparisons if test else {},
+        failed={**failed, **(test.failed if test else {})},
         degenerate=degenerate,
         objectives=plan.objectives,
     )

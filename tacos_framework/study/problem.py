@@ -69,14 +69,12 @@ def coordinates_of(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
         When the rig gives what is no number.
     """
     own, others = _split(plan, values)
-    variables = plan.rig_variables(values)
-    rig = plan.rig.instance
-    if callable(declared := getattr(rig, "coordinates", None)):
+    if callable(declared := getattr(plan.rig.instance, "coordinates", None)):
+        variables = plan.rig_variables(values)
         with plan.rig.calling("coordinates"):
             found = _numbers(plan, declared(variables))
     else:
-        with plan.rig.calling("derived"):
-            found = _numbers(plan, rig.derived(variables))
+        found = _numbers(plan, plan.derived(values))
         found |= {name: value for each in own for name, value in _as_numbers(plan, each, values[each])}
     return found | {name: value for each in others for name, value in _as_numbers(plan, each, values[each])}
 
@@ -92,12 +90,9 @@ def broken_by(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
         Plain values of all design variables.
     """
     try:
-        variables = plan.rig_variables(values)
+        derived = plan.derived(values)
     except ValidationError:
         return dict(REFUSED)
-    try:
-        with plan.rig.calling("derived"):
-            derived = dict(plan.rig.instance.derived(variables))
     except Exception:  # noqa: BLE001 - a defect of the rig: the candidate's evaluation says so, if it is asked
         return {}
     return plan.broken(values, derived)

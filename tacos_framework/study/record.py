@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tacos_framework.contracts import DesignProblem, Scores
 from tacos_framework.quantities import Objective
 from tacos_framework.recipe import Recipe
+from tacos_framework.study.sequential import PairedInterval
 from tacos_framework.variables.design_space import DesignSpace
 
 Values = Mapping[str, Any]
@@ -83,6 +84,10 @@ class StudyRecord:
     score
         Score further cameras in as many fresh episodes, the same for all; they are rendered now and count.
         Gives the scores of each camera's episodes, none for one that fails.
+    comparisons
+        What the test scenes tell of the designed camera less each product that was scored on them, by name.
+    failed
+        Cameras without a score, and why in a sentence.
     degenerate
         Why no winner may be named, in a sentence; None where one may.
     objectives
@@ -100,6 +105,8 @@ class StudyRecord:
     broken: Callable[[Values], Mapping[str, float]]
     unknown: Callable[[Values], tuple[str, ...]]
     score: Callable[[Sequence[Values], int], list[list[ScoredEpisode]]]
+    comparisons: Mapping[str, PairedInterval] = field(default_factory=dict)
+    failed: Mapping[str, str] = field(default_factory=dict)
     degenerate: str | None = None
     objectives: tuple[Objective, ...] = ()
 

@@ -25,6 +25,21 @@ MOST_BROKEN_IN_A_ROW = 1000
 """After so many candidates in a row that break a constraint, no more are asked for."""
 
 
+_PLAIN_STATE = (
+    "generation",
+    "n_observed",
+    "evaluations",
+    "images",
+    "stopped",
+    "partly_scored",
+    "broken_in_a_row",
+    "last_failure",
+    "finalists_rescored",
+    "trained_best",
+)
+"""Fields of a search that a checkpoint has as they are."""
+
+
 @dataclass(frozen=True)
 class CandidateStats:
     """What is remembered of a candidate over all generations it took part in."""
@@ -362,17 +377,8 @@ class Search:
     def state(self) -> dict[str, Any]:
         """All that is needed to go on, as JSON values; states of tasks are kept apart."""
         return {
-            "generation": self.generation,
-            "n_observed": self.n_observed,
-            "evaluations": self.evaluations,
-            "images": self.images,
-            "stopped": self.stopped,
-            "partly_scored": self.partly_scored,
-            "broken_in_a_row": self.broken_in_a_row,
-            "last_failure": self.last_failure,
-            "finalists_rescored": self.finalists_rescored,
+            **{name: getattr(self, name) for name in _PLAIN_STATE},
             "finalists": [as_data(evaluation) for evaluation in self.finalists],
-            "trained_best": self.trained_best,
             "best": self.best and as_data(self.best),
             "failing": asdict(self.failing),
             "candidate_stats": {key: asdict(stats) for key, stats in self.candidate_stats.items()},
@@ -382,17 +388,9 @@ class Search:
 
     def restore(self, state: Mapping[str, Any], states: dict[str, State]) -> None:
         """Go on from a `state`."""
-        self.generation = state["generation"]
-        self.n_observed = state["n_observed"]
-        self.evaluations = state["evaluations"]
-        self.images = state["images"]
-        self.stopped = state["stopped"]
-        self.partly_scored = state["partly_scored"]
-        self.broken_in_a_row = state["broken_in_a_row"]
-        self.last_failure = state["last_failure"]
-        self.finalists_rescored = state["finalists_rescored"]
+        for name in _PLAIN_STATE:
+            setattr(self, name, state[name])
         self.finalists = [Evaluation(**evaluation) for evaluation in state["finalists"]]
-        self.trained_best = state["trained_best"]
         self.best = Evaluation(**state["best"]) if state["best"] else None
         self.candidate_stats = {
             key: CandidateStats(**stats) for key, stats in state["candidate_stats"].items()

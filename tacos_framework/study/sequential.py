@@ -57,12 +57,15 @@ class PairedInterval:
     verdict
         ``better`` or ``worse`` where the interval leaves out zero, ``equivalent`` where all of it lies
         within the margin, which comes first: what does not matter is no advantage.
+    margin
+        Differences up to this do not matter [fitness].
     """
 
     difference: float
     interval: tuple[float, float] | None
     episodes: int
     verdict: Verdict
+    margin: float = 0.0
 
 
 def looks(first: int, most: int) -> tuple[int, ...]:
@@ -113,7 +116,7 @@ def compared(
             verdict = "equivalent"
         elif low > 0 or high < 0:
             verdict = "better" if low > 0 else "worse"
-    return PairedInterval(mean, interval, len(seen), verdict)
+    return PairedInterval(mean, interval, len(seen), verdict, margin)
 
 
 def confidence_interval(values: NDArray[np.float64], error: float) -> tuple[float, float] | None:

@@ -25,7 +25,7 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
 from tacos_framework.study.analysis import make_record
-from tacos_framework.study.decision import decision, degenerate
+from tacos_framework.study.degenerate import degenerate
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress, Silent
 from tacos_framework.study.records import candidate_record
@@ -257,7 +257,8 @@ class Study:
             self.plan,
             self.searches,
             lines,
-            self._test.scored if self._test else {},
+            self._test,
+            self._failed(),
             self._score_again,
             degenerate(self.searches[0], self.plan.recipe),
         )
@@ -348,7 +349,7 @@ class Study:
                 name: {**evaluation.scores, "fitness": evaluation.fitness}
                 for name, evaluation in tested.items()
             },
-            **self._decision(),
+            **self._no_winner(),
             "cameras": {
                 s.name: self._camera(s, tested.get(s.name)) for s in self.searches if s.best is not None
             },
@@ -382,13 +383,12 @@ class Study:
         self._observers.tell("tacos_study_finished", result=result)
         return result
 
-    def _decision(self) -> dict[str, Any]:
-        """What the study claims, and why where it claims nothing."""
-        reason = degenerate(self.searches[0], self.plan.recipe) if not self.broken_off else None
-        titles = {camera.name: camera.title for camera in self.plan.cameras}
-        why = f"The study has not ended: {self.broken_off}." if self.broken_off else reason
-        decided = decision(self.plan.recipe, self._test, titles, self._failed(), why)
-        return {**decided, **({"degenerate": reason} if reason else {})}
+    def _no_winner(self) -> dict[str, str]:
+        """Why the study names no winner, whatever the analyses of plugins say."""
+        if self.broken_off:
+            return {"decision_absent": f"The study has not ended: {self.broken_off}."}
+        reason = degenerate(self.searches[0], self.plan.recipe)
+        return {"degenerate": reason} if reason else {}
 
     def _camera(self, search: Search, test: Evaluation | None) -> dict[str, Any]:
         assert search.best is not None

@@ -94,6 +94,11 @@ class UnseenTest:
         return {name: found for name, found in self.evaluations.items() if found.fitness is not None}
 
     @property
+    def failed(self) -> dict[str, str]:
+        """The cameras that did, and why in a sentence."""
+        return {name: found.failed for name, found in self.evaluations.items() if found.failed}
+
+    @property
     def comparisons(self) -> dict[str, PairedInterval]:
         """The designed camera less each other that was scored, by name; empty without a designed one."""
         scored = self.scored

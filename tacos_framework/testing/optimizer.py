@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
+import pytest
 
 from tacos_framework.contracts import Asked, DesignProblem, Evaluated
 from tacos_framework.fitness import Fitness, FitnessTerm, standard_errors
@@ -23,6 +23,15 @@ EPISODES, FRAMES = 3, 8
 
 RECOMMENDED = 3
 """Candidates that are to be recommended."""
+
+
+UNUSUAL: dict[str, dict[str, Any]] = {
+    "that it fails": {"fitness": None, "failed": "it cannot be judged"},
+    "that it breaks a constraint": {"fitness": None, "failed": "too wide", "broken": {"hfov_deg": 3.0}},
+    "the same fitness": {"fitness": 0.0, "episodes": {i: {"task.score": 0.0} for i in range(EPISODES)}},
+    "that no episode gives the score": {"fitness": None, "failed": "no score", "episodes": {0: {}}},
+}
+"""What an optimizer may be told of every candidate there is."""
 
 
 class OptimizerConformance(ComponentConformance):
@@ -169,20 +178,15 @@ class OptimizerConformance(ComponentConformance):
         asked = sum(len(keys) for keys in self.rounds(optimizer))
         assert asked <= expected, f"{asked} candidates were asked, {expected} expected"
 
-    def test_it_goes_on_when_every_candidate_fails(self) -> None:
-        self._goes_on(lambda candidate: Evaluated(candidate, None, failed="it cannot be judged"))
-
-    def test_it_goes_on_when_every_candidate_breaks_a_constraint(self) -> None:
-        said = "hfov_deg is 93, above the largest allowed value 90"
-        self._goes_on(lambda candidate: Evaluated(candidate, None, failed=said, broken={"hfov_deg": 3.0}))
-
-    def test_it_goes_on_when_all_candidates_are_worth_the_same(self) -> None:
-        same = {number: {"task.score": 0.0} for number in range(EPISODES)}
-        self._goes_on(lambda candidate: Evaluated(candidate, 0.0, episodes=same))
-
-    def test_it_goes_on_when_no_episode_gives_the_score(self) -> None:
-        empty: dict[int, dict[str, float]] = {0: {}}
-        self._goes_on(lambda candidate: Evaluated(candidate, None, failed="no score", episodes=empty))
+    @pytest.mark.parametrize("told", UNUSUAL, ids=list(UNUSUAL))
+    def test_it_goes_on_when_it_is_told_of_every_candidate(self, told: str) -> None:
+        optimizer = self.make()
+        for _ in range(3):
+            if optimizer.stop() is not None:
+                break
+            asked = optimizer.ask()
+            assert asked
+            optimizer.tell([Evaluated(_parts(each)[0], **UNUSUAL[told]) for each in asked])
 
     def test_it_takes_what_it_is_told_as_it_is(self) -> None:
         optimizer = self.make()
@@ -216,16 +220,6 @@ class OptimizerConformance(ComponentConformance):
             assert asked == [_name(each) for each in self.round(asking)], (
                 "it asks for others once it recommends"
             )
-
-    def _goes_on(self, result: Callable[[Candidate], Evaluated]) -> None:
-        """It asks on, whatever it is told."""
-        optimizer = self.make()
-        for _ in range(3):
-            if optimizer.stop() is not None:
-                break
-            asked = optimizer.ask()
-            assert asked
-            optimizer.tell([result(_parts(each)[0]) for each in asked])
 
 
 def _parts(asked: Candidate | Asked) -> tuple[Candidate, tuple[int, ...] | None]:

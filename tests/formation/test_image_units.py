@@ -9,9 +9,10 @@ from pydantic import ValidationError
 
 from tacos_framework.camera.units import image_units_per
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.formation import in_image_units, physical_settings_of
+from tacos_framework.formation import in_image_units
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_gap.physical_settings import physical_settings_of
 
 
 class Config(Settings):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.quantities import Breach, Constraint, Objective, quantity
+from tacos_framework.quantities import Breach, Constraint, quantity
 
 CAMERA = {
     "focal_length_mm": 3.6,
@@ -115,7 +115,6 @@ def test_a_constraint_without_a_recipe_says_why_it_is_there() -> None:
     assert breach.sentence.endswith("below the smallest allowed value 0 (light must fall on it)")
 
 
-def test_an_objective_has_a_number_or_none() -> None:
-    assert Objective("sensor.power_w", "W", "min").value(CAMERA, DERIVED) == 2.5
-    assert Objective("sensor.mass_g", "g", "min").value(CAMERA, DERIVED) is None
-    assert Objective("fitness", "1", "max").value(CAMERA, DERIVED, {"fitness": 1.25}) == 1.25
+def test_a_score_is_a_quantity_of_a_camera_that_was_scored() -> None:
+    assert quantity("fitness", CAMERA, DERIVED, {"fitness": 1.25}) == 1.25
+    assert quantity("fitness", CAMERA, DERIVED) is None

@@ -184,14 +184,14 @@ def test_python_recipes_get_dotted_places(toys):
 
 def test_relative_paths_start_from_the_folder_of_the_recipe(toys, tmp_path, monkeypatch):
     from tacos_framework.packaged_resources import shipped_folder
-    from tacos_framework.recipe import read_recipe
+    from tacos_framework.recipe.loading import read_any_recipe
 
     (tmp_path / "mine").mkdir()
     shipped = shipped_folder("catalogs") / "noise" / "flea3_imx172.yaml"
     (tmp_path / "mine" / "own.yaml").write_text(shipped.read_text())
     (tmp_path / "mine" / "r.yaml").write_text(RIGHT.replace("flea3_imx172", "own.yaml"))
     monkeypatch.chdir(tmp_path)
-    recipe, faults = read_recipe(tmp_path / "mine" / "r.yaml")
+    recipe, faults = read_any_recipe(tmp_path / "mine" / "r.yaml")
     config = make_plan(recipe, toys, faults).nodes["frames"].config
     assert config.calibration == str(tmp_path / "mine" / "own.yaml")
 

@@ -14,7 +14,8 @@ from toy_study import FROM_CATALOG, merged
 from tacos_framework.cli import run_main
 from tacos_framework.errors import UserError
 from tacos_framework.plan import make_plan
-from tacos_framework.recipe import load_recipe, read_recipe
+from tacos_framework.recipe import load_recipe
+from tacos_framework.recipe.loading import read_any_recipe
 
 RECIPE = {
     **merged(
@@ -50,14 +51,14 @@ def changed(file, **sets):
 
 
 def faults_of(file, toys, sets):
-    recipe, faults = read_recipe(file, sets=sets)
+    recipe, faults = read_any_recipe(file, sets=sets)
     with pytest.raises(UserError) as caught:
         make_plan(recipe, toys, faults)
     return list(map(str, caught.value.faults))
 
 
 def test_the_recipe_itself_is_right(file, toys):
-    recipe, faults = read_recipe(file)
+    recipe, faults = read_any_recipe(file)
     assert make_plan(recipe, toys, faults).space.names[-1] == "scenario.exposure_ms"
 
 
@@ -65,7 +66,7 @@ def test_a_plain_value_fixes_a_variable_of_the_rig(file, toys):
     data = changed(file, design__baseline_m=0.15)
     assert "baseline_m" not in data["design"]
     assert data["rig"]["baseline_m"] == 0.15
-    recipe, faults = read_recipe(file, sets={"design.baseline_m": 0.15})
+    recipe, faults = read_any_recipe(file, sets={"design.baseline_m": 0.15})
     assert make_plan(recipe, toys, faults).fixed["baseline_m"] == 0.15
 
 
@@ -90,7 +91,7 @@ def test_an_effect_may_be_fixed_by_its_number(file):
 
 
 def test_the_setting_of_one_camera_has_no_other_place_and_stays_with_nothing_to_choose(file, toys):
-    recipe, faults = read_recipe(file, sets={"design.frames.left.sigma_dn": 1})
+    recipe, faults = read_any_recipe(file, sets={"design.frames.left.sigma_dn": 1})
     (variable,) = [
         v for v in make_plan(recipe, toys, faults).space.variables if v.name == "frames.left.sigma_dn"
     ]

@@ -83,9 +83,9 @@ RECIPE = {"nodes": {"width": {"fail_above_deg": 110}}, "study": {"renew_episodes
 
 
 @pytest.fixture(scope="module")
-def alone(toys, tmp_path_factory):
+def alone(tmp_path_factory):
     """The result of a study that nobody watches."""
-    return comparable(run(toy_recipe(**RECIPE), toys, tmp_path_factory.mktemp("alone")))
+    return comparable(run(toy_recipe(**RECIPE), observed(), tmp_path_factory.mktemp("alone")))
 
 
 def test_an_observer_is_told_of_each_step(tmp_path, alone):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import model_validator
 
-from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor, lambertian_luminance
+from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor
 from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
@@ -200,7 +201,8 @@ def assumed_responsivity(gain_db: float, bit_depth: int) -> float:
     >>> round(assumed_responsivity(15.0, 8), 1)  # that of flea3_imx172
     21081.9
     """
-    exposure_lux_s = lambertian_luminance(20.0, 0.8).item() * exposure_per_luminance(0.030, 2.0)
+    white_wall_cd_m2 = 20.0 * 0.8 / math.pi  # matte, lit by 20 lux
+    exposure_lux_s = white_wall_cd_m2 * exposure_per_luminance(0.030, 2.0)
     return WHITE_WALL_DN_SHARE * (2**bit_depth - 1) / (exposure_lux_s * gain_factor(5.0 - gain_db))
 
 

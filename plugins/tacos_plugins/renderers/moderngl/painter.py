@@ -10,13 +10,14 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import invert_pose, projection_matrix
+from tacos_framework.camera.geometry import invert_pose
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
 from tacos_plugins.renderers.moderngl.programs import compile_program
+from tacos_plugins.renderers.moderngl.projection import projection_matrix
 from tacos_plugins.renderers.moderngl.targets import RenderTarget
 
 _UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_boxes", "probes")

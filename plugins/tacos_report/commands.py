@@ -1,0 +1,38 @@
+"""``tacos report``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tacos_framework.cli.exits import DONE
+from tacos_framework.components import Command
+from tacos_framework.errors import Fault, UserError
+
+
+def commands() -> list[Command]:
+    """The commands; importing this is light."""
+    return [Command("report", "write the report of a study anew", _arguments, _report)]
+
+
+def _arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="DIR", type=Path, help="results folder of a run")
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    """Have all plugins report on a results folder."""
+    from tacos_framework.plugins import Plugins
+
+    folder = arguments.folder
+    if not (folder / "result.json").is_file():
+        raise UserError(Fault(str(folder), "there is no result.json", "the results folder of a run"))
+    written, failures = Plugins.discover().write_reports(folder)
+    for path in written:
+        print(path)
+    for failure in failures:
+        assert failure.error is not None
+        raise failure.error
+    if not written:
+        remedy = "A procedure writes its report as it runs; `tacos plugins` lists what is broken."
+        raise UserError(Fault(str(folder), "no plugin reports on it", "results of a study", remedy))
+    return DONE
