@@ -1,4 +1,4 @@
-"""How often the sequential test errs, looking after every scene: the table of docs/explanation/decision.md.
+"""How often the sequential test errs, looking after 8, 12, ... scenes: tables of docs/explanation/decision.md.
 
 Run it with ``python benchmarks/error_rates.py``; it takes a minute.
 """
@@ -8,9 +8,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import stdtrit
 
-from tacos_framework.study.sequential import confidence_interval
+from tacos_framework.study.sequential import confidence_interval, error_at, looks
 
 MOST, STUDIES, ERROR = 30, 4000, 0.05
+LOOKS, LONG = looks(8, MOST), looks(8, 60)
 RNG = np.random.default_rng(1)
 
 DIFFERENCES = {
@@ -33,17 +34,14 @@ def _missed(share: float, noise: float) -> np.ndarray:
 
 
 def _errs(seen: np.ndarray) -> bool:
-    for count in range(4, MOST + 1):
-        ends = confidence_interval(seen[:count], ERROR)
-        if ends is not None and not ends[0] <= 0 <= ends[1]:
-            return True
-    return False
+    ends = (confidence_interval(seen[:n], error_at(n, LOOKS, ERROR)) for n in LOOKS)
+    return any(end is not None and not end[0] <= 0 <= end[1] for end in ends)
 
 
 def _student_errs(seen: np.ndarray) -> bool:
     return any(
         abs(seen[:n].mean()) > stdtrit(n - 1, 1 - ERROR / 2) * seen[:n].std(ddof=1) / np.sqrt(n)
-        for n in range(4, MOST + 1)
+        for n in LOOKS
     )
 
 
@@ -55,13 +53,13 @@ def main() -> None:
         studies = [draw() for _ in range(STUDIES)]
         own, student = np.mean([_errs(s) for s in studies]), np.mean([_student_errs(s) for s in studies])
         print(f"| {name} | {100 * own:.1f} % | {100 * student:.1f} % |")
-    print("\n| difference, in spreads | scenes until decided: quartiles |\n| --- | --- |")
+    print("\n| difference, in spreads | scenes until decided, of 60 at most: quartiles |\n| --- | --- |")
     for effect in (2.0, 1.0, 0.5):
         needed = []
         for _ in range(500):
-            seen = RNG.standard_normal(150) + effect
-            ends = (confidence_interval(seen[:n], ERROR / 3) for n in range(4, 151))
-            needed.append(next((n for n, e in enumerate(ends, 4) if e is not None and e[0] > 0), 150))
+            seen = RNG.standard_normal(LONG[-1]) + effect
+            ends = (confidence_interval(seen[:n], error_at(n, LONG, ERROR / 3)) for n in LONG)
+            needed.append(next((n for n, e in zip(LONG, ends, strict=True) if e and e[0] > 0), LONG[-1]))
         print(f"| {effect:g} | {', '.join(f'{n:.0f}' for n in np.quantile(needed, [0.25, 0.5, 0.75]))} |")
 
 

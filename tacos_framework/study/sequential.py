@@ -1,21 +1,19 @@
-"""The sequential test: paired scenes are added until a comparison is decided, and peeking costs no certainty.
+"""The sequential test: paired scenes are added until a comparison is decided, and looking costs no certainty.
 
 Two cameras see the same scenes; their difference on each is one number. Looking at Student's 95 % interval
-after every scene errs in one study of five, not of twenty. So the interval is that of a *confidence
-sequence*: in 95 % of studies it holds the true mean after every scene, whenever one looks and for whatever
-reason one stops. It is Student's with a normal mixture over the effect size [1]_ [2]_: valid for normal
-differences however few, and without a setting that must know their spread.
+again and again errs far more often than in one study of twenty. So there are a few looks, fixed beforehand,
+and each may spend its part of the error [1]_ [2]_: little at first, most at the last. At a look the interval
+is Student's at the look's own part; that all of them hold follows from adding up the parts.
 
-Differences of scenes are seldom normal: one threshold that one of two cameras overlooks is a tail on one
-side. Where the sample is skewed, the end of the interval that this makes too short is moved out by Hall's
-transformation [3]_; it is never moved in. What happens once in many scenes and has not happened yet, no test
-can know. Error rates by simulation stand in ``docs/explanation/decision.md``.
+One threshold that one of two cameras overlooks is a tail on one side. Where the sample is skewed, the end of
+the interval that this makes too short is moved out by Hall's transformation [3]_, and never in. Error rates by
+simulation stand in ``docs/explanation/decision.md``.
 
 References
 ----------
-.. [1] T. L. Lai, "On confidence sequences", Ann. Statist. 4, 1976.
-.. [2] H. Wang, A. Ramdas, "Anytime-valid t-tests and confidence sequences for Gaussian means with unknown
-   variance", Sequential Analysis 44, 2025.
+.. [1] K. K. G. Lan, D. L. DeMets, "Discrete sequential boundaries for clinical trials", Biometrika 70, 1983.
+.. [2] K. Kim, D. L. DeMets, "Design and analysis of group sequential tests based on the type I error spending
+   rate function", Biometrika 74, 1987.
 .. [3] P. Hall, "On the removal of skewness by transformation", J. R. Stat. Soc. B 54, 1992.
 """
 
@@ -28,15 +26,15 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 Verdict = Literal["better", "worse", "equivalent", "undecided"]
 
 GROWTH = 1.5
 """How many times the scenes of a look the next one has: workers have enough to do, and none comes late."""
 
-MIXTURE_SCENES = 1.0
-"""The mixture's effect sizes spread by one standard deviation: the weight of a single scene (unit
-information, R. E. Kass, L. Wasserman, J. Am. Stat. Assoc. 90, 1995)."""
+SPENDING_POWER = 3
+"""Until a look, this power of the share of scenes seen is the share of the error that is spent [2]_."""
 
 ALIKE = 1e-12
 """Differences that spread by no more than this share of themselves differ by rounding alone."""
@@ -84,6 +82,23 @@ def looks(first: int, most: int) -> tuple[int, ...]:
     return tuple(counts)
 
 
+def error_at(count: int, counts: Sequence[int], error: float) -> float:
+    """The part of the error that the look after `count` scenes may spend, of all `counts` with looks.
+
+    Between two looks the earlier one is meant; the parts of all add up to `error`.
+
+    Examples
+    --------
+    >>> [round(error_at(count, (12, 24), 0.05), 4) for count in (12, 24)]
+    [0.0063, 0.0438]
+    """
+    passed = [each for each in counts if each <= count] or [counts[0]]
+    before = passed[-2] if len(passed) > 1 else 0
+    return error * float(
+        (passed[-1] / counts[-1]) ** SPENDING_POWER - (before / counts[-1]) ** SPENDING_POWER
+    )
+
+
 def compared(
     differences: Sequence[float] | NDArray[np.float64], *, error: float, margin: float
 ) -> PairedInterval:
@@ -94,8 +109,8 @@ def compared(
     differences
         Of each scene seen, one camera's fitness minus the other's.
     error
-        Share of studies in which the interval may ever miss the truth; of several products each has its
-        part of it.
+        Share of studies in which this interval may miss the truth: what the look may spend, of which each of
+        several products has its part.
     margin
         Differences up to this do not matter [fitness].
 
@@ -120,26 +135,17 @@ def compared(
 
 
 def confidence_interval(values: NDArray[np.float64], error: float) -> tuple[float, float] | None:
-    """The confidence sequence of the mean after these values; None while it is unbounded.
+    """Student's interval of the mean of (n,) draws, widened for skew; None below three.
 
-    Parameters
-    ----------
-    values
-        (n,) independent draws, in the order they came.
-    error
-        Share of sequences that ever leave the truth out.
+    `error` is the share of samples whose interval leaves the truth out.
     """
     n = len(values)
-    prior = MIXTURE_SCENES
-    ratio = (math.sqrt((n + prior) / prior) / error) ** (2 / n) if n else math.inf
-    room = 1 - ratio * prior / (n + prior)
-    if n < 3 or room <= 0:
+    if n < 3:
         return None
     mean, spread = float(values.mean()), float(values.std(ddof=1))
     if spread <= ALIKE * float(np.abs(values).max()):  # no spread to go by: a fair coin is as often one-sided
         return (mean, mean) if 2.0 ** (1 - n) <= error else None
-    # all means whose mixture likelihood ratio is below 1 / error, as Student's t (Wang and Ramdas, thm. 4.9)
-    t = math.sqrt((n - 1) * (ratio - 1) / room)
+    t = float(stdtrit(n - 1, 1 - error / 2))
     skewness = n * float(np.sum(((values - mean) / spread) ** 3)) / ((n - 1) * (n - 2))
     down, up = (max(t, abs(_student_of_skewed(side * t, skewness, n))) for side in (1, -1))
     unit = spread / math.sqrt(n)

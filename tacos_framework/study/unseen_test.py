@@ -10,7 +10,7 @@ from tacos_framework.fitness import Fitness
 from tacos_framework.recipe import Test
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, merged_evaluation
 from tacos_framework.study.racing import contributions
-from tacos_framework.study.sequential import PairedInterval, compared, looks
+from tacos_framework.study.sequential import PairedInterval, compared, error_at, looks
 from tacos_framework.study.shards import score_sharded
 
 
@@ -40,6 +40,11 @@ class UnseenTest:
         test = self.settings
         return tuple(EpisodeSpec(test.seed, ("test", i), test.frames) for i in range(first, last))
 
+    @property
+    def looks(self) -> tuple[int, ...]:
+        """The numbers of scenes after which is looked."""
+        return looks(self.settings.episodes, self.settings.most_episodes or self.settings.episodes)
+
     def run(
         self,
         cameras: Mapping[str, ScoreJob],
@@ -59,8 +64,7 @@ class UnseenTest:
         on_look, on_evaluated
             Told before a block of scenes how many cameras see it, and each camera's evaluation of it.
         """
-        test = self.settings
-        for count in looks(test.episodes, test.most_episodes or test.episodes):
+        for count in self.looks:
             wanted = self._wanted(cameras)
             behind = [name for name in wanted if self._seen(name) < count]
             if not behind:
@@ -116,6 +120,7 @@ class UnseenTest:
             return PairedInterval(0.0, None, count, "undecided")
         if own is None or other is None:
             return PairedInterval(ours.fitness - theirs.fitness, None, count, "undecided")
+        error = error_at(count, self.looks, error)
         return compared(own - other, error=error, margin=self.settings.margin * abs(ours.fitness))
 
     @property

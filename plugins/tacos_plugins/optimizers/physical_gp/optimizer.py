@@ -63,7 +63,12 @@ class PhysicalGp:
         per_round: int = setting(
             2, help="Candidates asked at a time after the first round; one for each worker.", ge=1
         )
-        starts: int = setting(8, help="Candidates of the first round, spread over the design space.", ge=1)
+        starts: int = setting(
+            8,
+            help="Candidates of the first round, spread over the design space; two for each variable and two "
+            "more are enough where that is fewer.",
+            ge=1,
+        )
         episodes_per_candidate: int = setting(
             1, help="Episodes a candidate is scored on, by turns; the study may have fewer.", ge=1
         )
@@ -95,6 +100,7 @@ class PhysicalGp:
         self.config = config
         self._rng = rng
         self._problem = problem
+        self._starts = min(config.starts, 2 * len(space.variables) + 2)
         self._feasible = FeasibleCandidates.of(space, problem)
         self._pool = Pool(self._feasible, int(rng.integers(2**32)))
         self._trials: list[Trial] = []
@@ -188,7 +194,7 @@ class PhysicalGp:
         return np.random.default_rng([self._round_seed, purpose])
 
     def _next_candidates(self) -> list[Candidate]:
-        count = self.config.per_round if self._trials else self.config.starts
+        count = self.config.per_round if self._trials else self._starts
         count = min(count, self.config.evaluations - len(self._trials))
         tried, rng = self._tried(), self._generator(_ASKING)
         model = self._model() if len(tried) else None
