@@ -1,4 +1,4 @@
-"""How often the sequential test errs, looking after 8, 12, ... scenes: tables of docs/explanation/decision.md.
+"""How often the sequential test errs when it looks several times: tables of docs/explanation/decision.md.
 
 Run it with ``python benchmarks/error_rates.py``; it takes a minute.
 """

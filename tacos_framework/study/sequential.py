@@ -5,9 +5,9 @@ again and again errs far more often than in one study of twenty. So there are a 
 and each may spend its part of the error [1]_ [2]_: little at first, most at the last. At a look the interval
 is Student's at the look's own part; that all of them hold follows from adding up the parts.
 
-One threshold that one of two cameras overlooks is a tail on one side. Where the sample is skewed, the end of
-the interval that this makes too short is moved out by Hall's transformation [3]_, and never in. Error rates by
-simulation stand in ``docs/explanation/decision.md``.
+One threshold that one of two cameras overlooks is a tail on one side. Where the sample is skewed, the end
+of the interval that this makes too short is moved out by Hall's transformation [3]_, and never in. Error
+rates by simulation stand in ``docs/explanation/decision.md``.
 
 References
 ----------
