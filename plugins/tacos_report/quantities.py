@@ -7,10 +7,10 @@ from typing import Any
 
 _UNIT_SIGNS = {
     "deg": "°", "um": "µm", "um2": "µm²", "1": "", "percent": "%", "cd_m2": "cd/m²", "e": "e⁻", "e_s": "e⁻/s",
-    "mw": "mW", "usd": "USD", "hz": "Hz", "fps": "frames/s",
+    "mw": "mW", "w": "W", "usd": "USD", "hz": "Hz", "fps": "frames/s",
 }  # fmt: skip
 _UNIT_SUFFIXES = (
-    "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "g", "usd", "hz", "fps",
+    "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "hz", "fps",
 )  # fmt: skip
 _WORDS = {
     "hfov_deg": "Horizontal field of view",

@@ -287,7 +287,7 @@ class Test(Settings):
         0.01, help="Differences up to this share of the designed camera's fitness do not matter.", ge=0
     )
     confidence: float = setting(
-        0.95, help="How sure a verdict must be, over all products and however often is looked.", gt=0.5, lt=1
+        0.95, help="How sure a verdict must be, over all products and planned looks.", gt=0.5, lt=1
     )
 
     @model_validator(mode="after")

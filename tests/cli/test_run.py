@@ -94,11 +94,11 @@ def _effects(folder: Path) -> Path:
     [
         (["headset_quik"], "Did you mean 'headset_quick'?"),
         (["not_there.yaml"], "not_there.yaml"),
-        (["headset_quick", "--set", "optimizer.generations"], "there is no '='"),
+        (["headset_quick", "--set", "optimizer.evaluations"], "there is no '='"),
         (["headset_quick", "--set", "optimiser.generations=3"], "Did you mean 'optimizer'?"),
         (
-            ["headset_quick", "--set", "optimizer.generations=many"],
-            '--set optimizer.generations: generations is "many"',
+            ["headset_quick", "--set", "optimizer.evaluations=many"],
+            '--set optimizer.evaluations: evaluations is "many"',
         ),
         (["headset_quick", "--set", "seed=.nan"], "seed"),
         (["headset_quick", "--executor", "executor.cloud"], "executor.cloud"),

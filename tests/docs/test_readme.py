@@ -16,6 +16,7 @@ _SMALLER = {
     "executor": {"use": "executor.local"},
     "test.frames": 4,
     "test.episodes": 1,
+    "test.most_episodes": None,
 }
 
 
@@ -23,7 +24,9 @@ def test_example_runs(tmp_path: Path) -> None:
     (example,) = blocks(ROOT / "README.md", language="python")
     start = 'tacos.load_recipe("headset_quick", {'
     assert start in example.text
-    text = example.text.replace(start, f"{start}**{_SMALLER!r}, ").replace('"optimizer.generations": 2, ', "")
+    text = example.text.replace(start, f"{start}**{_SMALLER!r}, ").replace(
+        '"optimizer.evaluations": 12, ', ""
+    )
     script = tmp_path / "example.py"
     script.write_text(text, "utf-8")
     done = subprocess.run(

@@ -28,8 +28,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
         yield Drawing(
             forest(drawn, titles, indices, margin),
             "Fitness of the designed camera less that of each product, over the same unseen scenes: to the "
-            "right of zero the designed camera is better. Bars are always-valid intervals: they hold "
-            "however often they were looked at while scenes were added"
+            "right of zero the designed camera is better. Bars allow for every look that "
+            "was taken while scenes were added"
             + (". Within the shaded margin a difference counts as none." if margin else "."),
         )
     yield Table(
