@@ -337,3 +337,10 @@ def test_results_of_other_candidates_are_refused():
     optimizer = make()
     with pytest.raises(ValueError, match="candidates last asked"):
         optimizer.tell([Evaluated(candidate, 1.0) for candidate in optimizer.ask()[::-1]])
+
+
+@pytest.mark.parametrize(("variables", "starts"), [(1, 4), (2, 6), (3, 8), (5, 8)])
+def test_a_space_of_few_variables_needs_few_starts(variables, starts):
+    space = DesignSpace([Continuous(f"x{i}", 0, 1) for i in range(variables)])
+    optimizer = PhysicalGp(PhysicalGp.Config(evaluations=40), space=space, rng=np.random.default_rng(1))
+    assert len(optimizer.ask()) == starts
