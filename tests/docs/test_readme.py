@@ -15,6 +15,7 @@ _SMALLER = {
     "optimizer": {"use": "optimizer.random", "evaluations": 2},
     "executor": {"use": "executor.local"},
     "test.frames": 4,
+    "study": {"renew_episodes": "never", "finalists": 1},
     "test.episodes": 1,
     "test.most_episodes": None,
 }

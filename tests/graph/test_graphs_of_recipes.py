@@ -122,7 +122,9 @@ def test_two_sensors_and_two_isps_feed_two_tasks_from_one_renderer(toys, monkeyp
 
 @pytest.mark.parametrize("over", ["mean", "worst"])
 def test_day_and_night_in_one_study(toys, tmp_path, over):
-    result = run(recipe(DAY_AND_NIGHT, {"study": {"scenarios": over}}), toys, tmp_path / "out")
+    result = run(
+        recipe(DAY_AND_NIGHT, {"study": {"scenarios": over, "finalists": 1}}), toys, tmp_path / "out"
+    )
     best = result["best"]
     day, night = (best["scenarios"][name]["fitness"] for name in ("day", "night"))
     assert night < day

@@ -269,7 +269,7 @@ def test_optional_optimizers_are_left_out_with_a_note(problem, plugins, tmp_path
         ({"grid": {"pitch_deg": 5, "focal_length_mm": 1, "zoom": 2}}, "no variable 'zoom'"),
         ({"grid": {"pitch_deg": 5, "focal_length_mm": 0}}, "above 0"),
         ({"reference": {"most": 3}}, "Give larger steps"),
-        ({"change": {"constraints.hfov_deg.max": 1}}, "keeps the constraints"),
+        ({"change": {"constraints.hfov_deg.max": 1}}, "cameras tried keeps it"),
         ({"change": {"nodes.width.fail_above_deg": 1}}, "can be scored"),
         ({"change": {"nodes.width.crash_above_deg": 1}}, "ZeroDivisionError"),
     ],

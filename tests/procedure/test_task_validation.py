@@ -232,7 +232,7 @@ def test_the_rasterizer_and_the_path_tracer_rank_two_cameras_alike(tmp_path):
         cameras=["flea3", "basler_dart"],
         fixed={"binning": 16},
         sensor={"use": "sensor.affine-noise", "responsivity_dn_per_lux_s": 68},
-        task={"use": "task.orb-features"},
+        task={"use": "task.orb-features", "scale_with_binning": []},
         score="inliers",
         seeds=2,
     )

@@ -12,7 +12,7 @@ from tests.toy_study import toy_recipe
 def test_a_note_follows_set() -> None:
     for frames in (5, 7):
         recipe = load_recipe("headset_quick", {"nodes.world.frames": frames})
-        assert f"{frames} frames a scene" in recipe.quoted_notes[0]
+        assert f"{frames} frames of each small house" in recipe.quoted_notes[0]
 
 
 def test_a_note_that_quotes_what_is_not_there_is_a_fault() -> None:

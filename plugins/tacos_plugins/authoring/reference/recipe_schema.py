@@ -55,7 +55,7 @@ def recipe_schema(plugins: Plugins) -> RecipeSchema:
     --------
     >>> schema = recipe_schema(Plugins.discover()).schema
     >>> schema["$defs"]["rig.monocular"]["properties"]["focal_length_mm"]["description"]
-    'Focal length of the lens. [mm]'
+    'Focal length of a lens yet to be found, instead of a lens. [mm]'
     """
     study = _model_schema(Recipe, "#/$defs/{model}")
     definitions: Schema = study.pop("$defs")
