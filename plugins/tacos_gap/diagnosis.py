@@ -140,7 +140,7 @@ def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
         capture = with_sharp_edges(capture)
     if not capture.valid.any():
         return ""
-    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed)
+    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:
