@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -41,6 +41,7 @@ BETTER = 0.75
 drag the expectation about."""
 
 _DIFFERENCE = 0.5  # step of the derivatives [standard deviations]
+_LUCK_DRAWS = 8
 _BASE_DRAWS = 4  # simulations whose mean tells what a move of the expectation changes
 
 SPREAD_OF_ONE = 1.5
@@ -126,8 +127,10 @@ class ImageEvidence:
         self._taken = TakenStatistics.of(self._measured(capture))
         draws = np.stack([self._simulated((), draw) for draw in range(replicates)])
         every = self._taken
+        luck = self._variance_with_noise()
         self._taken = every.finite_in(draws)
-        draws = draws[:, self._taken.kept[every.kept]]
+        kept = self._taken.kept[every.kept]
+        draws, self._luck = draws[:, kept], luck[kept]
         self._draws = draws
         self.mean = draws.mean(axis=0)
         self.sigma = self._sigma(draws)
@@ -144,10 +147,11 @@ class ImageEvidence:
         """Statistics that could not be taken."""
         return self._taken.left_out
 
-    @property
-    def nuisances(self) -> dict[str, Any]:
-        """What the expectation is off by, in the units of ``diagnosis.json``; empty where nothing is free."""
-        return stated(self._freedoms, self._nu)
+    def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
+        """What the expectation is off by beside effects, as in ``diagnosis.json``; empty if nothing is free."""
+        if not self._freedoms:
+            return {}
+        return stated(self._freedoms, self._marginal.most_likely(self._difference(effects)))
 
     # residuals --------------------------------------------------------------------------------------------
 
@@ -192,7 +196,7 @@ class ImageEvidence:
 
     def _sigma(self, draws: NDArray[np.float64]) -> NDArray[np.float64]:
         spread = self._taken.steadied(draws.std(axis=0, ddof=1))
-        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._taken.margin**2))
+        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._luck + self._taken.margin**2))
 
     # nuisances --------------------------------------------------------------------------------------------
 
@@ -216,7 +220,8 @@ class ImageEvidence:
 
     def _moved_to(self, nu: NDArray[np.float64]) -> ImageEvidence:
         """The evidence with the expectation at other nuisances, as far as those are followed."""
-        nu = np.clip(nu, -FARTHEST, FARTHEST)
+        followed = [freedom.is_followed for freedom in self._freedoms]
+        nu = np.where(followed, np.clip(nu, -FARTHEST, FARTHEST), 0.0)
         if np.abs(nu).max() < NEARBY:
             nu = np.zeros_like(nu)
         if np.abs(nu - self._nu).max() < NEARBY:
@@ -244,15 +249,41 @@ class ImageEvidence:
         """How the numbers move with the nuisances, by simulations with the noise of the first draw."""
         here = self._base_draw(0) if self._freedoms else self._base
         directions = []
-        for k in range(len(self._freedoms)):
-            nearby = self._nu.copy()
-            side = 1.0 if nearby[k] <= 0 else -1.0
-            nearby[k] += side * _DIFFERENCE
-            other = disturbed(self.capture, self._freedoms, nearby)
-            change = self._simulated((), 0, of=other) - here
-            directions.append(np.nan_to_num(change / self.sigma) * side / _DIFFERENCE)
+        for k, freedom in enumerate(self._freedoms):
+            if freedom.is_followed:
+                nearby = self._nu.copy()
+                step = _DIFFERENCE if nearby[k] <= 0 else -_DIFFERENCE
+                nearby[k] += step
+                other = disturbed(self.capture, self._freedoms, nearby)
+                change = (self._simulated((), 0, of=other) - here) / step
+            else:
+                change = self._change_with_noise(freedom.sigma)
+            directions.append(np.nan_to_num(change / self.sigma))
         columns = np.stack(directions, axis=1) if directions else np.zeros((len(self.sigma), 0))
         return Marginal(columns, self._nu)
+
+    def _variance_with_noise(self) -> NDArray[np.float64]:
+        """(K,) variance of the numbers as the stated noise of the expectation might have fallen otherwise.
+
+        All simulations are of one expectation, so that their spread does not show it.
+        """
+        assert self.capture.expected_dn is not None
+        found = []
+        for draw in range(_LUCK_DRAWS if self._noise_share else 0):
+            rng = generator(self._seed, "gap", self.capture.id, draw, "luck")
+            noise = expectation_noise(self.capture, rng, self._noise_share)
+            other = replace(self.capture, expected_dn=self.capture.expected_dn + noise)
+            found.append(self._simulated((), 0, of=other))
+        return np.nan_to_num(np.var(found, axis=0, ddof=1)) if found else np.zeros(int(self._taken.kept.sum()))
+
+    def _change_with_noise(self, share: float) -> NDArray[np.float64]:
+        """(K,) how simulated numbers move against real ones if the expectation holds noise nobody stated."""
+        changes = []
+        for draw in range(_BASE_DRAWS):
+            simulated = self._simulated((), draw, noise_share=share) - self._base_draw(draw)
+            measured = self._taken.values(self._measured(self._expectation, share, draw)) - self.real
+            changes.append(simulated - measured)
+        return np.asarray(np.mean(changes, axis=0))
 
     # simulations ------------------------------------------------------------------------------------------
 
@@ -264,23 +295,36 @@ class ImageEvidence:
         return self._base_draws[draw] if draw < len(self._base_draws) else self._simulated((), draw)
 
     def _simulated(
-        self, effects: Sequence[PlacedEffect], draw: int, of: RealCapture | None = None
+        self,
+        effects: Sequence[PlacedEffect],
+        draw: int,
+        of: RealCapture | None = None,
+        noise_share: float | None = None,
     ) -> NDArray[np.float64]:
         """(K,) statistics of frames of `of`, against the expectation where it stands."""
         frames = simulate(of or self._expectation, effects, self._draws_of(draw))
         expected = self._expectation.expected_dn
         assert expected is not None
         rng = generator(self._seed, "gap", self.capture.id, draw, "expected")
-        noise = expectation_noise(self.capture, rng, variances=2.0)
+        share = self._noise_share if noise_share is None else noise_share
+        noise = expectation_noise(self.capture, rng, 2 * share)
         expected = expected if noise is None else expected + noise
         return self._taken.values(measure(Sample(self.capture, frames, expected)))
 
-    def _measured(self, expectation: RealCapture) -> list[StatisticBlock]:
+    def _measured(
+        self, expectation: RealCapture, noise_share: float | None = None, draw: int = 0
+    ) -> list[StatisticBlock]:
         """The statistics of the real frames against an expectation."""
         assert expectation.expected_dn is not None
-        rng = generator(self._seed, "gap", self.capture.id, "real")
-        pattern = expectation_noise(self.capture, rng)
+        rng = generator(self._seed, "gap", self.capture.id, draw, "real")
+        share = self._noise_share if noise_share is None else noise_share
+        pattern = expectation_noise(self.capture, rng, share)
         return measure(Sample(self.capture, self.capture.real_dn, expectation.expected_dn, pattern))
+
+    @property
+    def _noise_share(self) -> float:
+        """Variance of the noise that the expectation is stated to hold, over that of a frame."""
+        return 1 / self.capture.expected_frames if self.capture.expected_frames else 0.0
 
     def _draws_of(self, draw: int) -> EpisodeDraws:
         return EpisodeDraws(self._seed, ("gap", self.capture.id, draw))

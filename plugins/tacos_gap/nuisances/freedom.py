@@ -27,6 +27,10 @@ SCALE = 0.0005
 BLUR_PX2 = 0.03
 """Of the variance of a blur: a disc of a third of a pixel [px^2]."""
 
+NOISE_SHARE = 0.35
+"""Of the variance of noise that an expectation holds although none is stated, over that of a frame: means of
+few frames and paths are taken for exact."""
+
 UNEVENNESS = 0.5
 """Slopes of the light over the image, over ``level_uncertainty``."""
 
@@ -42,7 +46,7 @@ class Freedom:
     ----------
     name
         ``gain``, a term of the light (`LIGHT_TERMS`), ``shift_x_px``, ``shift_y_px``, ``rotation_deg``,
-        ``scale`` or ``blur_px2``.
+        ``scale``, ``blur_px2`` or ``noise_share``.
     sigma
         Standard deviation of its prior, which is Gaussian around 0, in the unit of the name.
     channel
@@ -52,6 +56,11 @@ class Freedom:
     name: str
     sigma: float
     channel: int | None = None
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether an expectation can be made that has it; noise cannot be taken out of one."""
+        return self.name != "noise_share"
 
 
 LIGHT_TERMS = ("light_x", "light_y", "light_xy", "light_saddle")
@@ -75,6 +84,8 @@ def freedoms_of(capture: RealCapture) -> tuple[Freedom, ...]:
         found += [Freedom(name, SHIFT_PX) for name in POSE_TERMS[:2]]
         found += [Freedom("rotation_deg", ROTATION_DEG), Freedom("scale", SCALE)]
         found += [Freedom("blur_px2", BLUR_PX2)]
+        if not capture.expected_frames:
+            found += [Freedom("noise_share", NOISE_SHARE)]
     return tuple(found)
 
 
@@ -111,4 +122,6 @@ def stated(freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> dict[str, An
         plain["rotation_deg"] = round(value["rotation_deg", None], 4)
         plain["scale"] = round(1 + value["scale", None], 6)
         plain["blur_px2"] = round(value["blur_px2", None], 4)
+    if "noise_share" in names:
+        plain["noise_share"] = round(value["noise_share", None], 3)
     return plain

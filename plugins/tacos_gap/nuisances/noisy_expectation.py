@@ -16,27 +16,27 @@ from tacos_gap.captures import RealCapture
 
 
 def expectation_noise(
-    capture: RealCapture, rng: np.random.Generator, variances: float = 1.0
+    capture: RealCapture, rng: np.random.Generator, share: float
 ) -> NDArray[np.float32] | None:
     """Another draw of the expectation's noise; None where it has none.
 
     Parameters
     ----------
     capture
-        With expected values, the mean of `expected_frames` frames.
+        With expected values.
     rng
         Where the draw comes from.
-    variances
-        Its variance, over that of the expectation.
+    share
+        Its variance, over that of one frame.
 
     Returns
     -------
     NDArray
         (1 or N, H, W, C) [DN].
     """
-    if not capture.expected_frames:
+    if not share:
         return None
     assert capture.expected_dn is not None
     signal = capture.expected_dn - np.float32(capture.context.black_level_dn)
-    sigma = np.sqrt(capture.noise.variance_dn2(signal) * np.float32(variances / capture.expected_frames))
+    sigma = np.sqrt(capture.noise.variance_dn2(signal) * np.float32(share))
     return np.asarray(rng.standard_normal(signal.shape, dtype=np.float32) * sigma)
