@@ -241,7 +241,9 @@ class ImageEvidence:
         if moved is self:
             return self
         least = 1.0 if effects else BETTER
-        before, after = (_cost(each._difference(effects)) + float(each._nu @ each._nu) for each in (self, moved))
+        before, after = (
+            _cost(each._difference(effects)) + float(each._nu @ each._nu) for each in (self, moved)
+        )
         return moved if after < least * before else self
 
     @cached_property
@@ -274,7 +276,9 @@ class ImageEvidence:
             noise = expectation_noise(self.capture, rng, self._noise_share)
             other = replace(self.capture, expected_dn=self.capture.expected_dn + noise)
             found.append(self._simulated((), 0, of=other))
-        return np.nan_to_num(np.var(found, axis=0, ddof=1)) if found else np.zeros(int(self._taken.kept.sum()))
+        return (
+            np.nan_to_num(np.var(found, axis=0, ddof=1)) if found else np.zeros(int(self._taken.kept.sum()))
+        )
 
     def _change_with_noise(self, share: float) -> NDArray[np.float64]:
         """(K,) how simulated numbers move against real ones if the expectation holds noise nobody stated."""

@@ -53,7 +53,9 @@ class TakenStatistics:
     @property
     def left_out(self) -> list[str]:
         """Statistics of which some number is not taken."""
-        return list(dict.fromkeys(name for (name, _), kept in zip(self._keys, self.kept, strict=True) if not kept))
+        return list(
+            dict.fromkeys(name for (name, _), kept in zip(self._keys, self.kept, strict=True) if not kept)
+        )
 
     @cached_property
     def margin(self) -> NDArray[np.float64]:
