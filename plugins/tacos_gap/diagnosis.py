@@ -18,6 +18,7 @@ from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
 from tacos_gap.closure import closure
+from tacos_gap.detectable import detection_limits
 from tacos_gap.evidence import Evidence, ImageEvidence
 from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.fit import Fitted
@@ -124,8 +125,16 @@ def _explained(
         limitations=tuple(of_one_specimen(cause) for cause in causes if cause.specimen),
         problem=problem,
         attribution=attribution,
+        detectable=_detectable(problem, effects, workers),
         nuisances=_nuisances(problem, best),
     )
+
+
+def _detectable(
+    problem: Problem, effects: Mapping[str, type[Any]], workers: int
+) -> dict[str, dict[str, float]]:
+    with ThreadPoolExecutor(workers) as pool:
+        return detection_limits(problem, effects, pool.map)
 
 
 def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
@@ -147,8 +156,7 @@ def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evi
 
 def _not_taken(evidence: Evidence) -> str:
     """In a sentence, which statistics of a capture could not be taken; empty where all were."""
-    names = evidence.left_out if isinstance(evidence, ImageEvidence) else []
-    if not names:
+    if not isinstance(evidence, ImageEvidence) or not (names := evidence.left_out):
         return ""
     listed = ", ".join(name.replace("_", " ") for name in names)
     return f"{evidence.capture.id}: could not be measured in all simulations and is left out: {listed}."

@@ -121,6 +121,7 @@ class ImageEvidence:
         assert capture.expected_dn is not None
         self.capture = capture
         self._seed = seed
+        self._kept: dict[tuple[str, int], NDArray[np.float64]] = {}
         self._freedoms = freedoms_of(capture)
         self._nu = np.zeros(len(self._freedoms))
         self._expectation = capture
@@ -131,6 +132,7 @@ class ImageEvidence:
         self._taken = every.finite_in(draws)
         kept = self._taken.kept[every.kept]
         draws, self._luck = draws[:, kept], luck[kept]
+        self._kept = {}
         self._draws = draws
         self.mean = draws.mean(axis=0)
         self.sigma = self._sigma(draws)
@@ -148,7 +150,7 @@ class ImageEvidence:
         return self._taken.left_out
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
-        """What the expectation is off by beside effects, as in ``diagnosis.json``; empty if nothing is free."""
+        """What the expectation is off by beside effects, as in ``diagnosis.json``; empty if nothing is."""
         if not self._freedoms:
             return {}
         return stated(self._freedoms, self._marginal.most_likely(self._difference(effects)))
@@ -229,7 +231,7 @@ class ImageEvidence:
         moved = copy(self)
         for name in ("_marginal", "null_replicates"):
             moved.__dict__.pop(name, None)
-        moved._nu = nu
+        moved._nu, moved._kept = nu, {}
         moved._expectation = disturbed(self.capture, self._freedoms, nu)
         moved.real = self._taken.values(moved._measured(moved._expectation))
         moved._base_draws = np.stack([moved._simulated((), draw) for draw in range(_BASE_DRAWS)])
@@ -257,7 +259,7 @@ class ImageEvidence:
                 step = _DIFFERENCE if nearby[k] <= 0 else -_DIFFERENCE
                 nearby[k] += step
                 other = disturbed(self.capture, self._freedoms, nearby)
-                change = (self._simulated((), 0, of=other) - here) / step
+                change = (self._simulation(other, (), 0, self._noise_share) - here) / step
             else:
                 change = self._change_with_noise(freedom.sigma)
             directions.append(np.nan_to_num(change / self.sigma))
@@ -274,8 +276,9 @@ class ImageEvidence:
         for draw in range(_LUCK_DRAWS if self._noise_share else 0):
             rng = generator(self._seed, "gap", self.capture.id, draw, "luck")
             noise = expectation_noise(self.capture, rng, self._noise_share)
+            assert noise is not None
             other = replace(self.capture, expected_dn=self.capture.expected_dn + noise)
-            found.append(self._simulated((), 0, of=other))
+            found.append(self._simulation(other, (), 0, self._noise_share))
         return (
             np.nan_to_num(np.var(found, axis=0, ddof=1)) if found else np.zeros(int(self._taken.kept.sum()))
         )
@@ -284,7 +287,7 @@ class ImageEvidence:
         """(K,) how simulated numbers move against real ones if the expectation holds noise nobody stated."""
         changes = []
         for draw in range(_BASE_DRAWS):
-            simulated = self._simulated((), draw, noise_share=share) - self._base_draw(draw)
+            simulated = self._simulation(self._expectation, (), draw, share) - self._base_draw(draw)
             measured = self._taken.values(self._measured(self._expectation, share, draw)) - self.real
             changes.append(simulated - measured)
         return np.asarray(np.mean(changes, axis=0))
@@ -298,20 +301,22 @@ class ImageEvidence:
     def _base_draw(self, draw: int) -> NDArray[np.float64]:
         return self._base_draws[draw] if draw < len(self._base_draws) else self._simulated((), draw)
 
-    def _simulated(
-        self,
-        effects: Sequence[PlacedEffect],
-        draw: int,
-        of: RealCapture | None = None,
-        noise_share: float | None = None,
+    def _simulated(self, effects: Sequence[PlacedEffect], draw: int) -> NDArray[np.float64]:
+        """(K,) statistics of a draw with these effects, simulated once for residuals and replicates alike."""
+        key = repr([(effect.use, effect.config) for effect in effects]), draw
+        if key not in self._kept:
+            self._kept[key] = self._simulation(self._expectation, effects, draw, self._noise_share)
+        return self._kept[key]
+
+    def _simulation(
+        self, of: RealCapture, effects: Sequence[PlacedEffect], draw: int, noise_share: float
     ) -> NDArray[np.float64]:
         """(K,) statistics of frames of `of`, against the expectation where it stands."""
-        frames = simulate(of or self._expectation, effects, self._draws_of(draw))
+        frames = simulate(of, effects, self._draws_of(draw))
         expected = self._expectation.expected_dn
         assert expected is not None
         rng = generator(self._seed, "gap", self.capture.id, draw, "expected")
-        share = self._noise_share if noise_share is None else noise_share
-        noise = expectation_noise(self.capture, rng, 2 * share)
+        noise = expectation_noise(self.capture, rng, 2 * noise_share)
         expected = expected if noise is None else expected + noise
         return self._taken.values(measure(Sample(self.capture, frames, expected)))
 

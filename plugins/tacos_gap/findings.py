@@ -65,9 +65,9 @@ class Cause:
 class Diagnosis:
     """What was found; `as_data` gives ``diagnosis.json``.
 
-    `detectable` holds the smallest value of each effect's main parameter that would have shown, `nuisances` what
-    each capture's expectation is off by and is no cause. `problem` and `attribution` hold all numbers behind it,
-    for the report.
+    `detectable` holds the smallest value of each effect's main parameter that would have shown, `nuisances`
+    what each capture's expectation is off by and is no cause. `problem` and `attribution` hold all numbers
+    behind it, for the report.
     """
 
     verdict: str

@@ -47,8 +47,8 @@ class Place:
 def locate(problem: Problem, z: NDArray[np.float64]) -> list[Place]:
     """Statistics that differ by more than the noise floor, largest share first.
 
-    Blocks (a statistic of a capture) are tested against the simulator's own replicates (see `block_test`), and
-    chosen by Benjamini and Hochberg 1995 (J. R. Statist. Soc. B 57(1)).
+    Blocks (a statistic of a capture) are tested against the simulator's own replicates (see `block_test`),
+    and chosen by Benjamini and Hochberg 1995 (J. R. Statist. Soc. B 57(1)).
     """
     if not len(z):
         return []

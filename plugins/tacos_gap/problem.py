@@ -19,8 +19,8 @@ from tacos_gap.parameters import HypothesisTerm
 ROBUST_SCALE = 10.0
 """Residual from which on the robust one grows by the logarithm [noise floor]."""
 
-LEAST_FLOOR = 0.25
-"""Noise floor of captures without noise, as of darks that clip at 0: a share of the equivalence margin."""
+LEAST_FLOOR = 0.2
+"""Least noise floor, in units of which a negligible difference is 1: darks without a pedestal have none."""
 
 Hypothesis = tuple[HypothesisTerm, ...]
 
@@ -36,7 +36,7 @@ def robust_derivative(z: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def floor_rms(replicates: NDArray[np.float64]) -> float:
-    """Root mean square of (B, K) replicates, at least `LEAST_FLOOR` [noise floor]."""
+    """Root mean square of a noise floor's own (B, K) residuals, at least `LEAST_FLOOR` [noise floor]."""
     return max(float(np.sqrt(np.mean(robust(replicates) ** 2))), LEAST_FLOOR) if replicates.size else 1.0
 
 
@@ -133,7 +133,7 @@ class Problem:
         return other
 
     def renuisanced(self, hypothesis: Hypothesis) -> Problem:
-        """The evidence with each capture's nuisances estimated anew beside a hypothesis; itself where all stay."""
+        """The evidence with nuisances estimated anew beside a hypothesis; itself where all of them stay."""
         effects = placed(hypothesis)
         evidence = [e.renuisanced(effects) if isinstance(e, ImageEvidence) else e for e in self.evidence]
         if all(new is old for new, old in zip(evidence, self.evidence, strict=True)):
@@ -156,8 +156,9 @@ class Problem:
     def weight(self) -> float:
         """How many independent numbers one of these is worth, as they vary together (Satterthwaite)."""
         squares = (robust(self.null_replicates) ** 2).sum(axis=1)
-        spread = float(squares.var(ddof=1))
-        return float(np.clip(2 * squares.mean() / max(spread, 1e-9), 0.02, 1.0))
+        least = LEAST_FLOOR**2 * len(self.labels)  # of numbers with hardly a noise floor, as if independent
+        mean, spread = squares.mean() + least, squares.var(ddof=1) + 2 * LEAST_FLOOR**2 * least
+        return float(np.clip(2 * mean / max(spread, 1e-9), 0.02, 1.0))
 
     @cached_property
     def noise_floor_rms(self) -> float:

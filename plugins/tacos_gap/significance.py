@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,8 +54,9 @@ def block_test(
 ) -> BlockTest:
     """Test the sum of robust squares of each block.
 
-    Against B replicates of mean m and variance v it follows m F(d, B d), d = 2 m^2 / v, if squares are a scaled
-    chi-squared (Satterthwaite 1946, Biometrics Bulletin 2(6)) whose scale is as uncertain as B of them leave it.
+    Against B replicates of mean m and variance v it follows m F(d, B d), d = 2 m^2 / v, if squares are a
+    scaled chi-squared (Satterthwaite 1946, Biometrics Bulletin 2(6)) whose scale is as uncertain as B of them
+    leave it.
 
     Parameters
     ----------
@@ -70,7 +72,7 @@ def block_test(
     count = int(blocks.max()) + 1 if blocks.size else 0
     sizes = np.bincount(blocks, minlength=count)
     own = np.bincount(blocks, robust(z) ** 2, count) / slack**2
-    floor = np.stack([np.bincount(blocks, robust(each) ** 2, count) for each in replicates])
+    floor = np.array([np.bincount(blocks, robust(each) ** 2, count) for each in replicates], float)
     p_values = _p_values(own, floor, sizes)
     if len(floor) < 4 or not count:
         return BlockTest(p_values, float(np.log(max(count, 1))), 1.0)
@@ -84,7 +86,7 @@ def block_test(
 
 
 def _p_values(
-    own: NDArray[np.float64], floor: NDArray[np.float64], sizes: NDArray[np.int64]
+    own: NDArray[np.float64], floor: NDArray[np.float64], sizes: NDArray[np.signedinteger[Any]]
 ) -> NDArray[np.float64]:
     """(M,) upper tails; degrees of freedom are at most the numbers of a block."""
     mean = np.maximum(floor.mean(axis=0), _LEAST_MEAN * sizes)

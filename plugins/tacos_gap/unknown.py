@@ -1,4 +1,4 @@
-"""Whether what is left after the best explanation is more than the simulator differs from itself, and where."""
+"""Whether more is left after the best explanation than the simulator differs from itself, and where."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an expectation is uncertain in, capture by capture, and is nobody's error: its light, pose and focus."""
+"""What an expectation is uncertain in, capture by capture, and nobody's error: its light, pose and focus."""
 
 from tacos_gap.nuisances.expectation import disturbed
 from tacos_gap.nuisances.freedom import Freedom, freedoms_of, stated

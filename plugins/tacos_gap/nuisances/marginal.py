@@ -1,9 +1,9 @@
 """Residuals with the nuisances integrated out.
 
 Near a point nu0 residuals are z(nu) = z(nu0) - D (nu - nu0), nu ~ N(0, 1) in units of the priors. With the
-nuisances integrated out, z(nu0) + D nu0 ~ N(0, I + D D'). Whitened by the inverse root of this covariance, its
-sum of squares is the least of |z(nu)|^2 + |nu|^2: what lies within the priors costs next to nothing, and what
-lies far outside of them stays in the score.
+nuisances integrated out, z(nu0) + D nu0 ~ N(0, I + D D'). Whitened by the inverse root of this covariance,
+its sum of squares is the least of |z(nu)|^2 + |nu|^2: what lies within the priors costs next to nothing, and
+what lies far outside of them stays in the score.
 """
 
 from __future__ import annotations
@@ -76,11 +76,11 @@ class Marginal:
 
     def most_likely(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """(F,) nuisances that (K,) residuals at `nu` ask for, prior included; wild residuals weigh less."""
-        nu = self.nu
+        nu = np.asarray(self.nu, np.float64)
         linear = z + self.directions @ self.nu
         for _ in range(ITERATIONS):
             left = linear - self.directions @ nu
             weighted = self.directions / (1 + (left / _ROBUST_SCALE) ** 2)[:, None]
             normal = weighted.T @ self.directions + np.eye(len(nu))
-            nu = np.linalg.solve(normal, weighted.T @ linear)
+            nu = np.asarray(np.linalg.solve(normal, weighted.T @ linear), np.float64)
         return np.asarray(nu)

@@ -1,10 +1,10 @@
 """The noise of an expectation that is itself the mean of a few noisy frames.
 
 What is given is x = t + e: the true expectation and noise that stays. Simulated frames hold e as if it were
-detail, real ones do not; and real less expected holds -e as if it were a pattern of the sensor, simulated less
-expected does not. So real frames are given noise of their own of the same size, e', and what simulated frames are
-compared with is given twice its variance, e''. Then both hold as much detail (t + e, t + e') and as much pattern
-(e' - e, -e''), in every statistic.
+detail, real ones do not; and real less expected holds -e as if it were a pattern of the sensor, simulated
+less expected does not. So real frames are given noise of their own of the same size, e', and what simulated
+frames are compared with is given twice its variance, e''. Then both hold as much detail (t + e, t + e') and
+as much pattern (e' - e, -e''), in every statistic.
 """
 
 from __future__ import annotations

@@ -54,8 +54,8 @@ class Sample:
     expected_dn
         (1 or N, H, W, C) what they are compared with [DN].
     pattern_dn
-        (1 or N, H, W, C) what is added to the frames, codes and codecs aside, because `expected_dn` holds noise
-        of its own (see `tacos_gap.nuisances.noisy_expectation`) [DN].
+        (1 or N, H, W, C) what is added to the frames, codes and codecs aside, because `expected_dn` holds
+        noise of its own (see `tacos_gap.nuisances.noisy_expectation`) [DN].
     """
 
     def __init__(
