@@ -40,6 +40,11 @@ class Case:
         return tuple(each["effect"] for each in self.truth["withheld"])
 
     @property
+    def everything(self) -> frozenset[str]:
+        """Effects that are there: those withheld, and those of a camera that processes its pictures."""
+        return frozenset(self.effects) | frozenset(self.truth.get("off", {}).get("pipeline", {}))
+
+    @property
     def units(self) -> float:
         """Severity of the strongest effect as it came out [noise floor]."""
         return max((float(each["units"] or 0) for each in self.truth["withheld"]), default=0.0)
@@ -126,9 +131,7 @@ class Case:
         """Parameters of the first cause beside the truth, where that is the one effect withheld."""
         if len(self.effects) != 1 or self.first != self.effects[0]:
             return []
-        return parameters_found(
-            self.first, self.truth["withheld"][0]["parameters"], self.answer["causes"][0]
-        )
+        return parameters_found(self.first, self.truth["withheld"][0]["parameters"], self.answer["causes"][0])
 
     def as_data(self) -> dict[str, Any]:
         """A line of ``cases.jsonl``."""

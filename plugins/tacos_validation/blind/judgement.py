@@ -65,10 +65,10 @@ class Judgement:
     Parameters
     ----------
     outcome
-        ``right``: an accepted effect comes first, and no stranger beside it; or nothing, where no gap was expected.
-        ``unknown``: nothing is named with a presence above one half. ``wrong``: something else comes first.
-        ``wrong beside``: the first is right, but a stranger stands beside it. ``no answer``: an error, or past
-        the time limit.
+        ``right``: an accepted effect comes first, and no stranger beside it; or nothing, where no gap was
+        expected. ``unknown``: nothing is named with a presence above one half. ``wrong``: something else
+        comes first. ``wrong beside``: the first is right, but a stranger stands beside it. ``no answer``: an error,
+        or past the time limit.
     first_right
         Whether what comes first is right, whatever stands beside it.
     strangers

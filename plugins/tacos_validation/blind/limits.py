@@ -10,7 +10,7 @@ from types import FrameType
 
 
 class TimeIsUp(BaseException):
-    """Raised in the midst of a job; no `Exception`, so that nothing that guards a component takes it for its error."""
+    """Raised in the midst of a job; no `Exception`, lest a guard of components take it for their error."""
 
 
 @contextmanager

@@ -95,9 +95,7 @@ def _flea3(folder: Path) -> Iterator[RealCase]:
         ("series to 500 ms, believed wider", (25, 50, 100, 250, 500), 4095.0, full),
         ("series to 2000 ms, believed wider", (50, 100, 250, 500, 2000), 4095.0, full),
     ):
-        yield RealCase(
-            name, known, partial(_series, chosen={k: lit[k] for k in times}, lit=lit, white=white)
-        )
+        yield RealCase(name, known, partial(_series, chosen={k: lit[k] for k in times}, lit=lit, white=white))
 
 
 def _times(folder: Path, what: str) -> list[int]:

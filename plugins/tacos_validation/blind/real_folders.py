@@ -41,9 +41,7 @@ class RealCase:
                 "notes": {},
                 "variants": {},
             },
-            "withheld": [
-                {"effect": name, "parameters": {}, "units": None} for name in self.known.accept[:1]
-            ],
+            "withheld": [{"effect": name, "parameters": {}, "units": None} for name in self.known.accept[:1]],
             "known": self.known.as_data(),
         }
 
@@ -57,7 +55,7 @@ def real_folders(folder: Path, effects: Sequence[str]) -> list[RealCase]:
         When a ``truth.json`` cannot be used.
     """
     return [
-        RealCase(f"{folder.name}/{name}", known, partial(_copied, source=folder / name))
+        RealCase(f"{folder.name}, {name}", known, partial(_copied, source=folder / name))
         for name, known in sorted(read_known(folder, effects).items())
     ]
 

@@ -108,7 +108,6 @@ def _drafts(counts: Counts, rng: np.random.Generator, full_set: str) -> Iterator
                 notes = {"pair": pair, "split": split}
                 yield {"tier": "T6", "effects": (members.truth,), "severity": strongest, "notes": notes}
 
-
     yield from _beside_nuisances(counts, effects, rng, full_set)
 
 

@@ -1,7 +1,7 @@
 """What is off in real captures beside any effect: poses, lamps, focus, references and files.
 
-A simulation is never given the pose, the lamp and the focus of a capture exactly. Here the real side is off, and
-what the simulator expects is left as it believes.
+A simulation is never given the pose, the lamp and the focus of a capture exactly. Here the real side is off,
+and what the simulator expects is left as it believes.
 """
 
 from __future__ import annotations

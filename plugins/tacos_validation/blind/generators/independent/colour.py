@@ -42,7 +42,7 @@ class WarmerLamp(SingleAmplitudeEffect):
 
 
 class OtherCamera(SingleAmplitudeEffect):
-    """Colours as another camera's filters see them: from a Nikon D5100 to a Sigma SD Merrill, part of the way."""
+    """Colours through other filters: from a Nikon D5100 to a Sigma SD Merrill, part of the way."""
 
     name: ClassVar[str] = "colour-matrix"
     order: ClassVar[int] = 50

@@ -42,13 +42,13 @@ def _fringes(lens: str, width_px: int, height_px: int) -> Image:
 
 
 class AberratedPupil(SingleAmplitudeEffect):
-    """Diffraction by a round pupil with spherical aberration; the amplitude is the f-number in pixels.
+    """Diffraction by a round pupil with spherical aberration.
 
-    The amplitude is wavelength times f-number over the pixel pitch, so that nothing finer than its period passes.
+    The amplitude is wavelength times f-number over the pixel pitch: nothing of a finer period passes.
 
     References
     ----------
-    Goodman 2005, "Introduction to Fourier Optics", 6.4: the transfer function is the autocorrelation of the pupil.
+    Goodman 2005, "Introduction to Fourier Optics", 6.4: the transfer function is the pupil's autocorrelation.
     """
 
     name: ClassVar[str] = "lens-blur"

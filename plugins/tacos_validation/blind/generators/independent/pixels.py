@@ -86,7 +86,7 @@ class HeavyTailedOffsets(SingleAmplitudeEffect):
 
 
 class ChargeDiffusion(SingleAmplitudeEffect):
-    """Charge that wanders to neighbours, less to those farther off; the amplitude goes to each of the four nearest."""
+    """Charge that wanders, less the farther; the amplitude goes to each of the four nearest neighbours."""
 
     name: ClassVar[str] = "crosstalk"
     order: ClassVar[int] = 0
