@@ -67,8 +67,8 @@ class Judgement:
     outcome
         ``right``: an accepted effect comes first, and no stranger beside it; or nothing, where no gap was
         expected. ``unknown``: nothing is named with a presence above one half. ``wrong``: something else
-        comes first. ``wrong beside``: the first is right, but a stranger stands beside it. ``no answer``: an error,
-        or past the time limit.
+        comes first. ``wrong beside``: the first is right, but a stranger stands beside it. ``no answer``: an
+        error, or past the time limit.
     first_right
         Whether what comes first is right, whatever stands beside it.
     strangers
@@ -133,6 +133,9 @@ def read_known(folder: Path, effects: Sequence[str]) -> dict[str, KnownTruth]:
         found = [(name, data, str(beside)) for name, data in _read(beside, faults).items()]
     else:
         files = sorted(folder.glob("*/truth.json"))
+        if not files:
+            wanted = "one beside the folders of captures, or one in each"
+            raise UserError(Fault(str(folder), "there is no truth.json", wanted))
         found = [(file.parent.name, _read(file, faults), str(file)) for file in files]
     known = {}
     for name, data, where in found:
@@ -141,7 +144,7 @@ def read_known(folder: Path, effects: Sequence[str]) -> dict[str, KnownTruth]:
         if not own:
             known[name] = KnownTruth.of(data)
     if faults:
-        raise UserError(*faults)
+        raise UserError(faults)
     return known
 
 

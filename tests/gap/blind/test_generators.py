@@ -297,7 +297,7 @@ def test_jpeg_leaves_a_grid_of_eight() -> None:
 @pytest.mark.parametrize("name", available())
 def test_independent_makers_change_the_image_more_the_stronger_they_are(name: str) -> None:
     variant = VARIANTS[name]
-    shot = scene(COLOUR)
+    shot = scene(COLOUR, velocity=(400.0, 100.0))
 
     def change(amplitude: float) -> float:
         effect = variant.entry.build(amplitude, np.random.default_rng(0))
