@@ -27,19 +27,19 @@ APART = (
 class Counts(Settings):
     """How many cases of each tier; the defaults take two hours on two cores."""
 
-    t0: int = setting(24, help="T0, nothing withheld; 150 in full.", ge=0)
+    t0: int = setting(20, help="T0, nothing withheld; 150 in full.", ge=0)
     ladder: tuple[float, ...] = setting(
         (1.0, 4.0, 8.0), help="T1, severities of every effect; 0.5, 1, 2, 4, 8 in full.", unit="floor"
     )
     charts: int = setting(1, help="T1, cases of each effect and severity with charts; 3 in full.", ge=0)
     field: int = setting(0, help="T1, cases of each effect at amplitudes met in the field; 1 in full.", ge=0)
     natural: int = setting(1, help="T1, cases of each effect with natural scenes alone; 3 in full.", ge=0)
-    t2: int = setting(20, help="T2, two or three effects; 150 in full.", ge=0)
+    t2: int = setting(16, help="T2, two or three effects; 150 in full.", ge=0)
     t3: int = setting(1, help="T3, cases of each effect with its class removed; 3 in full.", ge=0)
     t4: int = setting(1, help="T4, cases of each independent maker; 3 in full.", ge=0)
     t6: int = setting(1, help="T6, cases of each pair of confounders; 5 in full.", ge=0)
     t7: int = setting(
-        4, help="T7, cases of each nuisance with one effect, of severity 4 and 8 by turns; 16 in full.", ge=0
+        3, help="T7, cases of each nuisance with one effect, of severity 4 and 8 by turns; 16 in full.", ge=0
     )
     t7_quiet: int = setting(1, help="T7, cases of each nuisance with nothing withheld; 8 in full.", ge=0)
     speed: int = setting(1, help="Cases of 640 x 480 that are timed alone.", ge=0)

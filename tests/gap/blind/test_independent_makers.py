@@ -84,7 +84,6 @@ def test_fringes_of_a_real_lens_are_radial_and_leave_green() -> None:
 
 def test_planck_gives_the_balance_of_a_lamp() -> None:
     """The ratio of two black bodies at 595 and 475 nm, about where the camera's filters have their middle."""
-    pytest.importorskip("colour")
 
     def planck(nm: float, kelvin: float) -> float:
         return float(1 / (nm**5 * np.expm1(1.438777e7 / (nm * kelvin))))
@@ -98,7 +97,6 @@ def test_planck_gives_the_balance_of_a_lamp() -> None:
 
 
 def test_other_filters_keep_greys() -> None:
-    pytest.importorskip("colour")
     matrix = np.array(colour.between_cameras())
     np.testing.assert_allclose(matrix.sum(axis=1), 1)
     assert 0.05 < np.abs(matrix - np.eye(3)).max() < 2
