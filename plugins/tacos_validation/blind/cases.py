@@ -57,7 +57,7 @@ class Case:
     @property
     def nuisance(self) -> str:
         """Name of what else was off; empty for nothing."""
-        return str(self.truth["specification"].get("nuisance", ""))
+        return str(self.truth["specification"]["nuisance"])
 
     @property
     def failed(self) -> bool:

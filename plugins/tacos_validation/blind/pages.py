@@ -22,7 +22,17 @@ def page(cases: Sequence[Case], figures: Sequence[Figure], notes: Sequence[str])
     """The page: confusion first, then the goals, the ladder, simpler ways, and every failure."""
     goals = [figure for figure in figures if figure.met is not None]
     met = sum(bool(figure.met) for figure in goals)
-    warnings = (Section("Notes", (Warnings("What to know", tuple(notes)),)),) if notes else ()
+    sections = (
+        Section("What was withheld, and what was named first", tuple(confusions(cases))),
+        Section("Figures and goals", (_goals(figures),)),
+        Section("Does its certainty hold?", tuple(_calibration(cases))),
+        Section("Severity", (severities(cases),) if ladder(cases) else ()),
+        Section("Nuisances", tuple(_nuisances(cases))),
+        Section("Real cameras", tuple(_real(cases))),
+        Section("Simpler ways on the same cases", tuple(_simpler(cases))),
+        Section("Notes", (Warnings("What to know", tuple(notes)),) if notes else ()),
+        Section("Failures", (_failures(cases),)),
+    )
     return Page(
         eyebrow="Diagnosis, checked blind",
         title=f"{met} of {len(goals)} goals met over {len(cases)} cases",
@@ -31,17 +41,7 @@ def page(cases: Sequence[Case], figures: Sequence[Figure], notes: Sequence[str])
             "truth was salted and hashed before the diagnosis began and opened after its answer was "
             "written. Intervals are 95 %, of shares exact (Clopper and Pearson)."
         ),
-        sections=(
-            Section("What was withheld, and what was named first", tuple(confusions(cases))),
-            Section("Figures and goals", (_goals(figures),)),
-            Section("Does its certainty hold?", tuple(_calibration(cases))),
-            Section("Severity", (severities(cases),) if ladder(cases) else ()),
-            Section("Nuisances", tuple(_nuisances(cases))),
-            Section("Real cameras", tuple(_real(cases))),
-            Section("Simpler ways on the same cases", (_simpler(cases),)),
-            *warnings,
-            Section("Failures", (_failures(cases),)),
-        ),
+        sections=tuple(section for section in sections if section.blocks),
     )
 
 
@@ -49,7 +49,7 @@ def _calibration(cases: Sequence[Case]) -> list[Block]:
     diagrams = reliability_diagrams(cases)
     intervals = interval_coverage(cases)
     shown = tuple(diagrams if intervals is None else [*diagrams, intervals])
-    return [SideBySide(shown)] if shown else [Paragraph("Nothing was named.")]
+    return [SideBySide(shown)] if shown else []
 
 
 def _nuisances(cases: Sequence[Case]) -> list[Block]:
@@ -114,11 +114,13 @@ def _ends(figure: Figure) -> str:
     return f"{_number(figure.low, figure.unit)} to {_number(figure.high, figure.unit)}"
 
 
-def _simpler(cases: Sequence[Case]) -> Table:
+def _simpler(cases: Sequence[Case]) -> list[Block]:
+    if not any(case.answer.get("baselines") for case in cases):
+        return []
     table = baselines(cases)
     heads = ("Way", *next(iter(table.values())))
     rows = tuple((way, *(_of(each) for each in figures.values())) for way, figures in table.items())
-    return Table(heads, rows, "The first cause at 4 units or more; false alarms: anything named at all.")
+    return [Table(heads, rows, "The first cause at 4 units or more; false alarms: anything named at all.")]
 
 
 def _failures(cases: Sequence[Case]) -> Table | Paragraph:

@@ -40,6 +40,7 @@ class RealCase:
                 "severity": None,
                 "notes": {},
                 "variants": {},
+                "nuisance": "",
             },
             "withheld": [{"effect": name, "parameters": {}, "units": None} for name in self.known.accept[:1]],
             "known": self.known.as_data(),

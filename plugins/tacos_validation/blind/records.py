@@ -35,7 +35,7 @@ def read_cases(file: Path) -> Iterator[Case]:
             data = json.loads(line)
         except json.JSONDecodeError:
             return
-        if "fresh_gaps" not in data or "expects" in data["truth"]:
+        if "fresh_gaps" not in data or "nuisance" not in data["truth"]["specification"]:
             raise UserError(
                 Fault(
                     str(file),

@@ -149,6 +149,7 @@ def case(tier: str, *withheld: str, named: tuple[str, ...] = (), **more: Any) ->
         "severity": 8.0,
         "notes": {},
         "variants": {},
+        "nuisance": "",
         **more.pop("specification", {}),
     }
     truth = {

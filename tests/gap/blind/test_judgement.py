@@ -93,7 +93,7 @@ def test_faults_of_all_truths_come_at_once(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_any_truth_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="no truth.json"):
+    with pytest.raises(UserError, match=r"no truth\.json"):
         read_known(tmp_path, ())
 
 

@@ -15,11 +15,11 @@ from tacos_gap.captures import read_captures
 from tacos_validation.blind.generators import flat_scenes
 from tacos_validation.blind.generators.acquisitions import charts, new_camera
 from tacos_validation.blind.generators.camera import IdealCamera, IdealShot
+from tacos_validation.blind.generators.capture_nuisance import CaptureNuisance
 from tacos_validation.blind.generators.image_formation import seen
 from tacos_validation.blind.generators.nuisances import (
     NUISANCES,
     PIPELINE,
-    CaptureNuisance,
     drawn,
     pipeline_of,
 )
@@ -52,9 +52,7 @@ def test_turning_leaves_the_middle() -> None:
 
 def test_a_board_is_where_it_is() -> None:
     board = IdealShot(CAMERA, shot().look, 10.0, has_pose=False)
-    np.testing.assert_array_equal(
-        seen(CaptureNuisance(shift_px=(1.0, 0.0)).real(board), ()), seen(board, ())
-    )
+    np.testing.assert_array_equal(seen(CaptureNuisance(shift_px=(1.0, 0.0)).real(board), ()), seen(board, ()))
 
 
 def test_a_lamp_is_off_by_its_gain_and_slopes() -> None:

@@ -13,10 +13,10 @@ from PIL import Image as Pillow
 
 from tacos_validation.blind.generators.acquisitions import FRAME_INTERVAL_MS, Acquisition
 from tacos_validation.blind.generators.camera import IdealCamera, Image
+from tacos_validation.blind.generators.capture_nuisance import AS_BELIEVED, CaptureNuisance
 from tacos_validation.blind.generators.flat_scenes import Chart, Even
 from tacos_validation.blind.generators.image_formation import expected, take
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
-from tacos_validation.blind.generators.nuisances import AS_BELIEVED, CaptureNuisance
 
 
 def write_folder(
