@@ -143,19 +143,19 @@ def calibration_figures(
             "87 to 93 %",
             lambda value: 0.87 <= value <= 0.93,
         ),
-        Figure("`present`, expected calibration error", error, nan, nan, len(said)),
-        share("`present` above 90 % is true", [true for stated, true in said if stated > 0.9]),
+        Figure("Presence stated, expected calibration error", error, nan, nan, len(said)),
+        share("Presence stated above 90 % is so", [true for stated, true in said if stated > 0.9]),
         share(
             "90 % parameter intervals hold it",
             [p.holds for p in everything if p.holds is not None],
             "85 to 95 %",
             lambda value: 0.85 <= value <= 0.95,
         ),
-        middle("Median half width of these intervals, relative", widths),
         *(
-            share(f"The same, {name}", [p.holds for p in some if p.holds is not None])
+            share(f"90 % parameter intervals, {name}", [p.holds for p in some if p.holds is not None])
             for name, some in found.items()
         ),
+        middle("Median half width of parameter intervals, relative", widths),
         _median_error("charts", found["charts"], 0.05),
         _median_error("natural", found["natural"], 0.2),
     ]

@@ -105,10 +105,14 @@ def reliability_diagrams(cases: Sequence[Case]) -> list[Drawing]:
     return [
         _reliability(name, words, stated)
         for name, words, stated in (
-            ("present", "Named effects by `present`: how often each was really there.", presences(cases)),
+            (
+                "present",
+                "Named effects by the presence stated: how often each was really there.",
+                presences(cases),
+            ),
             (
                 "complete",
-                "Answers by `complete`: how often nothing withheld was left out.",
+                "Answers by the completeness stated: how often nothing withheld was left out.",
                 completenesses(cases),
             ),
         )
