@@ -66,8 +66,8 @@ class GapBlindCheck:
             is_path=True,
         )
         baselines: bool = setting(True, help="Whether simpler ways are tried on the same cases.")
-        case_timeout_s: float | None = setting(
-            600.0, help="Longest time for a diagnosis; past it there is no answer.", unit="s", gt=0
+        case_limit_s: float | None = setting(
+            600.0, help="Longest processor time for a diagnosis; past it there is no answer.", unit="s", gt=0
         )
         batch: int = setting(12, help="Cases solved before their truth is opened.", ge=1)
         makers: int = setting(1, help="Processes that make cases.", ge=1)
@@ -89,7 +89,7 @@ class GapBlindCheck:
         specifications = case_specifications(config.counts, seed, size, config.captures)
         every: list[Wanted] = [*specifications, *self._real(notes, tuple(effects))]
         wanted = [each for each in every if name_of(each) not in done]
-        worker = Worker(effects, config.case_timeout_s)
+        worker = Worker(effects, config.case_limit_s)
         progress.phase("Diagnosing withheld effects", len(wanted))
         began, solved = time.monotonic(), 0
         context = multiprocessing.get_context("spawn")

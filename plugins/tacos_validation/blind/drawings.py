@@ -107,12 +107,12 @@ def reliability_diagrams(cases: Sequence[Case]) -> list[Drawing]:
         for name, words, stated in (
             (
                 "present",
-                "Named effects by the presence stated: how often each was really there.",
+                "Named effects by the presence stated: how often each was there.",
                 presences(cases),
             ),
             (
                 "complete",
-                "Answers by the completeness stated: how often nothing withheld was left out.",
+                "Answers by the completeness stated: how often nothing was left out.",
                 completenesses(cases),
             ),
         )

@@ -1,4 +1,4 @@
-"""A bound on the time of a job, kept in the process that does it."""
+"""A bound on the processor time of a job, kept in the process that does it."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ class TimeIsUp(BaseException):
 
 @contextmanager
 def time_limit(seconds: float | None) -> Iterator[None]:
-    """Raise `TimeIsUp` in the body after so much time.
+    """Raise `TimeIsUp` in the body after so much processor time.
 
-    It works in the main thread, where systems tell of timers; elsewhere the body goes on, and what runs the
-    process bounds it.
+    Processor time, so that answers do not hang on what else the machine does; a job that waits forever is for
+    the time limit of its executor. It works in the main thread, where systems tell of timers; elsewhere the
+    body goes on.
 
     Parameters
     ----------
     seconds
-        The longest time; None for any [s].
+        The longest time, of all threads together; None for any [s].
     """
     bounded = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
     if seconds is None or not bounded:
@@ -33,10 +34,10 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     def stop(number: int, frame: FrameType | None) -> None:
         raise TimeIsUp
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)

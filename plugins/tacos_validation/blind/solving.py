@@ -110,7 +110,7 @@ class Worker:
     effects
         The catalogue.
     limit_s
-        Longest time for a job; past it there is no answer. None for any [s].
+        Longest processor time for a job; past it there is no answer. None for any [s].
     """
 
     effects: Effects
@@ -122,7 +122,7 @@ class Worker:
             with time_limit(self.limit_s):
                 return job.work(self.effects)
         except TimeIsUp:
-            return {"error": f"no answer within {self.limit_s:g} s"}
+            return {"error": f"no answer within {self.limit_s:g} s of processor time"}
         except Exception as error:  # noqa: BLE001 - whatever it is, the case is reported with it
             last = traceback.extract_tb(error.__traceback__)[-1]
             return {"error": f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"}

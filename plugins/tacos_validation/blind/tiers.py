@@ -19,7 +19,7 @@ APART = (
     frozenset({"defocus", "lens-blur", "motion-blur", "denoise"}),
     frozenset({"lens-distortion", "focal-length-error", "pose-error"}),
     frozenset({"exposure-error", "tone-curve", "nonlinearity"}),
-    frozenset({"dsnu", "prnu", "read-noise", "row-noise"}),
+    frozenset({"dsnu", "prnu", "read-noise", "row-noise", "defect-lines"}),
 )
 """Effects of one group never stand together in a case: two of them at once are no clear truth."""
 

@@ -115,7 +115,7 @@ def test_tiers_hold_what_they_are_asked_for() -> None:
     assert len({spec.case for spec in made}) == len(made)
     count = {tier: [o for o in made if o.tier == tier] for tier in ("T0", "T1", "T2", "T3", "T6", "T7")}
     assert len(count["T0"]) == 3
-    assert len([o for o in count["T1"] if o.captures == "charts"]) == 2 * 32
+    assert len([o for o in count["T1"] if o.captures == "charts"]) == 2 * len(CATALOGUE)
     assert {o.effects for o in count["T3"]} == {(name,) for name in CATALOGUE}
     assert all(o.removed == o.effects for o in count["T3"])
     assert all(2 <= len(set(o.effects)) <= 3 for o in count["T2"])
