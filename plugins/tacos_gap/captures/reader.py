@@ -17,6 +17,7 @@ from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry, F
 from tacos_gap.captures.files import CaptureFiles
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
+from tacos_gap.targets.expectation import with_own_expectations
 
 FILE = "captures.yaml"
 MAX_FRAMES = 6
@@ -65,7 +66,10 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     if faults:
         raise UserError(faults)
     limits = (*reader.limitations, *(text for capture in captures for text in limitations_of(capture)))
-    return CaptureFolder(path.parent, tuple(captures), limits)
+    usable, left_out = with_own_expectations(captures)
+    if not usable:
+        raise UserError([Fault(reader.where_of[text.partition(": ")[0]], text) for text in left_out])
+    return CaptureFolder(path.parent, usable, (*limits, *left_out))
 
 
 class _Reader:
@@ -167,12 +171,6 @@ class _Reader:
             )
         if entry.simulated is not None and entry.scene is not None:
             fault(("captures", i, "scene"), f"{entry.id!r} has both simulated and scene", "one of the two")
-        if entry.kind not in ("dark", "board", "edge") and entry.simulated is None and entry.scene is None:
-            fault(
-                ("captures", i),
-                f"{entry.id!r} has no simulated",
-                "the expected values: a file or a number; or scene, a recipe that renders them",
-            )
 
     # what is expected -------------------------------------------------------------------------------------
 
