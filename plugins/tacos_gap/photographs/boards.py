@@ -49,7 +49,9 @@ def board_of(pictures: Sequence[Picture], given: tuple[int, int] | None) -> Boar
     sizes = [given] if given else [size for size, _ in counted.most_common(_CANDIDATES)]
     greys = {picture: _grey(picture) for picture in pictures}
     found = [
-        BoardFound(size, {p: corners for p, grey in greys.items() if (corners := _corners(grey, size)) is not None})
+        BoardFound(
+            size, {p: corners for p, grey in greys.items() if (corners := _corners(grey, size)) is not None}
+        )
         for size in sizes
     ]
     best = max(found, key=lambda board: (len(board.corners_px), np.prod(board.inner_corners)))
@@ -63,7 +65,9 @@ def _grey(picture: Picture) -> NDArray[np.uint8]:
 
 
 def _corners(grey: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float32] | None:
-    seen, corners = cv2.findChessboardCorners(grey, size, flags=cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_FAST_CHECK)
+    seen, corners = cv2.findChessboardCorners(
+        grey, size, flags=cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_FAST_CHECK
+    )
     if not seen:
         seen, corners = cv2.findChessboardCornersSB(grey, size)
     return np.asarray(corners, np.float32).reshape(-1, 2) if seen else None

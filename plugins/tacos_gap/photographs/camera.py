@@ -187,7 +187,9 @@ def focal_px_of_views(
     grid[:, :2] = np.mgrid[:columns, :rows].T.reshape(-1, 2)
     flags = cv2.CALIB_FIX_ASPECT_RATIO | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3
     flags |= cv2.CALIB_FIX_PRINCIPAL_POINT
-    guess = np.array([[size_px[0], 0, (size_px[0] - 1) / 2], [0, size_px[0], (size_px[1] - 1) / 2], [0, 0, 1.0]])
+    guess = np.array(
+        [[size_px[0], 0, (size_px[0] - 1) / 2], [0, size_px[0], (size_px[1] - 1) / 2], [0, 0, 1.0]]
+    )
     views = [np.asarray(view, np.float32).reshape(-1, 1, 2) for view in corners_px]
     try:
         rms, matrix, *_ = cv2.calibrateCamera(

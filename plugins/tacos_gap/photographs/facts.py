@@ -99,7 +99,9 @@ def _of_exif(path: Path, *, needed: bool) -> dict[str, Any]:
         return {}
     exposure_s, plane = _number(tags.get(_EXPOSURE)), _number(tags.get(_PLANE_X))
     return {
-        "camera": " ".join(dict.fromkeys(_text(tags.get(tag)) for tag in (_MAKE, _MODEL) if _text(tags.get(tag)))),
+        "camera": " ".join(
+            dict.fromkeys(_text(tags.get(tag)) for tag in (_MAKE, _MODEL) if _text(tags.get(tag)))
+        ),
         "exposure_ms": exposure_s and exposure_s * 1e3,
         "f_number": _number(tags.get(_F_NUMBER)),
         "focal_length_mm": _number(tags.get(_FOCAL)),

@@ -46,7 +46,9 @@ def stacks_of(pictures: Sequence[Picture]) -> list[Stack]:
     stacks: list[Stack] = []
     for picture in pictures:
         kind = picture.shown.kind
-        home = next((stack for stack in stacks if _belongs(stack, picture)), None) if kind != "board" else None
+        home = (
+            next((stack for stack in stacks if _belongs(stack, picture)), None) if kind != "board" else None
+        )
         if home is None:
             stacks.append(Stack(kind, [picture]))
         else:

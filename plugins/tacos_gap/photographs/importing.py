@@ -48,7 +48,10 @@ class Imported:
 
 
 def import_photographs(
-    sources: Sequence[Path], out: Path, given: Given | None = None, notify: Callable[[str], None] | None = None
+    sources: Sequence[Path],
+    out: Path,
+    given: Given | None = None,
+    notify: Callable[[str], None] | None = None,
 ) -> Imported:
     """Sort photographs, copy them into a new folder, and write its ``captures.yaml``.
 
@@ -70,7 +73,9 @@ def import_photographs(
     """
     given = given or Given()
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise UserError(Fault(str(out), "is not empty", "a folder that is new or empty", "Name another --out."))
+        raise UserError(
+            Fault(str(out), "is not empty", "a folder that is new or empty", "Name another --out.")
+        )
     paths, doubts = _pictures_in(sources)
     pictures = _looked_at(paths, given, notify or (lambda text: None))
     size, others = _usual_size(pictures)
@@ -96,7 +101,9 @@ def import_photographs(
 
 def _pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
     """Files of pictures, and sentences on what was passed over."""
-    missing = [Fault(str(source), "is neither a file nor a folder") for source in sources if not source.exists()]
+    missing = [
+        Fault(str(source), "is neither a file nor a folder") for source in sources if not source.exists()
+    ]
     if missing:
         raise UserError(missing)
     found = [
@@ -141,7 +148,7 @@ def _usual_size(pictures: Sequence[Picture]) -> tuple[tuple[int, int], list[Pict
 def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> Iterator[str]:
     for stack in stacks:
         for picture in stack.pictures:
-            if picture.shown.doubt:
+            if picture.shown.doubt and picture.shown.kind == stack.kind:
                 yield f"{picture.path.name}: {picture.shown.doubt}"
     untimed = [stack.first.path.name for stack in stacks if stack.first.facts.exposure_ms is None]
     if untimed:

@@ -84,5 +84,7 @@ def _bits(image: NDArray[np.generic], facts: Facts) -> int:
 
 def _has_lattice(plane: NDArray[np.generic]) -> bool:
     """Whether the four phases of two by two pixels have other means."""
-    phases = np.array([float(np.asarray(plane[r::2, c::2], np.float64).mean()) for r in (0, 1) for c in (0, 1)])
+    phases = np.array(
+        [float(np.asarray(plane[r::2, c::2], np.float64).mean()) for r in (0, 1) for c in (0, 1)]
+    )
     return bool(np.ptp(phases) > _LATTICE * max(float(phases.mean()), 4.0))

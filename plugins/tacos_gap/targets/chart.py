@@ -20,6 +20,7 @@ CLEARLY = 0.7
 """Misfit of a curve over that of a line with an offset below which the neutral patches are taken to lie on the
 curve. Gloss and the chart's age (the reference is good to 2 %) bend a line by a little."""
 
+
 @dataclass(frozen=True, eq=False)
 class ChartLight:
     """What the neutral patches tell of light and response.

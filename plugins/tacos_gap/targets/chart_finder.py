@@ -134,7 +134,9 @@ def _steepness(image: NDArray[np.float32]) -> NDArray[np.float32]:
 def _nearly_square(quad: NDArray[np.int32], area: float) -> bool:
     sides = np.linalg.norm(np.diff(quad, axis=0, append=quad[:1]).astype(float), axis=1)
     own = abs(cv2.contourArea(quad))
-    return bool(sides.min() > 0.55 * sides.max() and 0.8 * own < area < 1.25 * own and own > 0.5 * sides.min() ** 2)
+    return bool(
+        sides.min() > 0.55 * sides.max() and 0.8 * own < area < 1.25 * own and own > 0.5 * sides.min() ** 2
+    )
 
 
 def _in_order(quad: NDArray[np.float64]) -> NDArray[np.float64]:

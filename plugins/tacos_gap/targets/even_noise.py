@@ -53,9 +53,7 @@ def even_noise(capture: RealCapture) -> Noise | None:
     return Noise(tuple(photon), tuple(thermal), known=False)
 
 
-def _even(
-    expected: NDArray[np.float32], valid: NDArray[np.bool_], step_dn: float
-) -> NDArray[np.bool_]:
+def _even(expected: NDArray[np.float32], valid: NDArray[np.bool_], step_dn: float) -> NDArray[np.bool_]:
     """(H, W) where a target is even and the blur of its edges does not reach."""
     level = np.ascontiguousarray(expected.max(axis=-1))
     near = np.ones((3, 3), np.uint8)
@@ -69,9 +67,7 @@ def _mean(plane: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(cv2.blur(plane, (WINDOW_PX, WINDOW_PX), borderType=cv2.BORDER_REFLECT))
 
 
-def _line(
-    signal: NDArray[np.float32], square: NDArray[np.float32], span: float
-) -> tuple[float, float]:
+def _line(signal: NDArray[np.float32], square: NDArray[np.float32], span: float) -> tuple[float, float]:
     """Slope and intercept of variance over signal; no slope where all is of one level."""
     edges = np.quantile(signal, np.linspace(0, 1, 9))
     which = np.clip(np.searchsorted(edges, signal, side="right") - 1, 0, 7)

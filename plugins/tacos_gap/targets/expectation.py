@@ -80,13 +80,17 @@ def _with_noise(capture: RealCapture, pooled: Noise | None) -> RealCapture:
         return capture
     context = capture.context
     single = capture.frames == 1 and capture.kind in ("edge", "chart", "flat")
-    own = pooled or (even_noise(capture) if single else None) or estimate_noise(
-        capture.real_dn,
-        capture.expected_dn,
-        capture.valid,
-        context.black_level_dn,
-        context.white_level_dn,
-        mosaic=context.cfa is not None,
+    own = (
+        pooled
+        or (even_noise(capture) if single else None)
+        or estimate_noise(
+            capture.real_dn,
+            capture.expected_dn,
+            capture.valid,
+            context.black_level_dn,
+            context.white_level_dn,
+            mosaic=context.cfa is not None,
+        )
     )
     return replace(capture, noise=own)
 
