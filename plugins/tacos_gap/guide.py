@@ -53,8 +53,8 @@ STEPS = (
         "a wall",
         (
             "Plain paper that fills the view, out of focus, lit from afar; no shadow of yours.",
-            "Four pictures each as bright as a fifth, half and four fifths of the scale: dim the lamp, or take the "
-            "times for a bracket.",
+            "Four pictures each as bright as a fifth, half and four fifths of the scale: dim the lamp, or "
+            "take the times for a bracket.",
             "Then four more with the camera turned by 90 degrees: what turns with it is the lens.",
         ),
         "vignetting, shading correction, photon noise, fixed patterns, crosstalk, denoising, flicker",
@@ -65,8 +65,8 @@ STEPS = (
         "any view that stands still, from lamp to shadow",
         (
             "Camera on a tripod or a table; aperture, ISO and light stay.",
-            "Two pictures each at four exposure times or more, each double or four times the last, up to where "
-            "bright parts clip.",
+            "Two pictures each at four exposure times or more, each double or four times the last, up to "
+            "where bright parts clip.",
         ),
         "tone curve, nonlinearity, saturation",
     ),
@@ -85,7 +85,8 @@ STEPS = (
         5,
         "a chessboard, glued to something flat",
         (
-            "Five views or more that reach the corners of the picture, tilted by 20 to 40 degrees to different sides.",
+            "Five views or more that reach the corners of the picture, tilted by 20 to 40 degrees to "
+            "different sides.",
             "The whole board is in every picture, its white border too.",
         ),
         "distortion, focal length",
@@ -104,8 +105,8 @@ STEPS = (
 
 PREPARE = (
     "Switch off what adapts: exposure, gain, white balance, focus, lens corrections.",
-    "Save RAW, or the least processed files there are. What a camera does to JPEG files is found, too, but hides "
-    "the sensor.",
+    "Save RAW, or the least processed files there are. What a camera does to JPEG files is found, too, but "
+    "hides the sensor.",
     "Keep focus and zoom; let the camera warm up. Lamps flicker: direct-current LEDs or daylight.",
 )
 

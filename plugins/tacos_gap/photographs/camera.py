@@ -150,8 +150,8 @@ def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -
         yield f"The pictures are of several cameras: {', '.join(cameras)}. Import one camera at a time."
     if any(f.lossy for f in facts):
         yield (
-            "The files are lossy, and what a camera does to such files (tone curve, denoising, sharpening, JPEG) will "
-            "be among the causes. RAW files tell more of sensor and lens."
+            "The files are lossy, and what a camera does to such files (tone curve, denoising, sharpening, "
+            "JPEG) will be among the causes. RAW files tell more of sensor and lens."
         )
     if software := sorted({f.software for f in facts if f.software and not f.raw}):
         yield f"Written by {', '.join(software)}: make sure that nothing was edited, resized or rotated."
@@ -164,10 +164,14 @@ def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -
     if any(f.time_from_name for f in facts):
         yield "Exposure times were read from the names of files."
     if channels == 1 and entry.get("cfa") is None and any(picture.lattice for picture in pictures):
-        yield "Neighbouring pixels differ as behind colour filters: if this is a mosaic, say which (--cfa GRBG)."
+        yield (
+            "Neighbouring pixels differ as behind colour filters: if this is a mosaic, say which "
+            "(--cfa GRBG)."
+        )
     if entry["bit_depth"] > 8 and "white_level_dn" not in entry:
         yield (
-            f"No value reaches beyond {entry['bit_depth']} bits: if the camera has more, say so (--bit-depth)."
+            f"No value needs more than {entry['bit_depth']} bits: if the camera has more, say so "
+            f"(--bit-depth)."
         )
     if max(entry["width_px"], entry["height_px"]) > 4000:
         yield "The pictures are large: a diagnosis will take its time, and four frames of each are plenty."

@@ -114,7 +114,7 @@ def _of_exif(path: Path, *, needed: bool) -> dict[str, Any]:
 
 
 def _pitch_um(tags: dict[Any, Any], per_unit: float | None, width: int, height: int) -> float | None:
-    """Pitch of the file's pixels, by the resolution in the focal plane or the focal length it would be in 35 mm.
+    """Pitch of the file's pixels by the resolution in the focal plane, or by the equivalent focal length.
 
     Files made smaller have larger pixels, in proportion to the width that the camera noted.
     """

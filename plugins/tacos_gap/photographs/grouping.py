@@ -39,9 +39,9 @@ class Stack:
 def stacks_of(pictures: Sequence[Picture]) -> list[Stack]:
     """Captures that pictures make.
 
-    Pictures are one capture if they show the same at the same settings. Of views that differ by their exposure
-    time alone a bracket is made; a wall's stays a wall as well at the time that fills half of the scale,
-    since brackets say nothing of shading.
+    Pictures are one capture if they show the same at the same settings. Of views that differ by their
+    exposure time alone a bracket is made; a wall's stays a wall as well at the time that fills half of the
+    scale, since brackets say nothing of shading.
     """
     stacks: list[Stack] = []
     for picture in pictures:

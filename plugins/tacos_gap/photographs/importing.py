@@ -153,23 +153,24 @@ def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> 
     untimed = [stack.first.path.name for stack in stacks if stack.first.facts.exposure_ms is None]
     if untimed:
         yield (
-            f"{len(untimed)} pictures do not say how long they were exposed ({untimed[0]}, ...): darks need it, "
-            f"brackets are found by it. Write exposure_ms, or put it into the names (dark_10ms.png)."
+            f"{len(untimed)} pictures do not say how long they were exposed ({untimed[0]}, ...): darks need "
+            f"it, brackets are found by it. Write exposure_ms, or put it into the names (dark_10ms.png)."
         )
     if board is not None and given.inner_corners is None:
         columns, rows = board.inner_corners
         yield f"The chessboard seems to have {columns} x {rows} inner corners (--board {columns}x{rows})."
     if board is not None and given.square_mm is None:
         yield (
-            f"The squares of the chessboard are taken to be {USUAL_SQUARE_MM:g} mm (--square-mm); distances hang "
-            f"on it, the lens does not."
+            f"The squares of the chessboard are taken to be {USUAL_SQUARE_MM:g} mm (--square-mm); distances "
+            f"hang on it, the lens does not."
         )
     scenes = [stack for stack in stacks if stack.kind == "scene"]
     if scenes:
         names = ", ".join(stack.first.path.name for stack in scenes[:3])
         yield (
-            f"{len(scenes)} pictures show neither cap, wall, bracket, edge, chessboard nor ColorChecker ({names}): "
-            f"nothing is known of what they should look like, so they are left unused until `simulated` says it."
+            f"{len(scenes)} pictures show neither cap, wall, bracket, edge, chessboard nor ColorChecker "
+            f"({names}): nothing is known of what they should look like, so they are left unused until "
+            f"`simulated` says it."
         )
 
 

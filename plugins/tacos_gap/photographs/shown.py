@@ -161,7 +161,7 @@ def _board(eight: NDArray[np.uint8]) -> tuple[int, int] | None:
 
 
 def _two_levels(grey: NDArray[np.float32]) -> bool:
-    level, binary = cv2.threshold(_eight_bit(grey), 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    _, binary = cv2.threshold(_eight_bit(grey), 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
     bright = binary.astype(bool)
     if not 0.1 < bright.mean() < 0.9:
         return False

@@ -1,1 +1,1 @@
-"""Targets that need no simulation: what pictures of a wall, an edge, a chart, a bracket expect of themselves."""
+"""Targets that need no simulation: wall, edge, chart and bracket expect of themselves what they are."""

@@ -17,8 +17,8 @@ NEUTRALS = slice(18, 24)
 """The patches from white to black."""
 
 CLEARLY = 0.7
-"""Misfit of a curve over that of a line with an offset below which the neutral patches are taken to lie on the
-curve. Gloss and the chart's age (the reference is good to 2 %) bend a line by a little."""
+"""Misfit of a curve over that of a line with an offset below which the neutral patches are taken to lie on
+the curve. Gloss and the chart's age (the reference is good to 2 %) bend a line by a little."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,7 +72,8 @@ def find_chart(rgb: NDArray[np.floating], reference: NDArray[np.float64]) -> Fou
         None where fewer than `_FEWEST_PATCHES` patches stand on a lattice, or colours are not a chart's.
     """
     scale = min(1.0, _WORKING_PX / max(rgb.shape[:2]))
-    small = cv2.resize(np.asarray(rgb, np.float32), None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    whole = np.asarray(rgb, np.float32)
+    small = np.asarray(cv2.resize(whole, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), np.float32)
     quads = _four_sided(small)
     if len(quads) < _FEWEST_PATCHES:
         return None
@@ -131,7 +132,7 @@ def _steepness(image: NDArray[np.float32]) -> NDArray[np.float32]:
     return steepest
 
 
-def _nearly_square(quad: NDArray[np.int32], area: float) -> bool:
+def _nearly_square(quad: NDArray[np.number], area: float) -> bool:
     sides = np.linalg.norm(np.diff(quad, axis=0, append=quad[:1]).astype(float), axis=1)
     own = abs(cv2.contourArea(quad))
     return bool(
@@ -236,8 +237,7 @@ def _grown(
 
 def _orders(columns: int, rows: int) -> list[NDArray[np.int64]]:
     """(24, 2) places of the chart's patches on a lattice, for each way to turn it; it is never mirrored."""
-    column, row = np.meshgrid(np.arange(COLUMNS), np.arange(ROWS))
-    column, row = column.ravel(), row.ravel()
+    column, row = (places.ravel() for places in np.meshgrid(np.arange(COLUMNS), np.arange(ROWS)))
     if columns == COLUMNS:
         ways = ((column, row), (columns - 1 - column, rows - 1 - row))
     else:
@@ -263,7 +263,7 @@ def _patch_corners(
 def _likeness(
     image: NDArray[np.float32], corners: NDArray[np.float64], reference: NDArray[np.float64]
 ) -> float:
-    """Correlation of logarithmic colours with the reference, each channel about its mean: light is unknown."""
+    """Correlation of logarithmic colours with the reference, each channel about its mean."""
     height, width = image.shape[:2]
     boxes = FoundChart(corners, 0.0).boxes()
     if (boxes[:, :2] < 0).any() or (boxes[:, :2] + boxes[:, 2:] > [width, height]).any():

@@ -49,8 +49,8 @@ def with_own_expectations(
     Returns
     -------
     tuple
-        The captures that have an expectation or need none, in their order; and a sentence for each that was left
-        out.
+        The captures that have an expectation or need none, in their order; and a sentence for each that was
+        left out.
     """
     noise = {gain: pooled_noise(members) for gain, members in _by_gain(captures).items()}
     found = {each.capture.id: each for each in _brackets(captures)}
@@ -107,8 +107,8 @@ def _expected(capture: RealCapture) -> Expected:
         return _chart(capture)
     return Expected(
         capture,
-        f"nothing says what a {capture.kind} should look like; it is left out. Give `simulated`, or a `scene` "
-        f"recipe that renders it.",
+        f"nothing says what a {capture.kind} should look like; it is left out. Give `simulated`, or a "
+        f"`scene` recipe that renders it.",
     )
 
 

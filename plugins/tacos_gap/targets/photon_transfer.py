@@ -31,7 +31,7 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     Returns
     -------
     Noise or None
-        With ``known`` False, as it says nothing of the simulator; None where the captures span too few levels.
+        With ``known`` False, as it says nothing of the simulator; None where captures span too few levels.
     """
     still = [each for each in captures if each.frames > 1 and each.kind != "sequence"]
     if not still:

@@ -60,7 +60,7 @@ def find_edge(plane: NDArray[np.floating]) -> SlantedEdge | None:
     image = np.asarray(plane, np.float32)
     if min(image.shape) < 16:
         return None
-    smooth = cv2.GaussianBlur(image, (0, 0), 1.0)
+    smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), 1.0), np.float32)
     low, high = np.percentile(smooth, (5, 95))
     if high - low < 4 * max(float(np.std(image - smooth)), 1e-6):
         return None
@@ -140,7 +140,7 @@ def edge_sfr(plane: NDArray[np.floating], edge: SlantedEdge) -> tuple[NDArray[np
     difference = np.sinc(2 * frequency / OVERSAMPLING)  # of a central difference over two bins
     used = frequency <= 1.0
     response = transform[used] / transform[0] / np.maximum(difference[used], 0.1)
-    return frequency[used], response
+    return frequency[used], np.asarray(response, np.float64)
 
 
 def mtf50_cycles_px(plane: NDArray[np.floating], edge: SlantedEdge) -> float:
