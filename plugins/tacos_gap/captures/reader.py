@@ -17,7 +17,6 @@ from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry, F
 from tacos_gap.captures.files import CaptureFiles
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
-from tacos_gap.targets.expectation import with_own_expectations
 
 FILE = "captures.yaml"
 MAX_FRAMES = 6
@@ -65,6 +64,8 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     faults = [*reader.files.faults, *order_faults(captures, reader.where_of)]
     if faults:
         raise UserError(faults)
+    from tacos_gap.targets.expectation import with_own_expectations  # targets build on captures
+
     limits = (*reader.limitations, *(text for capture in captures for text in limitations_of(capture)))
     usable, left_out = with_own_expectations(captures)
     if not usable:

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.targets.chart import reference_colours
-from tacos_gap.targets.chart_finder import find_chart
+from tacos_gap.targets.chart import find_chart
 from tacos_gap.targets.slanted_edge import find_edge
+from tacos_gap.targets.wall import shading
 
 DARK_SHARE = 0.1
 """Level over full scale below which a picture without structure shows the cap: pedestals lie at 6 %."""
@@ -22,9 +22,9 @@ _FEWEST_CORNERS = 20
 """Corners below which text and tiles are taken for chessboards too often."""
 
 THUMBNAIL = (48, 64)
-_WORKING_PX = 1200
+_WORKING_PX = 1000
 _EVEN = 0.04
-"""Structure finer than a tenth of the picture over its level up to which it shows an even surface."""
+"""Departure from smooth shading, over the level, up to which a picture shows an even surface."""
 
 _SIDES = 0.85
 """Share of pixels close to one of two levels from which on a picture shows sharp edges of a print."""
@@ -82,7 +82,7 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> S
     eight = _eight_bit(grey)
     if (corners := _board(eight)) is not None:
         return replace(seen, kind="board", corners=corners)
-    if signal.shape[-1] == 3 and find_chart(signal, reference_colours()) is not None:
+    if signal.shape[-1] == 3 and find_chart(signal) is not None:
         return replace(seen, kind="chart")
     if find_edge(grey) is not None:
         return replace(seen, kind="edge")
@@ -131,14 +131,12 @@ def _is_dark(grey: NDArray[np.float32]) -> bool:
 
 
 def _unevenness(grey: NDArray[np.float32]) -> float:
-    """Spread, over the level, of what is finer than a tenth of the picture and coarser than its noise."""
+    """How far a picture departs, over the level, from the smooth shading that lens and lamp give a wall."""
     fine = cv2.GaussianBlur(grey, (0, 0), 2.0)
-    size = max(3, min(grey.shape) // 10)
-    coarse = cv2.GaussianBlur(grey, (0, 0), size)
-    inside = fine > 0.2 * float(np.percentile(fine, 99))
-    departure = np.abs(fine - coarse)[inside] / np.maximum(coarse[inside], 1e-3)
-    share_lost = 1 - float(inside.mean())
-    return float(np.percentile(departure, 99)) + share_lost
+    smooth = shading(np.ascontiguousarray(grey))
+    lit = smooth > 0.1 * float(np.percentile(smooth, 99))
+    departure = np.abs(fine - smooth)[lit] / smooth[lit]
+    return float(np.percentile(departure, 99)) + 1 - float(lit.mean())
 
 
 def _sharpness(grey: NDArray[np.float32]) -> float:

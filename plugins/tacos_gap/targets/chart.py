@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import RealCapture
-from tacos_gap.targets.chart_finder import FoundChart, find_chart
+from tacos_gap.targets.chart_finder import FoundChart, find_lattice, read_as_chart
 from tacos_worlds.bench.colour_chart import reflectances
 
 NEUTRALS = slice(18, 24)
@@ -47,11 +47,10 @@ def reference_colours() -> NDArray[np.float64]:
     return np.maximum(np.array(list(reflectances().values())), 1e-3)
 
 
-def chart_in(capture: RealCapture) -> FoundChart | None:
-    """The ColorChecker that the frames of a capture show; None where none is found."""
-    if capture.real_dn.shape[-1] != 3:
-        return None
-    return find_chart(capture.real_dn.mean(axis=0) - capture.context.black_level_dn, reference_colours())
+def find_chart(rgb: NDArray[np.floating]) -> FoundChart | None:
+    """The ColorChecker that a picture shows, (H, W, 3) values above the pedestal; None where there is none."""
+    lattice = find_lattice(rgb)
+    return None if lattice is None else read_as_chart(lattice, reference_colours())  # slow to import
 
 
 def patch_colours(capture: RealCapture, boxes: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -56,20 +56,35 @@ class FoundChart:
         return np.column_stack([corner, size, size]).astype(np.int64)
 
 
-def find_chart(rgb: NDArray[np.floating], reference: NDArray[np.float64]) -> FoundChart | None:
-    """Find the ColorChecker of a picture.
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """Four-sided areas of a picture that stand on one lattice, as patches of a chart do.
+
+    Parameters
+    ----------
+    image
+        (H, W, 3) the picture, made smaller.
+    scale
+        Its size over the picture's.
+    quads_px
+        (K, 4, 2) corners of the areas in it [px].
+    places
+        (K, 2) column and row on the lattice, from 0.
+    """
+
+    image: NDArray[np.float32]
+    scale: float
+    quads_px: NDArray[np.float64]
+    places: NDArray[np.int64]
+
+
+def find_lattice(rgb: NDArray[np.floating]) -> Lattice | None:
+    """The largest lattice of even, four-sided areas; None with fewer than `_FEWEST_PATCHES`.
 
     Parameters
     ----------
     rgb
         (H, W, 3) values above the pedestal, of any response and white balance.
-    reference
-        (24, 3) linear colours of its patches, in order.
-
-    Returns
-    -------
-    FoundChart or None
-        None where fewer than `_FEWEST_PATCHES` patches stand on a lattice, or colours are not a chart's.
     """
     scale = min(1.0, _WORKING_PX / max(rgb.shape[:2]))
     whole = np.asarray(rgb, np.float32)
@@ -77,28 +92,39 @@ def find_chart(rgb: NDArray[np.floating], reference: NDArray[np.float64]) -> Fou
     quads = _four_sided(small)
     if len(quads) < _FEWEST_PATCHES:
         return None
-    lattice = _largest_lattice(quads.mean(axis=1), _side_of(quads))
-    if lattice is None:
+    found = _largest_lattice(quads.mean(axis=1), _side_of(quads))
+    if found is None:
         return None
-    members, places = lattice
-    extent = places.max(axis=0) - places.min(axis=0) + 1
+    members, places = found
+    return Lattice(small, scale, quads[members], places - places.min(axis=0))
+
+
+def read_as_chart(lattice: Lattice, reference: NDArray[np.float64]) -> FoundChart | None:
+    """The ColorChecker that a lattice is, whichever way it lies; None where its colours are not a chart's.
+
+    Parameters
+    ----------
+    lattice
+        What `find_lattice` found.
+    reference
+        (24, 3) linear colours of the patches, in order.
+    """
+    extent = lattice.places.max(axis=0) + 1
+    centres = lattice.quads_px.mean(axis=1)
     best: FoundChart | None = None
-    for turned in (False, True):
-        columns, rows = (ROWS, COLUMNS) if turned else (COLUMNS, ROWS)
+    for columns, rows in ((COLUMNS, ROWS), (ROWS, COLUMNS)):
         if extent[0] > columns or extent[1] > rows:
             continue
         for shift in product(range(columns - extent[0] + 1), range(rows - extent[1] + 1)):
-            at = places - places.min(axis=0) + np.array(shift)
-            homography, _ = cv2.findHomography(
-                at.astype(np.float64), quads[members].mean(axis=1), cv2.RANSAC, 3.0
-            )
+            at = lattice.places + np.array(shift)
+            homography, _ = cv2.findHomography(at.astype(np.float64), centres, cv2.RANSAC, 3.0)
             if homography is None:
                 continue
             for order in _orders(columns, rows):
-                corners = _patch_corners(order, quads[members], at, homography)
-                likeness = _likeness(small, corners, reference)
+                corners = _patch_corners(order, lattice.quads_px, at, homography)
+                likeness = _likeness(lattice.image, corners, reference)
                 if best is None or likeness > best.likeness:
-                    best = FoundChart((corners + 0.5) / scale - 0.5, likeness)
+                    best = FoundChart((corners + 0.5) / lattice.scale - 0.5, likeness)
     return best if best is not None and best.likeness > LIKENESS else None
 
 

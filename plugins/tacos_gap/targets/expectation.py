@@ -14,7 +14,7 @@ from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.targets.bracket import expected_of, measure_bracket
-from tacos_gap.targets.chart import chart_in, expected_patches, light_on, patch_colours, reference_colours
+from tacos_gap.targets.chart import expected_patches, find_chart, light_on, patch_colours, reference_colours
 from tacos_gap.targets.even_noise import even_noise
 from tacos_gap.targets.photon_transfer import pooled_noise
 from tacos_gap.targets.slanted_edge import find_edge, sharp_edge
@@ -153,7 +153,7 @@ def _chart(capture: RealCapture) -> Expected:
         return Expected(replace(capture, expected_dn=expected, valid=capture.valid & inside))
     if capture.real_dn.shape[-1] != 3:
         return Expected(capture, "a chart needs a picture in colour; it is left out.")
-    found = chart_in(capture)
+    found = find_chart(capture.real_dn.mean(axis=0) - capture.context.black_level_dn)
     if found is None:
         return Expected(
             capture,

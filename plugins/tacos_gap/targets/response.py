@@ -22,6 +22,9 @@ processed bracket by less than two percent between codes that were seen."""
 _LEAST_CODE = 0.004
 """Code over full scale below which rounding hides ratios: one of 255."""
 
+_BRIGHT = 0.04
+"""Code over full scale from which on logarithms of noisy codes are unbiased: ten of 255, at noise of one."""
+
 _BINS = 60
 
 
@@ -89,7 +92,8 @@ def fit_response(
     left = np.vstack([rows, bends, anchor])
     right = np.concatenate([departure * np.sqrt(weight), np.zeros(KNOTS - 2 + 1)])
     bend, *_ = np.linalg.lstsq(left, right, rcond=None)
-    if np.sqrt(np.average((_hats(low, knots) @ (bend - bend[-1])) ** 2, weights=weight)) < LINEAR_WITHIN:
+    bright = low > np.log(_BRIGHT)
+    if not bright.any() or np.ptp(_hats(low[bright], knots) @ bend) < 2 * LINEAR_WITHIN:
         return straight
     return Response(knots, np.maximum.accumulate(knots + bend - bend[-1]), linear=False)
 
