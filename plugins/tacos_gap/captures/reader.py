@@ -64,8 +64,13 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     faults = [*reader.files.faults, *order_faults(captures, reader.where_of)]
     if faults:
         raise UserError(faults)
+    from tacos_gap.targets.expectation import with_own_expectations  # targets build on captures
+
     limits = (*reader.limitations, *(text for capture in captures for text in limitations_of(capture)))
-    return CaptureFolder(path.parent, tuple(captures), limits)
+    usable, left_out = with_own_expectations(captures)
+    if not usable:
+        raise UserError([Fault(reader.where_of[text.partition(": ")[0]], text) for text in left_out])
+    return CaptureFolder(path.parent, usable, (*limits, *left_out))
 
 
 class _Reader:
@@ -167,12 +172,6 @@ class _Reader:
             )
         if entry.simulated is not None and entry.scene is not None:
             fault(("captures", i, "scene"), f"{entry.id!r} has both simulated and scene", "one of the two")
-        if entry.kind not in ("dark", "board", "edge") and entry.simulated is None and entry.scene is None:
-            fault(
-                ("captures", i),
-                f"{entry.id!r} has no simulated",
-                "the expected values: a file or a number; or scene, a recipe that renders them",
-            )
 
     # what is expected -------------------------------------------------------------------------------------
 

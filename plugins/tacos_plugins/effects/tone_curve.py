@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -12,6 +12,7 @@ from pydantic import model_validator
 from scipy.interpolate import PchipInterpolator
 
 from tacos_framework.contracts import LookAlike, ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, of_kind
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
@@ -19,6 +20,12 @@ from tacos_plugins.effects.pointwise import Moments, moments_behind
 from tacos_plugins.effects.shown_by import BRACKET
 
 _STEPS = 4096  # of the table that stands for the cubic
+
+_KNOTS = (0.02, 0.06, 0.15, 0.3, 0.5, 0.75)
+"""Signals at which a curve is guessed: closer in the shadows, where curves for a display bend most."""
+
+_BENT = 0.05
+"""Departure of a guessed exponent from 1 below which captures suggest no curve."""
 
 
 class ToneCurve:
@@ -85,6 +92,27 @@ class ToneCurve:
     def __init__(self, config: Config) -> None:
         self.config = config
 
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The curve on which middle codes stand over expected signals, of brackets and charts alone.
+
+        Captures of one level say nothing of a curve, and uneven light would be taken for one.
+        """
+        signal, code = _codes_over_signals(of_kind(captures, "bracket", "chart"))
+        if signal.size < 100 or np.ptp(np.log(signal)) < 1:
+            return
+        gamma = float(np.polyfit(np.log(signal), np.log(code), 1)[0])
+        if not abs(gamma - 1) > _BENT:
+            return
+        yield {"gamma": float(np.clip(gamma, 0.2, 5.0))}
+        near = [code[np.abs(np.log(signal / knot)) < 0.2] for knot in _KNOTS]
+        heights = [
+            float(np.median(each)) if each.size > 10 else knot**gamma
+            for knot, each in zip(_KNOTS, near, strict=True)
+        ]
+        heights = np.clip(np.maximum.accumulate(heights), 0.0, 1.0).tolist()
+        yield {"knots": ((0.0, 0.0), *zip(_KNOTS, heights, strict=True), (1.0, 1.0))}
+
     @property
     def _bends(self) -> bool:
         return self.config.gamma != 1 or self.config.knots is not None
@@ -134,3 +162,19 @@ class ToneCurve:
         if not self._bends:
             return mean_dn, variance_dn2
         return moments_behind(lambda x: self._bent(x, context), mean_dn, variance_dn2)
+
+
+def _codes_over_signals(captures: Captures) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Expected signals and middle codes of pixels that are neither clipped nor dark, both over full scale."""
+    signals, codes = [np.zeros(0)], [np.zeros(0)]
+    for capture in captures:
+        if capture.expected_dn is None:
+            continue
+        black = capture.context.black_level_dn
+        span = capture.context.white_level_dn - black
+        signal = (capture.expected_dn.mean(axis=0)[capture.valid].ravel() - black)[::11] / span
+        code = (capture.real_dn.mean(axis=0)[capture.valid].ravel() - black)[::11] / span
+        used = (signal > 0.005) & (signal < 1) & (code > 0.01) & (code < 0.97)
+        signals.append(signal[used])
+        codes.append(code[used])
+    return np.concatenate(signals), np.concatenate(codes)
