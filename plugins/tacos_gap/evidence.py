@@ -99,6 +99,7 @@ class ImageEvidence:
         assert capture.expected_dn is not None
         self.capture = capture
         self._seed = seed
+        self._kept: dict[tuple[str, int], NDArray[np.float64]] = {}
         blocks = measure(Sample(capture, capture.real_dn, capture.expected_dn))
         self.labels = [
             Label(capture.id, capture.kind, block.statistic, block.stage, at)
@@ -147,6 +148,13 @@ class ImageEvidence:
         return self._simulated(effects, 0)
 
     def _simulated(self, effects: Sequence[PlacedEffect], draw: int) -> NDArray[np.float64]:
+        """(K,) statistics of a draw with these effects, simulated once for residuals and replicates alike."""
+        key = repr([(effect.use, effect.config) for effect in effects]), draw
+        if key not in self._kept:
+            self._kept[key] = self._measured(effects, draw)
+        return self._kept[key]
+
+    def _measured(self, effects: Sequence[PlacedEffect], draw: int) -> NDArray[np.float64]:
         capture = self.capture
         frames = simulate(capture, effects, self._draws_of(draw))
         assert capture.expected_dn is not None
