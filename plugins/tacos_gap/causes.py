@@ -75,7 +75,7 @@ def causes_of(
         rest = tuple(name for name in best.names if name != term.name)
         alone = values[(term.name,)]
         own = values[best.names] - values[rest] if len(best.names) > 1 else values[best.names]
-        probabilities = slot_probabilities(attribution.slots[term.name])
+        probabilities = attribution.probabilities(term.name)
         rivals = sorted(
             (n for n in probabilities if n not in ("", term.name)), key=lambda n: -probabilities[n]
         )
@@ -139,7 +139,7 @@ def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> 
             half = float(reach[name])
             ends = (as_fine_as(half, value - half), as_fine_as(half, value + half))
             found[name] = Parameter(as_fine_as(half, value), ends, unit_of(term.cls.Config, name))
-        elif name == "matrix":
+        elif isinstance(value, tuple):
             rows = [[short(v) for v in row] for row in value]
             found[name] = Parameter(rows, None, unit_of(term.cls.Config, name))
         else:
@@ -195,14 +195,6 @@ def _evidence(
 # sets -----------------------------------------------------------------------------------------------------
 
 
-def slot_probabilities(scores: Mapping[str, float]) -> dict[str, float]:
-    """Probability of each effect in one place of the explanation, from log scores on held-out conditions."""
-    names = list(scores)
-    values = np.array([scores[name] for name in names])
-    weights = np.exp(np.clip(values - values.max(), -700, 0))
-    return dict(zip(names, (weights / weights.sum()).tolist(), strict=True))
-
-
 def cause_set_of(
     causes: Sequence[Cause],
     attribution: Attribution,
@@ -213,7 +205,7 @@ def cause_set_of(
     chosen: list[str] = []
     wanted: NextCapture | None = None
     for cause in causes:
-        probabilities = slot_probabilities(attribution.slots[cause.effect])
+        probabilities = attribution.probabilities(cause.effect)
         held = 0.0
         for name in sorted(probabilities, key=lambda n: -probabilities[n]):
             if name and name not in chosen:

@@ -49,6 +49,8 @@ class Fitted:
         Log score on held-out conditions [nat]; higher is better.
     held_out
         (K,) residuals where each half is predicted with parameters fitted on the other [noise floor].
+    draws
+        How many simulations `z` is the mean of.
     """
 
     hypothesis: Hypothesis
@@ -57,6 +59,7 @@ class Fitted:
     steps: NDArray[np.float64]
     score: float
     held_out: NDArray[np.float64]
+    draws: int = 1
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -81,14 +84,16 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
 def finished(problem: Problem, fitted: Fitted) -> Fitted:
     """A fit led to its end by the mean of several simulations, with the Jacobian of the place it ends at."""
     averaged = problem.averaging(max(DRAWS, problem.draws))
-    state = _State(fitted.hypothesis, _residual(averaged, fitted.hypothesis), *_jacobian(problem, fitted.hypothesis))
+    state = _State(fitted.hypothesis, _residual(averaged, fitted.hypothesis), *jacobian_at(problem, fitted.hypothesis))
     ended = _searched(averaged, problem, state, ITERATIONS, 0.0)
-    jacobian, _ = _jacobian(problem, ended.hypothesis)
+    jacobian, _ = jacobian_at(problem, ended.hypothesis)
     return _fitted(averaged, ended.hypothesis, ended.z, jacobian, ended.steps)
 
 
 def settled(problem: Problem, fitted: Fitted) -> Fitted:
     """A first fit by the mean of several simulations, from the Jacobian it came to."""
+    if fitted.draws >= DRAWS or not fitted.hypothesis:  # that of nothing is the mean of the null replicates
+        return fitted
     averaged = problem.averaging(max(DRAWS, problem.draws))
     z = _residual(averaged, fitted.hypothesis)
     state = _State(fitted.hypothesis, z, fitted.jacobian, fitted.steps, is_exact=False)
@@ -118,7 +123,7 @@ def _searched(problem: Problem, single: Problem, state: _State, iterations: int,
         if moved is None:
             if state.is_exact or iterations == 1:
                 break
-            jacobian, _ = _jacobian(single, state.hypothesis)
+            jacobian, _ = jacobian_at(single, state.hypothesis)
             state = replace(state, jacobian=jacobian, damping=1e-2, reach=REACH, is_exact=True)
             continue
         gain = _cost(state.z) - _cost(moved.z)
@@ -135,7 +140,8 @@ def _residual(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64]:
     return z
 
 
-def _jacobian(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def jacobian_at(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`jacobian_of` where a hypothesis stands, by the same simulations as its neighbours."""
     return jacobian_of(problem, hypothesis, _residual(problem, hypothesis))
 
 
@@ -144,7 +150,7 @@ def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> F
     factor = before / problem.scale
     z = fitted.z * factor
     jacobian = fitted.jacobian * (factor * robust_derivative(z) / robust_derivative(fitted.z))[:, None]
-    return _fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps)
+    return replace(_fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps), draws=fitted.draws)
 
 
 def _fitted(
@@ -156,7 +162,7 @@ def _fitted(
 ) -> Fitted:
     held_out = _held_out(problem, hypothesis, z, jacobian, steps)
     score = -0.5 * problem.weight * float(np.sum(robust(held_out) ** 2))
-    return Fitted(hypothesis, z, jacobian, steps, score, held_out)
+    return Fitted(hypothesis, z, jacobian, steps, score, held_out, problem.draws)
 
 
 def _cost(z: NDArray[np.float64]) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from tacos_gap.evidence import SPREAD_OF_ONE
-from tacos_gap.fit import Fitted, jacobian_of
+from tacos_gap.fit import Fitted, jacobian_at
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
 from tacos_gap.problem import Hypothesis, Problem, robust, robust_derivative
 
@@ -40,7 +40,7 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
     if not len(fitted.steps):
         return np.zeros(0)
     hypothesis = tuple(_all_free(term) for term in fitted.hypothesis)
-    jacobian, steps = jacobian_of(problem, hypothesis, fitted.z)
+    jacobian, steps = jacobian_at(problem, hypothesis)
     noise, replicates = noise_variance(problem, fitted, jacobian)
     variance = np.maximum(noise, jackknife_variance(problem, fitted.z, jacobian))
     quantile = float(stdtrit(replicates - 1, 0.5 + confidence / 2))

@@ -8,7 +8,6 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tacos_gap.causes import slot_probabilities
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_gap.report.words import share
@@ -25,7 +24,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
     rows: list[tuple[str, float, str]] = []  # name, probability, colour
     for cause in diagnosis.causes:
         rows.append((cause.effect, cause.probability, AFTER))
-        places = slot_probabilities(diagnosis.attribution.slots.get(cause.effect, {}))
+        places = diagnosis.attribution.probabilities(cause.effect)
         rivals = sorted((n for n in places if n not in ("", cause.effect)), key=lambda n: -places[n])
         near = [n for n in rivals if places[n] >= _LEAST_SHOWN]
         alike = [n for n in cause.confused_with if n not in near]
