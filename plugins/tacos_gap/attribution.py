@@ -19,7 +19,7 @@ from tacos_framework.contracts import FILE_STAGES
 from tacos_gap.codec import codec_of_files
 from tacos_gap.discrete import searched
 from tacos_gap.evidence import ReplicateResiduals
-from tacos_gap.fit import Fitted, finished, fit, rescored, settled
+from tacos_gap.fit import DRAWS, Fitted, finished, fit, rescored, settled
 from tacos_gap.forms import in_its_best_form
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Hypothesis, Problem, robust
@@ -264,7 +264,8 @@ class ForwardSelection:
         best = max(tried, key=lambda fitted: fitted.score)
         if not self._is_worth_it(base, best):
             return None
-        return self._kept(in_its_best_form(self.problem, best, COMPLEXITY_PENALTY / 3))
+        guesses = all_initial_guesses(self._directions[best.names[-1]])
+        return self._kept(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
 
     def _shows(self, base: Fitted, fitted: Fitted) -> bool:
         """Whether what a fit changes exceeds the equivalence margin in any statistic of any capture.
@@ -300,9 +301,21 @@ class ForwardSelection:
 
     def _pruned(self, fitted: Fitted) -> Fitted:
         """A converged fit, without parameters and effects that it does not need there."""
-        ended = self._kept(finished(self.problem, fitted))
+        ended = self._kept(self._to_the_digit(finished(self.problem, fitted)))
         least = max(COMPLEXITY_PENALTY / 3, LEAST_SHARE * (ended.score - self._fits[()].score))
         return self._backward_elimination(self._kept(pruned(self.problem, ended, least)))
+
+    def _to_the_digit(self, fitted: Fitted) -> Fitted:
+        """A fit whose discrete settings are the best of their neighbours, by several simulations."""
+        averaged = self.problem.averaging(max(DRAWS, self.problem.draws))
+        hypothesis = fitted.hypothesis
+        for name in fitted.names:
+            term = next(term for term in hypothesis if term.name == name)
+            hypothesis = searched(averaged, (*_without(hypothesis, name), term), farthest=1)
+        if {term.name: term for term in hypothesis} == {term.name: term for term in fitted.hypothesis}:
+            return fitted
+        begun = fit(self.problem, hypothesis)
+        return fitted if begun is None else max(fitted, finished(self.problem, begun), key=lambda f: f.score)
 
     def _backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""

@@ -21,7 +21,10 @@ ROUNDS = 3
 
 
 def searched(
-    problem: Problem, hypothesis: Hypothesis, part: NDArray[np.bool_] | None = None
+    problem: Problem,
+    hypothesis: Hypothesis,
+    part: NDArray[np.bool_] | None = None,
+    farthest: int | None = None,
 ) -> Hypothesis:
     """A hypothesis with the discrete settings of its last effect where they leave least.
 
@@ -33,6 +36,8 @@ def searched(
         One that its effects allow; the parameters that are fitted stay as they are.
     part
         (K,) the numbers that count; all by default.
+    farthest
+        The longest stride over whole numbers; past the next initial guess by default.
     """
     *rest, term = hypothesis
     whole, words = whole_numbers(term), words_of(term)
@@ -51,9 +56,12 @@ def searched(
         before = term
         for name, choices in words.items():
             term = min([term, *(_with(term, name, word) for word in choices)], key=cost)
-        for name, stride in whole.items():
+        for name, past_the_next in whole.items():
+            stride = min(past_the_next, farthest or past_the_next)
             while stride >= 1:  # the nearest guess is less than a stride away
-                term = min([term, *(_with(term, name, term.values[name] + s) for s in (-stride, stride))], key=cost)
+                term = min(
+                    [term, *(_with(term, name, term.values[name] + s) for s in (-stride, stride))], key=cost
+                )
                 stride //= 2
         if term == before:
             break

@@ -21,6 +21,9 @@ STEP = 0.25
 REACH = 4.0
 """Steps that matter which the search moves at most at first; each such move that pays doubles it."""
 
+TRIES = 5
+"""Ever shorter moves that are tried before a search is given up."""
+
 WORTH_A_STEP = 0.05
 """Gain in log score below which a search has converged [nat]."""
 
@@ -84,7 +87,9 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
 def finished(problem: Problem, fitted: Fitted) -> Fitted:
     """A fit led to its end by the mean of several simulations, with the Jacobian of the place it ends at."""
     averaged = problem.averaging(max(DRAWS, problem.draws))
-    state = _State(fitted.hypothesis, _residual(averaged, fitted.hypothesis), *jacobian_at(problem, fitted.hypothesis))
+    state = _State(
+        fitted.hypothesis, _residual(averaged, fitted.hypothesis), *jacobian_at(problem, fitted.hypothesis)
+    )
     ended = _searched(averaged, problem, state, ITERATIONS, 0.0)
     jacobian, _ = jacobian_at(problem, ended.hypothesis)
     return _fitted(averaged, ended.hypothesis, ended.z, jacobian, ended.steps)
@@ -211,7 +216,7 @@ def _improved(problem: Problem, state: _State) -> _State | None:
     normal = state.jacobian.T @ state.jacobian
     gradient = state.jacobian.T @ straight
     damping, reach = state.damping, state.reach
-    for _ in range(4):
+    for _ in range(TRIES):
         scaled = normal + damping * (np.diag(np.diag(normal)) + 1e-9 * np.eye(len(normal)))
         move = -np.linalg.lstsq(scaled, gradient, rcond=None)[0]
         length = float(np.abs(move).max())
@@ -223,10 +228,10 @@ def _improved(problem: Problem, state: _State) -> _State | None:
             if (size := float(np.linalg.norm(move))) >= STEP:  # what a shorter one shows is rounding of codes
                 missed = robust(changed) - straight - jacobian @ move
                 jacobian, is_exact = jacobian + np.outer(missed, move) / size**2, False
-            farther = 2 * reach if length > reach else reach
+            farther = 2 * reach if length > reach else max(reach, 1.0)
             return _State(candidate, changed, jacobian, state.steps, damping / 3, farther, is_exact)
         damping = max(damping * 10, 0.1)
-        reach = max(reach / 2, 1.0)
+        reach = min(reach, length) / 3
     return None
 
 

@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from tacos_gap.fit import Fitted, fit, settled
-from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
+from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Hypothesis, Problem, robust
 
 
-def in_its_best_form(problem: Problem, fitted: Fitted, worth: float) -> Fitted:
+def in_its_best_form(
+    problem: Problem, fitted: Fitted, guesses: Iterable[HypothesisTerm], worth: float
+) -> Fitted:
     """A fit whose last effect has the form that predicts best.
 
-    Forms are initial guesses with other free parameters than the fit has. One with more of them must gain `worth`
-    for each more in log score on held-out conditions [nat].
+    Parameters
+    ----------
+    problem
+        The evidence.
+    fitted
+        The fit.
+    guesses
+        Initial guesses of that effect; those with other free parameters than the fit has are other forms.
+    worth
+        What each parameter more must gain in log score on held-out conditions [nat].
     """
     *rest, term = fitted.hypothesis
     forms: dict[frozenset[str], list[HypothesisTerm]] = {}
-    for guess in initial_guesses_of(term.name, term.cls):
-        if len(guess.free) > 1 and not set(guess.free) <= set(term.free):
+    for guess in guesses:
+        if len(guess.free) > 1 and not set(guess.free) <= set(term.values):
             forms.setdefault(frozenset(guess.free), []).append(guess)
     best = fitted
-    for guesses in forms.values():
-        starts = [(_cost(problem, (*rest, guess)), guess) for guess in guesses]
+    for alike in forms.values():
+        starts = [(_cost(problem, (*rest, guess)), guess) for guess in alike]
         begun = fit(problem, (*rest, min(starts, key=lambda start: start[0])[1]))
         if begun is None:
             continue

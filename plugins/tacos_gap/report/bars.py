@@ -58,7 +58,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
 def closures(diagnosis: Diagnosis) -> str:
     """SVG of bars: all causes, each one's share, alone and in its place, and the negative control."""
     best = diagnosis.causes
-    together = sum(cause.shapley for cause in best)
+    together = diagnosis.closure
     rows: list[tuple[str, float, str]] = []
     if len(best) > 1:
         rows.append(("all together", together, AFTER))
@@ -69,11 +69,8 @@ def closures(diagnosis: Diagnosis) -> str:
         else:
             rows.append((cause.effect, cause.closure, AFTER))
     if diagnosis.negative_control is not None:
-        rows.append(
-            (f"negative control: {diagnosis.negative_control[0]} alone", diagnosis.negative_control[1], DOT)
-        )
-    interval = best[0].closure_interval
-    return _bars("closures", rows, interval)
+        rows.append(("negative control", diagnosis.negative_control.closure, DOT))
+    return _bars("closures", rows, diagnosis.closure_interval)
 
 
 def _bars(name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[float, float]) -> str:
