@@ -1,8 +1,8 @@
 """Which effects: forward selection with removals, scored on held-out conditions.
 
-Of the effects that were screened only those of the highest screening scores are fitted, round by round. Where this
-ends with much unexplained, it is begun anew with what a camera does to its files, all of it together: of a processed
-camera no single effect is a good explanation.
+Of the effects that were screened only those of the highest screening scores are fitted, round by round.
+Where this ends with much unexplained, it is begun anew with what a camera does to its files, all of it
+together: of a processed camera no single effect is a good explanation.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ COMPLEXITY_PENALTY = 6.0
 """Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
 
 MISFIT = 0.05
-"""Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a further effect
-must gain more than that."""
+"""Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
+further effect must gain more than that."""
 
 LEAST_SHARE = 0.001
 """What one more parameter must gain, a third of the penalty aside, over what all have gained."""
@@ -48,8 +48,8 @@ TRIED = 4
 """Effects fitted in each round."""
 
 CLOSE = 30.0
-"""Effects whose first fits score so much less than another are no rivals of it [nat]; all others are compared by
-several simulations."""
+"""Effects whose first fits score so much less than another are no rivals of it [nat]; all others are
+compared by several simulations."""
 
 WIDER = 3.0
 """Where an explanation spreads so much more than the simulator, as lamps of unknown phase do, it was scored
@@ -96,7 +96,7 @@ class Attribution:
     errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def probabilities(self, name: str) -> dict[str, float]:
-        """Probability of each effect that was tried in the place of one; empty for an effect not of `best`."""
+        """Probability of each effect that was tried in the place of one; empty where it is not of `best`."""
         return slot_probabilities(self.slots.get(name, {}), self.errors.get(name, {}))
 
 
@@ -161,7 +161,7 @@ class ForwardSelection:
     # one explanation, and another ---------------------------------------------------------------------------
 
     def _explained(self, null: Fitted) -> Fitted:
-        """The best explanation from nothing on, or from what happens to files where much stays unexplained."""
+        """The best explanation from nothing on, or from effects on files where much stays unexplained."""
         best, left = self._grown(null)
         if left.probability < 0.5 or len(self._on_files(null)) < 2:
             return best
@@ -277,7 +277,7 @@ class ForwardSelection:
         return bool(change.max() >= LEAST_CHANGE)
 
     def _is_worth_it(self, base: Fitted, fitted: Fitted) -> bool:
-        """Whether a further effect gains more than its penalty, beyond what the formulas of `base` may miss."""
+        """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
         allowed = discrepancy(self.problem, base, MISFIT)
         return gain_beyond(self.problem, base, fitted, allowed) > COMPLEXITY_PENALTY
 
@@ -341,10 +341,10 @@ class ForwardSelection:
                 return first
         return None
 
-    # fits -----------------------------------------------------------------------------------------------------
+    # fits ---------------------------------------------------------------------------------------------------
 
     def _compared(self, hypotheses: Sequence[Hypothesis], reference: Fitted | None = None) -> list[Fitted]:
-        """Fits of which those that come close to the best, or to the reference, stand on several simulations."""
+        """Fits of which those that come close to the best, or to the reference, are of several draws."""
         fits = self._fitted(hypotheses)
         best = max([f.score for f in [*fits, *([reference] if reference else [])]], default=0.0)
         near = [fitted for fitted in fits if fitted.score > best - CLOSE]

@@ -140,7 +140,7 @@ def _share(values: Sequence[float]) -> Share:
 
 
 def _left_by(problem: Problem, best: Fitted, names: Sequence[str]) -> NDArray[np.float64]:
-    """(K,) squared robust residuals that some effects of an explanation leave, held out where all are there."""
+    """(K,) squared robust residuals that some effects leave, held out where all are there."""
     if tuple(names) == best.names:
         return robust(best.held_out) ** 2
     z = problem.residual(tuple(term for term in best.hypothesis if term.name in names))
@@ -171,8 +171,8 @@ def negative_control(
 ) -> NegativeControl | None:
     """Random directions in place of an explanation's own, fitted to one fold and scored on the other.
 
-    They are the explanation's directions with the numbers of each block exchanged at random and turned about: they
-    can do as much, in the same places, and mean nothing. None where nothing was fitted.
+    They are the explanation's directions with the numbers of each block exchanged at random and turned
+    about: they can do as much, in the same places, and mean nothing. None where nothing was fitted.
     """
     if not best.jacobian.shape[1]:
         return None

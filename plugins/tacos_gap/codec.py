@@ -18,7 +18,8 @@ EXPLAINED = 0.7
 def codec_of_files(problem: Problem, directions: ScreeningDirections) -> Hypothesis:
     """The effect of the stage codec that the traces of codecs show; none where they show none.
 
-    What leaves such traces is no rival of what happens before it: a gain map does not end at borders of blocks.
+    What leaves such traces is no rival of what happens before it: a gain map does not end at borders of
+    blocks.
     """
     traces = np.array([label.stage == "codec" for label in problem.labels], bool)
     if not traces.any() or np.mean(robust(problem.null[traces]) ** 2) < SEEN:

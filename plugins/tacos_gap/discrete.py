@@ -1,7 +1,7 @@
 """Settings that no slope leads to, as the quality of a codec or a way of rounding, searched one by one.
 
-What an effect declares says what there is to search: the whole numbers that its initial guesses name, within the
-bounds of its settings, and the settings that take one of several words.
+What an effect declares says what there is to search: the whole numbers that its initial guesses name,
+within the bounds of its settings, and the settings that take one of several words.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Parameters of a hypothesis: a quasi-Newton search in a trust region, and what they are worth.
 
 A simulation of all captures is what costs, so the Jacobian is taken once and then kept up with what the steps
-themselves show (Broyden 1965); it is taken anew where a step fails with one that is no longer that of the place.
+themselves show (Broyden 1965); it is taken anew where a step fails with one that is no longer that of the
+place.
 """
 
 from __future__ import annotations
@@ -107,7 +108,7 @@ def settled(problem: Problem, fitted: Fitted) -> Fitted:
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Where a search stands: its Jacobian, how far it may move, and whether the Jacobian is that of the place."""
+    """Where a search stands, how far it may move, and whether its Jacobian is that of the place."""
 
     hypothesis: Hypothesis
     z: NDArray[np.float64]

@@ -1,8 +1,9 @@
 """How well the captures settle the parameters of an explanation.
 
-Three things move an estimate: the noise of the captures and of the simulations they are compared with, which the
-hypothesis' own replicates show; formulas that are not quite the camera's, which show where captures, or statistics of
-a capture, disagree by more than noise; and what little of a formula's error no capture shows. Their variances add.
+Three things move an estimate: the noise of the captures and of the simulations they are compared with,
+which the hypothesis' own replicates show; formulas that are not quite the camera's, which show where
+captures, or statistics of a capture, disagree by more than noise; and what little of a formula's error no
+capture shows. Their variances add.
 """
 
 from __future__ import annotations
@@ -69,8 +70,8 @@ def noise_variance(
 ) -> tuple[NDArray[np.float64], int]:
     """(P,) variance of the estimates by noise, and how many replicates tell it [step^2].
 
-    That of the captures, as the replicates of the hypothesis show it, and of the mean of the simulations they are
-    compared with.
+    That of the captures, as the replicates of the hypothesis show it, and of the mean of the simulations
+    they are compared with.
     """
     residuals = problem.replicate_residuals(fitted.hypothesis)
     floor = residuals.replicates * (residuals.scale / problem.scale) * robust_derivative(fitted.z)
@@ -83,14 +84,15 @@ def noise_variance(
 def spread_between(
     groups: list[NDArray[np.int64]], z: NDArray[np.float64], jacobian: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(P,) variance of the estimates by leaving out each group in turn, to first order, and its degrees of freedom.
+    """(P,) variance of the estimates by leaving out each group in turn, to first order, and its degrees of
+    freedom.
 
     Groups count as far as they bear on a parameter: of ten captures of which two do there are two.
 
     References
     ----------
-    Efron & Tibshirani 1993, "An Introduction to the Bootstrap", Eq. 11.5; Kish 1965, "Survey Sampling": the effective
-    number.
+    Efron & Tibshirani 1993, "An Introduction to the Bootstrap", Eq. 11.5; Kish 1965, "Survey Sampling": the
+    effective number.
     """
     estimator, _ = _estimator(jacobian)
     everything = jacobian.T @ jacobian
@@ -113,7 +115,7 @@ def spread_between(
 def unseen_variance(
     change: NDArray[np.float64], blocks: list[NDArray[np.int64]], jacobian: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(P,) variance of the estimates where each block is wrong by a coherent share of its (K,) change [step^2]."""
+    """(P,) variance of estimates where each block is wrong by a share of its (K,) change [step^2]."""
     estimator, _ = _estimator(jacobian)
     moves = np.array([estimator[:, block] @ change[block] for block in blocks])
     return np.asarray(UNSEEN**2 * (moves**2).sum(axis=0))

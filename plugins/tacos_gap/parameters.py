@@ -73,8 +73,8 @@ class HypothesisTerm:
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
     """Put what is fitted entry by entry together again.
 
-    Six free entries of a matrix are ``matrix.row.column``; its rows sum to 1. Free points of a curve from (0, 0) to
-    (1, 1) are ``knots.x``, x in thousandths.
+    Six free entries of a matrix are ``matrix.row.column``; its rows sum to 1. Free points of a curve from
+    (0, 0) to (1, 1) are ``knots.x``, x in thousandths.
     """
     plain = {name: value for name, value in values.items() if "." not in name}
     if any(name.startswith("matrix.") for name in values):

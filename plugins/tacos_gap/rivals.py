@@ -16,9 +16,9 @@ from tacos_gap.unknown import block_index
 def standard_error(problem: Problem, one: Fitted, other: Fitted) -> float:
     """Standard error of the difference between two log scores [nat].
 
-    Noise moves both scores, and their difference only as far as their predictions differ. It counts as often as
-    numbers vary together, and more in blocks that even the better one does not describe: what a formula misses
-    there could as well lean to the other side.
+    Noise moves both scores, and their difference only as far as their predictions differ. It counts as
+    often as numbers vary together, and more in blocks that even the better one does not describe: what a
+    formula misses there could as well lean to the other side.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ def standard_error(problem: Problem, one: Fitted, other: Fitted) -> float:
 def slot_probabilities(scores: Mapping[str, float], errors: Mapping[str, float]) -> dict[str, float]:
     """Probability of each effect in one place of the explanation.
 
-    The odds against the best are the mean odds over the uncertainty of the difference, so that a rival within two
-    standard errors is never ruled out.
+    The odds against the best are the mean odds over the uncertainty of the difference, so that a rival
+    within two standard errors is never ruled out.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def discrepancy(problem: Problem, base: Fitted, share: float) -> NDArray[np.floa
 
 
 def gain_beyond(problem: Problem, base: Fitted, fitted: Fitted, allowed: NDArray[np.float64]) -> float:
-    """What a fit gains over another in log score, block by block beyond an allowance of (B,) squares [nat]."""
+    """What a fit gains over another in log score, in each block beyond an allowance of (B,) squares [nat]."""
     blocks = block_index(problem)
     gain = np.bincount(blocks, robust(base.held_out) ** 2 - robust(fitted.held_out) ** 2, len(allowed))
     return 0.5 * problem.weight * float(np.sum(np.sign(gain) * np.maximum(np.abs(gain) - allowed, 0.0)))

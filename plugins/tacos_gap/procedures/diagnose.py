@@ -164,7 +164,8 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
         lines.append(f"  {cause.effect} ({cause.probability:.0%}): {values}")
         low, high = cause.closure_interval
         lines.append(
-            f"      closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}) on what it was not fitted to"
+            f"      closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}) "
+            "on what it was not fitted to"
         )
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
     if more:
