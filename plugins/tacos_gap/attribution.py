@@ -216,6 +216,7 @@ class ForwardSelection:
 
     def _in_its_units(self, best: Fitted) -> tuple[Fitted, ReplicateResiduals]:
         """An explanation in units of its own noise floor, and how it fares there."""
+        best = self._renuisanced(best)
         before = self.problem.scale
         residuals = self.problem.replicate_residuals(best.hypothesis)
         self._take_as_units(np.maximum(residuals.scale, 1.0))
@@ -227,6 +228,22 @@ class ForwardSelection:
             best = self._again(best)
         return best, residuals
 
+    def _renuisanced(self, best: Fitted) -> Fitted:
+        """The explanation fitted again where the nuisances of captures moved beside it.
+
+        What was fitted beside others says nothing any more; the null is simulated anew.
+        """
+        moved = self.problem.renuisanced(best.hypothesis)
+        if moved is self.problem:
+            return best
+        self.problem = moved
+        refitted = fit(moved, best.hypothesis)
+        self._fits = {}
+        for each in (fit(moved, ()), refitted):
+            assert each is not None
+            self._kept(settled(moved, each))
+        return self._again(best)
+
     def _take_as_units(self, scale: NDArray[np.float64]) -> None:
         """Count in units of another noise floor; simulations are only rescaled."""
         before = self.problem.scale
@@ -235,7 +252,11 @@ class ForwardSelection:
         self._directions = in_units(self._directions, before / self.problem.scale)
 
     def _again(self, fitted: Fitted) -> Fitted:
-        """The fit as it stands in the units of now."""
+        """The fit as it stands in the units of now, and beside the nuisances of now."""
+        if _key(fitted.hypothesis) not in self._fits:
+            begun = fit(self.problem, fitted.hypothesis)
+            assert begun is not None
+            self._kept(settled(self.problem, begun))
         return self._fits[_key(fitted.hypothesis)]
 
     def _begun_anew(self, best: Fitted) -> Fitted:
