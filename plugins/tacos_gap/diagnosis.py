@@ -17,7 +17,7 @@ from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
-from tacos_gap.closure import closure
+from tacos_gap.closure import closure, closures_of, negative_control
 from tacos_gap.detectable import detection_limits
 from tacos_gap.evidence import Evidence, ImageEvidence
 from tacos_gap.findings import Cause, Diagnosis
@@ -121,10 +121,11 @@ def _explained(
         unknown=left,
         next_capture=wanted,
         below_floor=_below_floor(attribution, causes),
-        negative_control=_negative_control(problem, attribution),
+        negative_control=negative_control(problem, best, generator(seed, "negative control")),
         limitations=tuple(of_one_specimen(cause) for cause in causes if cause.specimen),
         problem=problem,
         attribution=attribution,
+        closure_interval=_closure_interval(problem, best, seed),
         detectable=_detectable(problem, effects, workers),
         nuisances=_nuisances(problem, best),
     )
@@ -208,19 +209,11 @@ def _below_floor(attribution: Attribution, causes: Sequence[Cause]) -> tuple[str
     return tuple(dict.fromkeys(small))
 
 
-def _negative_control(problem: Problem, attribution: Attribution) -> tuple[str, float] | None:
-    """The closure of a wrong effect as flexible as the best cause: what flexibility alone would buy."""
-    if not attribution.best.hypothesis:
-        return None
-    first = attribution.best.hypothesis[0]
-    before = problem.gap(problem.null)
-    members = set(attribution.best.names)
-    singles = [f for names, f in attribution.fits.items() if len(names) == 1 and not members & set(names)]
-    singles = [f for f in singles if f.hypothesis[0].cls.stage != first.cls.stage]
-    if not singles:
-        return None
-    alike = min(singles, key=lambda f: abs(len(f.hypothesis[0].free) - len(first.free)))
-    return alike.names[0], closure(before, problem.gap(alike.held_out))
+def _closure_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:
+    """90 % interval of the closure by all causes together, of the same resamples as each one's."""
+    if not best.hypothesis:
+        return 0.0, 0.0
+    return closures_of(problem, best, generator(seed, "closure")).together.interval
 
 
 def _gap_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from tacos_gap.ambiguity import NextCapture
 from tacos_gap.attribution import Attribution
-from tacos_gap.closure import closure
+from tacos_gap.closure import NegativeControl, closure
 from tacos_gap.locate import Place
 from tacos_gap.problem import Problem
 from tacos_gap.unknown import Unexplained
@@ -80,11 +80,12 @@ class Diagnosis:
     unknown: Unexplained
     next_capture: NextCapture | None
     below_floor: tuple[str, ...]
-    negative_control: tuple[str, float] | None
+    negative_control: NegativeControl | None
     limitations: tuple[str, ...]
     problem: Problem
     attribution: Attribution
     task: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    closure_interval: tuple[float, float] = (0.0, 0.0)
     detectable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     nuisances: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
@@ -98,6 +99,10 @@ class Diagnosis:
                 "floor": 1.0,
                 "unit": "floor",
                 "ci": [_round(end) for end in self.gap_interval],
+                "closure": {
+                    "value": _round(self.closure),
+                    "ci": [_round(end) for end in self.closure_interval],
+                },
             },
             "where": [
                 {
@@ -124,7 +129,11 @@ class Diagnosis:
             and {"kind": self.next_capture.kind, "why": self.next_capture.why},
             "below_floor": list(self.below_floor),
             "negative_control": self.negative_control
-            and {"effect": self.negative_control[0], "closure": _round(self.negative_control[1])},
+            and {
+                "parameters": self.negative_control.parameters,
+                "closure": _round(self.negative_control.closure),
+                "ci": [_round(end) for end in self.negative_control.interval],
+            },
             "task": {name: dict(values) for name, values in self.task.items()},
             "limitations": list(self.limitations),
         }

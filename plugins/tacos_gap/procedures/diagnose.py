@@ -162,10 +162,17 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
         lines.append(f"  {cause.effect} ({cause.probability:.0%}): {values}")
-        lines.append(f"      closes {cause.closure:.0%} of the gap on what it was not fitted to")
+        low, high = cause.closure_interval
+        lines.append(
+            f"      closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}) "
+            "on what it was not fitted to"
+        )
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
     if more:
         lines.append(f"  cannot be told from: {', '.join(more)}")
+    if len(diagnosis.causes) > 1:
+        low, high = diagnosis.closure_interval
+        lines.append(f"Together they close {diagnosis.closure:.0%} of the gap ({low:.0%} to {high:.0%}).")
     lines.append(f"Gap: {diagnosis.gap_before:.1f} before, {diagnosis.gap_after:.1f} after, noise floor 1.")
     for score, found in diagnosis.task.items():
         lines.append(

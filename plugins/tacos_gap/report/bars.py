@@ -8,7 +8,6 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tacos_gap.causes import slot_probabilities
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_gap.report.words import share
@@ -25,7 +24,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
     rows: list[tuple[str, float, str]] = []  # name, probability, colour
     for cause in diagnosis.causes:
         rows.append((cause.effect, cause.probability, AFTER))
-        places = slot_probabilities(diagnosis.attribution.slots.get(cause.effect, {}))
+        places = diagnosis.attribution.probabilities(cause.effect)
         rivals = sorted((n for n in places if n not in ("", cause.effect)), key=lambda n: -places[n])
         near = [n for n in rivals if places[n] >= _LEAST_SHOWN]
         alike = [n for n in cause.confused_with if n not in near]
@@ -59,7 +58,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
 def closures(diagnosis: Diagnosis) -> str:
     """SVG of bars: all causes, each one's share, alone and in its place, and the negative control."""
     best = diagnosis.causes
-    together = sum(cause.shapley for cause in best)
+    together = diagnosis.closure
     rows: list[tuple[str, float, str]] = []
     if len(best) > 1:
         rows.append(("all together", together, AFTER))
@@ -70,11 +69,8 @@ def closures(diagnosis: Diagnosis) -> str:
         else:
             rows.append((cause.effect, cause.closure, AFTER))
     if diagnosis.negative_control is not None:
-        rows.append(
-            (f"negative control: {diagnosis.negative_control[0]} alone", diagnosis.negative_control[1], DOT)
-        )
-    interval = best[0].closure_interval
-    return _bars("closures", rows, interval)
+        rows.append(("negative control", diagnosis.negative_control.closure, DOT))
+    return _bars("closures", rows, diagnosis.closure_interval)
 
 
 def _bars(name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[float, float]) -> str:

@@ -202,7 +202,8 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
     negative_control = ""
     if diagnosis.negative_control is not None:
         negative_control = (
-            " The negative control is an effect of another stage, fitted alone: what flexibility would buy."
+            " The negative control has as many parameters, which change numbers at random: what flexibility "
+            "alone would buy."
         )
     if diagnosis.causes:
         yield Drawing(
