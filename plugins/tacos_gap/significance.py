@@ -12,7 +12,7 @@ from scipy.stats import f as fisher
 from tacos_gap.problem import robust
 
 _EULER = 0.5772156649
-_LEAST_FREEDOM = 0.5
+_LEAST_FREEDOM = 1.0  # of numbers that all vary as one
 _LEAST_MEAN = 1e-3  # of a sum of squares in units of the noise floor: blocks without noise
 
 
