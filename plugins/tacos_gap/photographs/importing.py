@@ -128,7 +128,8 @@ def _by_number(path: Path) -> list[tuple[int, str]]:
 
 
 def _looked_at(paths: Sequence[Path], given: Given, tell: Callable[[str], None]) -> list[Picture]:
-    pictures, faults = [], []
+    pictures: list[Picture] = []
+    faults: list[Fault] = []
     for path in paths:
         tell(path.name)
         try:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import cv2
 import numpy as np
@@ -158,7 +159,7 @@ def _steepness(image: NDArray[np.float32]) -> NDArray[np.float32]:
     return steepest
 
 
-def _nearly_square(quad: NDArray[np.number], area: float) -> bool:
+def _nearly_square(quad: NDArray[Any], area: float) -> bool:
     sides = np.linalg.norm(np.diff(quad, axis=0, append=quad[:1]).astype(float), axis=1)
     own = abs(cv2.contourArea(quad))
     return bool(

@@ -67,7 +67,7 @@ def _mean(plane: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(cv2.blur(plane, (WINDOW_PX, WINDOW_PX), borderType=cv2.BORDER_REFLECT))
 
 
-def _line(signal: NDArray[np.float32], square: NDArray[np.float32], span: float) -> tuple[float, float]:
+def _line(signal: NDArray[np.floating], square: NDArray[np.floating], span: float) -> tuple[float, float]:
     """Slope and intercept of variance over signal; no slope where all is of one level."""
     edges = np.quantile(signal, np.linspace(0, 1, 9))
     which = np.clip(np.searchsorted(edges, signal, side="right") - 1, 0, 7)

@@ -140,7 +140,7 @@ def edge_sfr(plane: NDArray[np.floating], edge: SlantedEdge) -> tuple[NDArray[np
     difference = np.sinc(2 * frequency / OVERSAMPLING)  # of a central difference over two bins
     used = frequency <= 1.0
     response = transform[used] / transform[0] / np.maximum(difference[used], 0.1)
-    return frequency[used], np.asarray(response, np.float64)
+    return np.asarray(frequency[used], np.float64), np.asarray(response, np.float64)
 
 
 def mtf50_cycles_px(plane: NDArray[np.floating], edge: SlantedEdge) -> float:
