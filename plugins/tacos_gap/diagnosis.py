@@ -12,7 +12,7 @@ import numpy as np
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
-from tacos_gap.boards import BoardEvidence, find_corners
+from tacos_gap.boards import boards_found, evidence_of_boards
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
@@ -65,6 +65,7 @@ def diagnose(
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     tell("measuring the captures")
+    folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)
     problem = Problem(evidence)
     while True:
@@ -123,23 +124,22 @@ def _explained(
 
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
+    captures = boards_found(folder).captures
     with ThreadPoolExecutor(workers) as pool:
-        found = list(pool.map(lambda capture: _evidence_of(capture, seed), folder.captures))
-    evidence = [each for each in found if not isinstance(each, str)]
-    return evidence, [text for text in found if isinstance(text, str) and text]
+        images = pool.map(lambda capture: _evidence_of(capture, seed), captures)
+        found: list[Evidence] = [evidence for evidence in images if evidence is not None]
+    boards = [capture for capture in captures if capture.corners is not None]
+    return [*found, *evidence_of_boards(boards, seed)], []
 
 
-def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
-    """The evidence of a capture, or in a sentence why there is none; empty where that was said on reading."""
+def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | None:
+    """The evidence of a picture; None of boards, and where its mask leaves nothing, as was said on reading."""
     if capture.kind == "board":
-        corners = find_corners(capture)
-        if corners is None:
-            return f"{capture.id}: the board's corners were not found; it is left out."
-        return BoardEvidence(capture, corners, seed)
+        return None
     if capture.expected_dn is None:
         capture = with_sharp_edges(capture)
     if not capture.valid.any():
-        return ""
+        return None
     return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed)
 
 

@@ -13,6 +13,9 @@ from tacos_framework.formation import PlacedEffect
 from tacos_framework.plugins.guarded import calling
 from tacos_gap.captures import RealCapture
 
+SUGGESTED_STEP = 0.1
+"""A change that matters, over the distance from neutral that captures suggest."""
+
 
 @dataclass(frozen=True)
 class HypothesisTerm:
@@ -103,16 +106,26 @@ def initial_guesses_of(
     if own is None:
         own = [{key: value + side * step(cls, key)} for key, value in neutral.items() for side in (1, -1)]
     guesses = [_flattened(guess) for guess in (own if suggested is None else suggested)]
-    scales = _scales([*guesses, *map(_flattened, own)], neutral)
+    scales = _scales(guesses, neutral) | _scales([_flattened(guess) for guess in own], neutral)
     for values in guesses:
         free = {
-            key: abs(value - neutral.get(key, 0.0)) or scales.get(key, 1.0)
+            key: _step(abs(value - neutral.get(key, 0.0)), scales.get(key, 1.0), suggested is not None)
             for key, value in values.items()
             if isinstance(value, float)
         }
         term = HypothesisTerm(name, cls, values, free)
         if term.placed() is not None:
             yield term
+
+
+def _step(distance: float, scale: float, is_suggested: bool) -> float:
+    """A change that matters of a parameter that begins so far from neutral.
+
+    A guess of a class is itself the least that matters. What captures suggest may be many times that: a fisheye.
+    """
+    if not distance:
+        return scale
+    return min(distance, max(scale, SUGGESTED_STEP * distance)) if is_suggested else distance
 
 
 def _scales(guesses: Sequence[Mapping[str, Any]], neutral: Mapping[str, float]) -> dict[str, float]:
