@@ -12,7 +12,7 @@ import numpy as np
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
-from tacos_gap.boards import boards_found, evidence_of_boards
+from tacos_gap.boards import boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
@@ -102,6 +102,8 @@ def _explained(
         causes = [cause for cause in causes if cause.shapley >= LEAST_BESIDE_UNKNOWN]
     before, after = problem.gap(problem.null), problem.gap(best.held_out)
     cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
+    if not causes and left.probability < 0.5:
+        cause_set, wanted = hidden_by_pose(problem.evidence, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
         wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed)
     return Diagnosis(

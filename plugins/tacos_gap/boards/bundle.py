@@ -197,7 +197,7 @@ class Bundle:
         for i, (_, inverse) in enumerate(seen):
             _, by_pose, by_shared = self._projected(i, at.poses[i], at.shared)
             by_pose, by_shared = (
-                np.einsum("kij,jkp->ikp", inverse, by.reshape(2, -1, by.shape[1])).reshape(by.shape)
+                np.einsum("kij,jkp->ikp", inverse, by.reshape(2, len(inverse), -1)).reshape(by.shape)
                 / self.views[i].sigma_px
                 for by in (by_pose, by_shared)
             )
@@ -246,7 +246,7 @@ class Bundle:
         for k, name in enumerate(self._lens, start=int(self._starts[-1])):
             moves = {"focal_length": (f * x / z, f * y / z), "centre_x": (1.0, 0.0), "centre_y": (0.0, 1.0)}[name]
             by_shared[0, :, k], by_shared[1, :, k] = moves
-        return places, by_pose.reshape(-1, 6), by_shared.reshape(-1, len(shared))
+        return places, by_pose.reshape(2 * len(z), 6), by_shared.reshape(2 * len(z), len(shared))
 
 
 _LENS_PRIOR = {"focal_length": 1e-4, "centre_x": 1e-8, "centre_y": 1e-8}

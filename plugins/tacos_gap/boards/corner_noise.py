@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 LEAST_PX = 0.01
 """No corner is found better than this [px]."""
@@ -21,12 +22,12 @@ FREE_SHARE = 0.5
 
 
 def smooth_residual(
-    points_mm: NDArray[np.float64], corners_px: NDArray[np.float64]
+    points_mm: NDArray[np.float64], corners_px: NDArray[np.float64], centre_px: tuple[float, float]
 ) -> tuple[NDArray[np.float64], float]:
     """What no smooth surface explains, and the noise it tells.
 
-    A homography, and beside it the polynomial over the board that leaves the least variance for its degrees
-    of freedom. It is fitted again without points that stray.
+    A homography seen through a radial lens, and beside it the polynomial over the board that leaves the least
+    variance for its degrees of freedom. It is fitted again without points that stray.
 
     Parameters
     ----------
@@ -34,6 +35,8 @@ def smooth_residual(
         (K, 3) points of the board [mm].
     corners_px
         (K, 2) where they are seen [px].
+    centre_px
+        Where about the lens is centred [px].
 
     Returns
     -------
@@ -41,11 +44,7 @@ def smooth_residual(
     """
     flat = points_mm[:, :2] - points_mm[:, :2].mean(axis=0)
     flat = flat / np.abs(flat).max()
-    homography, _ = cv2.findHomography(flat, corners_px, 0)
-    if homography is None:
-        return np.zeros_like(corners_px), LEAST_PX
-    seen = cv2.perspectiveTransform(flat[None], homography)[0]
-    left = corners_px - seen
+    left = corners_px - _through_a_lens(flat, corners_px, np.array(centre_px))
     kept = np.ones(len(left), bool)
     best: tuple[float, NDArray[np.float64]] = (np.inf, left)
     for _ in range(2):
@@ -54,6 +53,35 @@ def smooth_residual(
         kept = size <= 6 * max(np.median(size) / 1.18, LEAST_PX)
     spread = best[0] if np.isfinite(best[0]) else float(left.std())
     return best[1], max(spread, LEAST_PX)
+
+
+def _through_a_lens(
+    flat: NDArray[np.float64], corners_px: NDArray[np.float64], centre_px: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(K, 2) the homography and the radial lens that bring points nearest to corners [px].
+
+    The lens is a ratio of powers, as of a fisheye powers alone do not converge.
+    """
+    size = float(np.abs(corners_px - centre_px).max())
+    target = (corners_px - centre_px) / size
+    homography, _ = cv2.findHomography(flat, target, 0)
+    if homography is None:
+        return np.broadcast_to(corners_px.mean(axis=0), corners_px.shape)
+    start = np.append(homography.ravel()[:8] / homography[2, 2], np.zeros(4))
+    points = np.column_stack([flat, np.ones(len(flat))])
+
+    def seen(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        plain = points @ np.append(theta[:8], 1.0).reshape(3, 3).T
+        plain = plain[:, :2] / np.where(np.abs(plain[:, 2:]) < 1e-6, 1e-6, plain[:, 2:])
+        square = (plain**2).sum(axis=1, keepdims=True)
+        swell, shrink = (1 + square * (a + b * square) for a, b in theta[8:].reshape(2, 2))
+        return np.asarray(plain * swell / np.where(np.abs(shrink) < 1e-3, 1e-3, shrink))
+
+    def left(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.append((seen(theta) - target).ravel(), 1e-4 * theta[8:])  # powers above and below compete
+
+    found = least_squares(left, start, method="lm", max_nfev=150)
+    return np.asarray(seen(found.x) * size + centre_px)
 
 
 def _surfaces(

@@ -57,7 +57,7 @@ def find_corners(capture: RealCapture) -> Corners | None:
     corners = _seen(grey, capture.board)
     if corners is None or len(corners[1]) < FEWEST:
         return None
-    residual_px, noise_px = smooth_residual(*corners)
+    residual_px, noise_px = smooth_residual(*corners, capture.geometry.centre_px)
     kept = np.hypot(*residual_px.T) <= STRAY * max(noise_px, 0.1)
     return (corners[0][kept], corners[1][kept]) if kept.sum() >= FEWEST else None
 

@@ -17,8 +17,8 @@ from tacos_gap.boards.corner_noise import smooth_residual, steadied
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import N_NULL_REPLICATES, Label, ReplicateResiduals
 
-MARGIN = 5e-5
-"""Equivalence margin of a corner, over the image's diagonal [1]: a twenty-fifth of a pixel of 640 x 480."""
+MARGIN = 1e-4
+"""Equivalence margin of a corner, over the image's diagonal [1]: .08 pixels of 640 x 480."""
 
 
 class BoardEvidence:
@@ -100,7 +100,9 @@ def evidence_of_boards(
     """
     if not captures:
         return []
-    noises_px = steadied([smooth_residual(*c.corners)[1] for c in captures if c.corners is not None])
+    noises_px = steadied(
+        [smooth_residual(*c.corners, c.geometry.centre_px)[1] for c in captures if c.corners is not None]
+    )
     views = [_view(capture, noise_px) for capture, noise_px in zip(captures, noises_px, strict=True)]
     bundle = Bundle(views, captures[0].unstated)
     draws = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,9 @@ from tacos_plugins.effects.board_calibration import Calibration, calibrated
 
 SURE = 0.03
 """Relative standard deviation up to which boards are said to tell the focal length."""
+
+MUCH_LESS = 0.7
+"""Distance of corners from a fisheye over that from Brown and Conrady's lens, below which the fisheye counts."""
 
 
 def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapture, ...], list[str]]:
@@ -26,7 +29,7 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
         return captures, []
     boards = [capture for capture in captures if capture.corners is not None]
     free = ("focal_length", "principal_point") if "principal_point" in unstated else ("focal_length",)
-    found = calibrated(boards, free=free)
+    found = _calibrated(boards, free)
     pixel_um = captures[0].geometry.pixel_um
     if found is None or found.focal_spread > SURE:
         assumed_mm = captures[0].geometry.focal_length_px * pixel_um * 1e-3
@@ -34,12 +37,20 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
         return captures, [
             f"focal_length_mm is not stated and {reason}: {assumed_mm:g} mm is assumed. Nothing is said about it."
         ]
+    told = f"{found.focal_px * pixel_um * 1e-3:.3g} mm ({found.focal_px:.4g} px)"
     said = (
-        f"focal_length_mm is not stated: the boards tell {found.focal_px * pixel_um * 1e-3:.3g} mm "
-        f"({found.focal_px:.4g} px, give or take {100 * found.focal_spread:.1g} %), and it stays free. Nothing is said "
-        f"about it as a cause."
+        f"focal_length_mm is not stated: the boards tell {told}, and it stays free to vary with every explanation. "
+        f"Nothing is said about it as a cause."
     )
     return tuple(replace(c, geometry=_with_lens(c.geometry, found)) for c in captures), [said]
+
+
+def _calibrated(boards: Sequence[RealCapture], free: Collection[str]) -> Calibration | None:
+    """By Brown and Conrady's model, or a fisheye's where that leaves much less."""
+    brown, fisheye = (calibrated(boards, free=free, fisheye=kind) for kind in (False, True))
+    if brown and fisheye and fisheye.rms_px < MUCH_LESS * brown.rms_px:
+        return replace(fisheye, focal_spread=brown.focal_spread)
+    return brown or fisheye
 
 
 def _with_lens(geometry: ImageGeometry, found: Calibration) -> ImageGeometry:

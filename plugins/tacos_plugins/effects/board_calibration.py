@@ -139,21 +139,21 @@ def _brown(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) 
         return None
     if not boards.has_lens(matrix, rms):
         return None
-    return _calibration(boards, matrix, lens, rms, float(spread.ravel()[0]))
+    return _calibration(boards, matrix, lens, rms, float(spread.ravel()[:2].max()))
 
 
 def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) -> Calibration | None:
+    """OpenCV's own fit, which converges with a free focal length alone; where it is known, turned into that one."""
     names = ["USE_INTRINSIC_GUESS", "RECOMPUTE_EXTRINSIC", "FIX_SKEW", "FIX_K4"]
     names += [f"FIX_K{k}" for k in range(terms + 1, 4)]
-    names += [] if "focal_length" in free else ["FIX_FOCAL_LENGTH"]
     names += [] if "principal_point" in free else ["FIX_PRINCIPAL_POINT"]
     flags = 0
     for name in names:  # OpenCV 5 moved them
         flags |= getattr(cv2.fisheye, f"CALIB_{name}", None) or getattr(cv2, f"CALIB_{name}")
     try:
         rms, matrix, lens, _, _ = cv2.fisheye.calibrate(
-            [points[:, None].astype(np.float64) for points in boards.points_mm],
-            [corners.astype(np.float64) for corners in boards.corners_px],
+            [points[None].astype(np.float64) for points in boards.points_mm],
+            [corners.reshape(1, -1, 2).astype(np.float64) for corners in boards.corners_px],
             boards.size_px,
             boards.matrix(focal_px),
             np.zeros((4, 1)),
@@ -161,7 +161,25 @@ def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]
         )
     except cv2.error:  # it gives up where a start is far off
         return None
-    return _calibration(boards, matrix, lens, rms, 0.0) if boards.has_lens(matrix, rms) else None
+    if not boards.has_lens(matrix, rms):
+        return None
+    if "focal_length" not in free:
+        lens = _over_focal_length(focal_px, float(matrix[0, 0]), lens.ravel(), boards, terms)
+        matrix[[0, 1], [0, 1]] = focal_px
+    return _calibration(boards, matrix, lens, rms, 0.0)
+
+
+def _over_focal_length(
+    focal_px: float, fitted_px: float, lens: NDArray[np.float64], boards: _Boards, terms: int
+) -> NDArray[np.float64]:
+    """(4,) coefficients over another focal length that image angles at the same radii, by least squares."""
+    widest = max(float(np.abs(corners - boards.middle_px).max()) for corners in boards.corners_px)
+    angle = np.linspace(0.0, min(widest / fitted_px, 1.5), 64)[1:]
+    square = angle**2
+    radius = fitted_px * angle * np.polynomial.polynomial.polyval(square, [1.0, *lens])
+    powers = focal_px * angle[:, None] * square[:, None] ** np.arange(1, terms + 1)
+    found = np.linalg.lstsq(powers, radius - focal_px * angle, rcond=None)[0]
+    return np.append(found, np.zeros(4 - terms))
 
 
 def _calibration(
