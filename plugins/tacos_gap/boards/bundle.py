@@ -159,7 +159,9 @@ class Bundle:
             for share in (1.0, 0.5, 0.2, 0.05):
                 changed = self._at(
                     seen,
-                    tuple(moved_pose(pose, share * move) for pose, move in zip(best.poses, step[0], strict=True)),
+                    tuple(
+                        moved_pose(pose, share * move) for pose, move in zip(best.poses, step[0], strict=True)
+                    ),
                     self._within(best.shared + share * step[1]),
                 )
                 if (lower := self._cost(changed)) < cost:
@@ -180,9 +182,7 @@ class Bundle:
         size = float(sum(z @ z for z in adjusted.residuals) + adjusted.shared**2 @ self._priors)
         return size if np.isfinite(size) else np.inf
 
-    def _at(
-        self, seen: Sequence[tuple[Array, Array]], poses: tuple[Pose, ...], shared: Array
-    ) -> Adjusted:
+    def _at(self, seen: Sequence[tuple[Array, Array]], poses: tuple[Pose, ...], shared: Array) -> Adjusted:
         residuals = []
         for i, (places, inverse) in enumerate(seen):
             projected, _, _ = self._projected(i, poses[i], shared, derivatives=False)
@@ -244,7 +244,9 @@ class Bundle:
         if own.stop > own.start:
             by_shared[:, :, own] = np.einsum("iks,pks->ikp", by_point, bends @ pose.rotation.T)
         for k, name in enumerate(self._lens, start=int(self._starts[-1])):
-            moves = {"focal_length": (f * x / z, f * y / z), "centre_x": (1.0, 0.0), "centre_y": (0.0, 1.0)}[name]
+            moves = {"focal_length": (f * x / z, f * y / z), "centre_x": (1.0, 0.0), "centre_y": (0.0, 1.0)}[
+                name
+            ]
             by_shared[0, :, k], by_shared[1, :, k] = moves
         return places, by_pose.reshape(2 * len(z), 6), by_shared.reshape(2 * len(z), len(shared))
 

@@ -55,7 +55,9 @@ def _centroids(grey: NDArray[np.uint8], places: NDArray[np.float64]) -> NDArray[
         if not dark.any():
             continue
         rows, columns = np.indices(part.shape)
-        centre = np.array([left + (columns * dark).sum() / dark.sum(), top + (rows * dark).sum() / dark.sum()])
+        centre = np.array(
+            [left + (columns * dark).sum() / dark.sum(), top + (rows * dark).sum() / dark.sum()]
+        )
         if np.hypot(*(centre - places[k])) < reach / 2:
             found[k] = centre
     return found

@@ -101,7 +101,9 @@ def _terms(flat: NDArray[np.float64], degree: int) -> NDArray[np.float64]:
     """(K, P) products of Legendre polynomials up to a total degree."""
     across = np.polynomial.legendre.legvander(flat[:, 0], degree)
     down = np.polynomial.legendre.legvander(flat[:, 1], degree)
-    return np.column_stack([across[:, i] * down[:, j] for i in range(degree + 1) for j in range(degree + 1 - i)])
+    return np.column_stack(
+        [across[:, i] * down[:, j] for i in range(degree + 1) for j in range(degree + 1 - i)]
+    )
 
 
 def steadied(noises_px: Sequence[float]) -> list[float]:

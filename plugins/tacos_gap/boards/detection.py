@@ -87,9 +87,18 @@ def _seen(grey: NDArray[np.uint8], board: Board) -> Corners | None:
 def _sizes(grey: NDArray[np.uint8]) -> Iterator[tuple[NDArray[np.uint8], float]]:
     """Pictures to look in, each with how much smaller it is: a convenient one, the picture itself, a small one."""
     longest = max(grey.shape)
-    for wanted in dict.fromkeys((min(SEARCH_PX, longest), min(longest, 3 * SEARCH_PX), min(SEARCH_PX // 2, longest))):
+    for wanted in dict.fromkeys(
+        (min(SEARCH_PX, longest), min(longest, 3 * SEARCH_PX), min(SEARCH_PX // 2, longest))
+    ):
         scale = wanted / longest
-        yield (grey if scale == 1 else cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)), scale
+        yield (
+            (
+                grey
+                if scale == 1
+                else cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+            ),
+            scale,
+        )
 
 
 def _chessboard(grey: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float64] | None:
@@ -101,6 +110,11 @@ def _chessboard(grey: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.fl
             corners = np.asarray(corners, np.float64).reshape(-1, 2)
             return _refined(grey, (corners + 0.5) / scale - 0.5, size)
     return None
+
+
+def _at_a_glance(grey: NDArray[np.uint8], size: tuple[int, int]) -> bool:
+    """Whether a good view of such a chessboard is there."""
+    return min(size) >= 3 and bool(cv2.findChessboardCorners(next(_sizes(grey))[0], size, flags=_FLAGS)[0])
 
 
 def _refined(
@@ -143,9 +157,7 @@ def _charuco(grey: NDArray[np.uint8], board: Board) -> Corners | None:
     return None
 
 
-def _right_way_up(
-    grey: NDArray[np.uint8], corners: NDArray[np.float64], board: Board
-) -> NDArray[np.float64]:
+def _right_way_up(grey: NDArray[np.uint8], corners: NDArray[np.float64], board: Board) -> NDArray[np.float64]:
     """Points in the one order that is the board's: not mirrored, a dark square first where that tells."""
     columns, rows = board.inner_corners
     grid = corners.reshape(rows, columns, 2)
@@ -173,7 +185,7 @@ def _not_found(capture: RealCapture) -> str:
     assert board is not None
     columns, rows = board.inner_corners
     fewer = (columns - 1, rows - 1)
-    if board.pattern == "chessboard" and grey is not None and min(fewer) >= 3 and _chessboard(grey, fewer) is not None:
+    if board.pattern == "chessboard" and grey is not None and _at_a_glance(grey, fewer):
         return (
             f"{capture.id}: its board has {fewer[0]} x {fewer[1]} inner corners, not {columns} x {rows}; it is left "
             f"out. Corners between squares count, not squares: correct inner_corners."
@@ -186,4 +198,6 @@ def _not_found(capture: RealCapture) -> str:
             "view, and that it is sharp and free of shine. Of a charuco parts are enough."
         )
     what = "circles" if "circles" in board.pattern else "inner corners"
-    return f"{capture.id}: no {board.pattern} of {columns} x {rows} {what} was found; it is left out. {remedy}"
+    return (
+        f"{capture.id}: no {board.pattern} of {columns} x {rows} {what} was found; it is left out. {remedy}"
+    )

@@ -14,6 +14,7 @@ from tacos_framework.formation import PlacedEffect
 from tacos_framework.randomness import generator
 from tacos_gap.boards.bundle import Bundle, View
 from tacos_gap.boards.corner_noise import smooth_residual, steadied
+from tacos_gap.boards.tracing import traced
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import N_NULL_REPLICATES, Label, ReplicateResiduals
 
@@ -78,6 +79,11 @@ class BoardEvidence:
         """See `tacos_gap.evidence.Evidence`: corners are found as well, whatever the lens."""
         z = self.residual(effects)
         return ReplicateResiduals(z, self.null_replicates, np.ones_like(z))
+
+    def moves(self, effect: PlacedEffect) -> bool:
+        """Whether an effect moves the corners by a noise-floor unit, to whatever pose that may be put down."""
+        moved_px = traced([effect], self.capture.geometry, self.corners_px)[0] - self.corners_px
+        return bool(np.mean(moved_px**2) > self.sigma_px**2)
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> Mapping[str, float]:
         """What was fitted to the view beside its pose: bent paper [mm], an unstated focal length [px]."""

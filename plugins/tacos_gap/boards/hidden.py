@@ -9,7 +9,6 @@ import numpy as np
 
 from tacos_gap.ambiguity import NextCapture, confused_with
 from tacos_gap.boards.evidence import BoardEvidence
-from tacos_gap.boards.tracing import moving
 from tacos_gap.evidence import Evidence
 from tacos_gap.parameters import initial_guesses_of
 
@@ -45,12 +44,14 @@ def hidden_by_pose(
 
 
 def _shows(name: str, cls: type[Any], boards: Sequence[BoardEvidence]) -> bool:
-    """Whether any view changes by an effect at its initial guesses; one that moves no pixels has nothing to hide."""
+    """Whether some initial guess of an effect changes the views, or none moves their points so that a pose could hide it."""
+    moves = False
     for term in initial_guesses_of(name, cls):
         placed = term.placed()
-        if placed is None or not moving([placed]):
+        if placed is None:
+            continue
+        changes = np.concatenate([board.residual([placed]) - board.residual(()) for board in boards])
+        if np.mean(changes**2) > UNSEEN:
             return True
-        changes = [board.residual([placed]) - board.residual(()) for board in boards]
-        if np.mean(np.concatenate(changes) ** 2) > UNSEEN:
-            return True
-    return False
+        moves = moves or any(board.moves(placed) for board in boards)
+    return not moves

@@ -90,4 +90,6 @@ def source_of(placed: PlacedEffect, geometry: ImageGeometry) -> Places | None:
 
 def _looked_up(source: Places, points_px: Points) -> Points:
     """Where pixels at points look, between the whole pixels that `source` gives."""
-    return np.column_stack([map_coordinates(part, points_px[:, ::-1].T, order=1, mode="nearest") for part in source])
+    return np.column_stack(
+        [map_coordinates(part, points_px[:, ::-1].T, order=1, mode="nearest") for part in source]
+    )

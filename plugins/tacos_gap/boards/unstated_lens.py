@@ -17,6 +17,8 @@ SURE = 0.03
 MUCH_LESS = 0.7
 """Distance of corners from a fisheye over that from Brown and Conrady's lens, below which the fisheye counts."""
 
+_ASIDE = 0.05
+
 
 def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapture, ...], list[str]]:
     """Captures with the focal length and centre that their boards tell, where nobody stated them; and what was done.
@@ -31,7 +33,7 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
     free = ("focal_length", "principal_point") if "principal_point" in unstated else ("focal_length",)
     found = _calibrated(boards, free)
     pixel_um = captures[0].geometry.pixel_um
-    if found is None or found.focal_spread > SURE:
+    if found is None or _focal_spread(boards, found, free) > SURE:
         assumed_mm = captures[0].geometry.focal_length_px * pixel_um * 1e-3
         reason = "no board tells it" if found is None else "the boards do not settle it, tilt them more"
         return captures, [
@@ -48,9 +50,24 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
 def _calibrated(boards: Sequence[RealCapture], free: Collection[str]) -> Calibration | None:
     """By Brown and Conrady's model, or a fisheye's where that leaves much less."""
     brown, fisheye = (calibrated(boards, free=free, fisheye=kind) for kind in (False, True))
-    if brown and fisheye and fisheye.rms_px < MUCH_LESS * brown.rms_px:
-        return replace(fisheye, focal_spread=brown.focal_spread)
+    if brown and fisheye:
+        return fisheye if fisheye.rms_px < MUCH_LESS * brown.rms_px else brown
     return brown or fisheye
+
+
+def _focal_spread(boards: Sequence[RealCapture], found: Calibration, free: Collection[str]) -> float:
+    """Relative standard deviation of the focal length, by how much worse the views fit another one.
+
+    All else is fitted anew: views that face the camera fit any.
+    """
+    other_px = (1 + _ASIDE) * found.focal_px
+    held = [replace(c, geometry=replace(c.geometry, focal_length_px=other_px)) for c in boards]
+    other = calibrated(held, free=[name for name in free if name != "focal_length"])
+    if other is None or other.rms_px <= found.rms_px:
+        return np.inf
+    numbers = sum(capture.corners[1].size for capture in boards if capture.corners is not None)
+    worse = other.rms_px**2 / found.rms_px**2 - 1
+    return float(_ASIDE / np.sqrt(numbers * worse))
 
 
 def _with_lens(geometry: ImageGeometry, found: Calibration) -> ImageGeometry:

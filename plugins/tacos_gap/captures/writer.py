@@ -86,7 +86,11 @@ def _camera_entry(capture: RealCapture, described: Mapping[str, Any]) -> dict[st
         "width_px": geometry.width_px,
         "height_px": geometry.height_px,
         "crop": {"x": x, "y": y, **described["full"]},
-        **({} if "principal_point" in capture.unstated else {"principal_point_px": [float(c) for c in geometry.centre_px]}),
+        **(
+            {}
+            if "principal_point" in capture.unstated
+            else {"principal_point_px": [float(c) for c in geometry.centre_px]}
+        ),
         **{key: value for key, value in shared.items() if value is not None},
     }
 
@@ -101,9 +105,7 @@ def _camera_of(capture: RealCapture) -> dict[str, Any]:
         "centre": [c + o for c, o in zip(geometry.centre_px, geometry.offset_px, strict=True)],
         "pixel_um": float(geometry.pixel_um),
         "focal_length_mm": (
-            None
-            if "focal_length" in capture.unstated
-            else geometry.focal_length_px * geometry.pixel_um / 1e3
+            None if "focal_length" in capture.unstated else geometry.focal_length_px * geometry.pixel_um / 1e3
         ),
         "f_number": context.f_number,
         "bit_depth": bits,

@@ -14,6 +14,7 @@ from tacos_gap.evidence import ImageEvidence, Label
 from tacos_gap.findings import Diagnosis
 from tacos_gap.problem import Problem
 
+
 @dataclass(frozen=True, eq=False)
 class Numbers:
     """All numbers of a statistic, over the captures it was taken in.

@@ -34,8 +34,6 @@ class Calibration:
     ----------
     focal_px
         Focal length [px].
-    focal_spread
-        Its relative standard deviation by the noise of the corners [1].
     moved_px
         Its principal point, from the believed one to the right and downwards [px].
     radial
@@ -45,7 +43,6 @@ class Calibration:
     """
 
     focal_px: float
-    focal_spread: float
     moved_px: tuple[float, float]
     radial: tuple[float, float, float]
     rms_px: float
@@ -127,7 +124,7 @@ def _brown(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) 
     flags |= 0 if "focal_length" in free else cv2.CALIB_FIX_FOCAL_LENGTH
     flags |= 0 if "principal_point" in free else cv2.CALIB_FIX_PRINCIPAL_POINT
     try:
-        rms, matrix, lens, _, _, spread, *_ = cv2.calibrateCameraExtended(
+        rms, matrix, lens, _, _ = cv2.calibrateCamera(
             boards.points_mm,
             boards.corners_px,
             boards.size_px,
@@ -137,9 +134,7 @@ def _brown(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) 
         )
     except cv2.error:  # views that settle nothing
         return None
-    if not boards.has_lens(matrix, rms):
-        return None
-    return _calibration(boards, matrix, lens, rms, float(spread.ravel()[:2].max()))
+    return _calibration(boards, matrix, lens, rms) if boards.has_lens(matrix, rms) else None
 
 
 def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) -> Calibration | None:
@@ -166,14 +161,16 @@ def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]
     if "focal_length" not in free:
         lens = _over_focal_length(focal_px, float(matrix[0, 0]), lens.ravel(), boards, terms)
         matrix[[0, 1], [0, 1]] = focal_px
-    return _calibration(boards, matrix, lens, rms, 0.0)
+    return _calibration(boards, matrix, lens, rms)
 
 
 def _over_focal_length(
     focal_px: float, fitted_px: float, lens: NDArray[np.float64], boards: _Boards, terms: int
 ) -> NDArray[np.float64]:
     """(4,) coefficients over another focal length that image angles at the same radii, by least squares."""
-    widest = max(float(np.abs(corners - boards.middle_px).max()) for corners in boards.corners_px)
+    widest = max(
+        float(np.linalg.norm(corners - boards.middle_px, axis=-1).max()) for corners in boards.corners_px
+    )
     angle = np.linspace(0.0, min(widest / fitted_px, 1.5), 64)[1:]
     square = angle**2
     radius = fitted_px * angle * np.polynomial.polynomial.polyval(square, [1.0, *lens])
@@ -183,18 +180,12 @@ def _over_focal_length(
 
 
 def _calibration(
-    boards: _Boards,
-    matrix: NDArray[np.float64],
-    lens: NDArray[np.float64],
-    rms_px: float,
-    focal_spread_px: float,
+    boards: _Boards, matrix: NDArray[np.float64], lens: NDArray[np.float64], rms_px: float
 ) -> Calibration:
     k = lens.ravel()
-    radial = (k[0], k[1], k[4]) if len(k) >= 5 else (k[0], k[1], k[2])
-    focal_px = float(matrix[0, 0])
+    radial = (k[0], k[1], k[4]) if len(k) >= 5 else (k[0], k[1], k[2])  # tangential ones stand between
     return Calibration(
-        focal_px,
-        focal_spread_px / focal_px,
+        float(matrix[0, 0]),
         (float(matrix[0, 2]) - boards.middle_px, float(matrix[1, 2]) - boards.middle_px),
         (float(radial[0]), float(radial[1]), float(radial[2])),
         float(rms_px),

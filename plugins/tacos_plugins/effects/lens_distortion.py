@@ -129,7 +129,10 @@ def _source(lens: BrownConrady | Fisheye, geometry: ImageGeometry) -> Places:
 
 
 def _source_at(
-    lens: BrownConrady | Fisheye, x_px: NDArray[np.float64], y_px: NDArray[np.float64], geometry: ImageGeometry
+    lens: BrownConrady | Fisheye,
+    x_px: NDArray[np.float64],
+    y_px: NDArray[np.float64],
+    geometry: ImageGeometry,
 ) -> Places:
     f = geometry.focal_length_px
     cx, cy = geometry.centre_px
