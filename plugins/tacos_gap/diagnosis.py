@@ -135,7 +135,7 @@ def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evi
 
 
 def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | None:
-    """The evidence of a picture; None of boards, and where its mask leaves nothing, as was said on reading."""
+    """The evidence of a picture; None of boards, and where its mask leaves nothing, as reading said."""
     if capture.kind == "board":
         return None
     if capture.expected_dn is None:

@@ -121,7 +121,7 @@ def initial_guesses_of(
 def _step(distance: float, scale: float, is_suggested: bool) -> float:
     """A change that matters of a parameter that begins so far from neutral.
 
-    A guess of a class is itself the least that matters. What captures suggest may be many times that: a fisheye.
+    A guess of a class is itself the least that matters. What captures suggest may be many times that.
     """
     if not distance:
         return scale

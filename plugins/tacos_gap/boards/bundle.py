@@ -1,7 +1,7 @@
 """All views of all boards together: poses, paper and an unstated lens are fitted, and what is left is told.
 
-The bundle adjustment of photogrammetry (Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis"), with one
-difference: the lens is not fitted but given, as a hypothesis' effects. Poses are eliminated view by view.
+The bundle adjustment of photogrammetry (Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis"), with
+one difference: the lens is not fitted but given, as a hypothesis' effects. Poses are eliminated view by view.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class Bundle:
         return self._kept[key]
 
     def noise_left(self, noise_px: Sequence[Array]) -> list[Array]:
-        """What the adjustment leaves of noise on the corners of a flat board seen through a pinhole, to first order.
+        """What the adjustment leaves of noise on corners of a flat board seen by a pinhole, to first order.
 
         Parameters
         ----------
@@ -130,7 +130,7 @@ class Bundle:
         return [(z - shared @ moved).T for z, shared in parts]
 
     def nuisances(self, view: int, effects: Sequence[PlacedEffect]) -> Mapping[str, float]:
-        """What was fitted beside the pose of a view: how far its paper bends, and the lens where it is unstated."""
+        """What was fitted beside the pose of a view: how far its paper bends, and an unstated lens."""
         found = self.adjusted(effects)
         board = self.views[view].board
         told: dict[str, float] = {}
@@ -207,7 +207,7 @@ class Bundle:
             normal = normal + shared.T @ shared
             gradient = gradient + shared.T @ z
             parts.append((upright, triangle, by_shared, z))
-        moved = np.linalg.lstsq(normal, gradient, rcond=None)[0]
+        moved: Array = np.linalg.lstsq(normal, gradient, rcond=None)[0]
         poses = [
             np.linalg.lstsq(triangle, upright.T @ (z - by_shared @ moved), rcond=None)[0]
             for upright, triangle, by_shared, z in parts
@@ -217,8 +217,10 @@ class Bundle:
     def _projected(
         self, i: int, pose: Pose, shared: Array, *, derivatives: bool = True
     ) -> tuple[Array, Array, Array]:
-        """Where a pinhole sees the points of a view, (K, 2) [px]; how that moves with its pose, (2K, 6), and with
-        what is shared, (2K, S), all x before all y."""
+        """Where a pinhole sees the points of a view, (K, 2) [px], and how that moves.
+
+        With its pose, (2K, 6), and with what is shared, (2K, S), all x before all y.
+        """
         view, bends = self.views[i], self._bends[i]
         points = view.points_mm
         own = slice(0, 0)
@@ -231,7 +233,7 @@ class Bundle:
         turned = points @ pose.rotation.T
         x, y, z = (turned + pose.shift_mm).T
         z = np.where(np.abs(z) < 1e-6, 1e-6, z)
-        centre = np.array(view.geometry.centre_px) + [lens.get("centre_x", 0.0), lens.get("centre_y", 0.0)]
+        centre = np.add(view.geometry.centre_px, (lens.get("centre_x", 0.0), lens.get("centre_y", 0.0)))
         places = f * np.column_stack([x / z, y / z]) + centre
         if not derivatives:
             return places, np.zeros((0, 6)), np.zeros((0, 0))

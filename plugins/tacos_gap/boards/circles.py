@@ -36,10 +36,10 @@ def find_circles(grey: NDArray[np.uint8], board: Board) -> NDArray[np.float64] |
 
 def _blobs(pixels: int) -> cv2.SimpleBlobDetector:
     """A detector of dark blobs of any size that a board can have in a picture of so many pixels."""
-    wanted = cv2.SimpleBlobDetector_Params()
+    wanted = cv2.SimpleBlobDetector.Params()
     wanted.minArea, wanted.maxArea = 12.0, pixels / 40
     wanted.minDistBetweenBlobs = 4.0
-    return cv2.SimpleBlobDetector_create(wanted)
+    return cv2.SimpleBlobDetector.create(wanted)
 
 
 def _centroids(grey: NDArray[np.uint8], places: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Points of a board in a picture: found in a smaller one where it is large, and refined where it was taken."""
+"""Points of a board in a picture: found in a small one, and refined in the picture itself."""
 
 from __future__ import annotations
 
@@ -85,20 +85,13 @@ def _seen(grey: NDArray[np.uint8], board: Board) -> Corners | None:
 
 
 def _sizes(grey: NDArray[np.uint8]) -> Iterator[tuple[NDArray[np.uint8], float]]:
-    """Pictures to look in, each with how much smaller it is: a convenient one, the picture itself, a small one."""
+    """Pictures to look in, each with its scale: a convenient one, the picture itself, a small one."""
     longest = max(grey.shape)
-    for wanted in dict.fromkeys(
-        (min(SEARCH_PX, longest), min(longest, 3 * SEARCH_PX), min(SEARCH_PX // 2, longest))
-    ):
+    for wanted in dict.fromkeys(min(size, longest) for size in (SEARCH_PX, 3 * SEARCH_PX, SEARCH_PX // 2)):
         scale = wanted / longest
-        yield (
-            (
-                grey
-                if scale == 1
-                else cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-            ),
-            scale,
-        )
+        size = round(grey.shape[1] * scale), round(grey.shape[0] * scale)
+        smaller = grey if scale == 1 else cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
+        yield np.asarray(smaller, np.uint8), scale
 
 
 def _chessboard(grey: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float64] | None:
@@ -187,15 +180,15 @@ def _not_found(capture: RealCapture) -> str:
     fewer = (columns - 1, rows - 1)
     if board.pattern == "chessboard" and grey is not None and _at_a_glance(grey, fewer):
         return (
-            f"{capture.id}: its board has {fewer[0]} x {fewer[1]} inner corners, not {columns} x {rows}; it is left "
-            f"out. Corners between squares count, not squares: correct inner_corners."
+            f"{capture.id}: its board has {fewer[0]} x {fewer[1]} inner corners, not {columns} x {rows}; it "
+            f"is left out. Corners between squares count, not squares: correct inner_corners."
         )
     if board.pattern == "charuco":
         remedy = "Make sure of dictionary, square_mm and marker_mm; show more of it, sharp and without shine."
     else:
         remedy = (
-            "Make sure that inner_corners counts what is printed, that all of the board and a pale rim are in "
-            "view, and that it is sharp and free of shine. Of a charuco parts are enough."
+            "Make sure that inner_corners counts what is printed, that all of the board and a pale rim are "
+            "in view, and that it is sharp and free of shine. Of a charuco parts are enough."
         )
     what = "circles" if "circles" in board.pattern else "inner corners"
     return (

@@ -81,7 +81,7 @@ class BoardEvidence:
         return ReplicateResiduals(z, self.null_replicates, np.ones_like(z))
 
     def moves(self, effect: PlacedEffect) -> bool:
-        """Whether an effect moves the corners by a noise-floor unit, to whatever pose that may be put down."""
+        """Whether an effect moves the corners by a noise-floor unit, whatever pose may take it up."""
         moved_px = traced([effect], self.capture.geometry, self.corners_px)[0] - self.corners_px
         return bool(np.mean(moved_px**2) > self.sigma_px**2)
 
@@ -123,7 +123,8 @@ def evidence_of_boards(
 
 
 def _view(capture: RealCapture, noise_px: float) -> View:
-    assert capture.board is not None and capture.corners is not None
+    assert capture.board is not None
+    assert capture.corners is not None
     geometry = capture.geometry
     margin_px = MARGIN * 2 * geometry.half_diagonal_px
     points_mm, corners_px = capture.corners

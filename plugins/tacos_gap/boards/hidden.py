@@ -15,13 +15,13 @@ from tacos_gap.parameters import initial_guesses_of
 POSE = "pose-error"
 
 UNSEEN = 0.05
-"""Mean square of what an effect changes in a view, up to which the view's pose takes it up [noise floor^2]."""
+"""Mean square of what an effect changes in views, up to which poses hide it [noise floor^2]."""
 
 
 def hidden_by_pose(
     evidence: Sequence[Evidence], effects: Mapping[str, type[Any]]
 ) -> tuple[tuple[str, ...], NextCapture | None]:
-    """Effects that boards and nothing else could show, and that their free poses take up: no gap is no proof of none.
+    """Effects that only boards could show and that their poses hide: no gap is no proof of none.
 
     Parameters
     ----------
@@ -32,8 +32,8 @@ def hidden_by_pose(
 
     Returns
     -------
-    Those that declare a pose as their look-alike here, with it; and the capture that would tell. Empty where all of
-    them would have shown.
+    Those that declare a pose as their look-alike here, with it; and the capture that would tell. Empty
+    where all of them would have shown.
     """
     boards = [each for each in evidence if isinstance(each, BoardEvidence)]
     if not boards or len(boards) < len(evidence) or POSE not in effects:
@@ -44,7 +44,7 @@ def hidden_by_pose(
 
 
 def _shows(name: str, cls: type[Any], boards: Sequence[BoardEvidence]) -> bool:
-    """Whether some initial guess of an effect changes the views, or none moves their points so that a pose could hide it."""
+    """Whether an effect at some initial guess changes the views, or at none moves what a pose could hide."""
     moves = False
     for term in initial_guesses_of(name, cls):
         placed = term.placed()

@@ -43,8 +43,8 @@ def traced(
 
     Returns
     -------
-    (K, 2) places in the pinhole's image [px], and the inverse of their derivative (K, 2, 2): pixels of the image per
-    pixel of the pinhole's.
+    (K, 2) places in the pinhole's image [px], and the inverse of their derivative (K, 2, 2): pixels of the
+    image per pixel of the pinhole's.
     """
     steps = np.array([[0, 0], [_HALF_PX, 0], [-_HALF_PX, 0], [0, _HALF_PX], [0, -_HALF_PX]])
     around = (points_px[None] + steps[:, None]).reshape(-1, 2)

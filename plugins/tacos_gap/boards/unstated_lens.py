@@ -15,13 +15,13 @@ SURE = 0.03
 """Relative standard deviation up to which boards are said to tell the focal length."""
 
 MUCH_LESS = 0.7
-"""Distance of corners from a fisheye over that from Brown and Conrady's lens, below which the fisheye counts."""
+"""Misfit of a fisheye over that of Brown and Conrady's lens, below which the fisheye counts."""
 
 _ASIDE = 0.05
 
 
 def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapture, ...], list[str]]:
-    """Captures with the focal length and centre that their boards tell, where nobody stated them; and what was done.
+    """Captures with the focal length and centre their boards tell, where unstated; and what was done.
 
     It stays free: boards are adjusted to it under every hypothesis.
     """
@@ -37,12 +37,13 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
         assumed_mm = captures[0].geometry.focal_length_px * pixel_um * 1e-3
         reason = "no board tells it" if found is None else "the boards do not settle it, tilt them more"
         return captures, [
-            f"focal_length_mm is not stated and {reason}: {assumed_mm:g} mm is assumed. Nothing is said about it."
+            f"focal_length_mm is not stated and {reason}: {assumed_mm:g} mm is assumed. "
+            f"Nothing is said about it."
         ]
     told = f"{found.focal_px * pixel_um * 1e-3:.3g} mm ({found.focal_px:.4g} px)"
     said = (
-        f"focal_length_mm is not stated: the boards tell {told}, and it stays free to vary with every explanation. "
-        f"Nothing is said about it as a cause."
+        f"focal_length_mm is not stated: the boards tell {told}, and it stays free with every "
+        f"explanation. Nothing is said about it as a cause."
     )
     return tuple(replace(c, geometry=_with_lens(c.geometry, found)) for c in captures), [said]
 

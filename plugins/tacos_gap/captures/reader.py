@@ -100,8 +100,8 @@ class _Reader:
         self._check_noise()
         if entry.camera.focal_length_mm is None and all(each.kind != "board" for each in entry.captures):
             self.limitations.append(
-                f"focal_length_mm is not stated, and there are no boards to tell it: {FOCAL_LENGTH_MM:g} mm is "
-                f"assumed. Nothing is said about it."
+                f"focal_length_mm is not stated, and there are no boards to tell it: {FOCAL_LENGTH_MM:g} mm "
+                f"is assumed. Nothing is said about it."
             )
 
     def capture(self, i: int) -> RealCapture | None:

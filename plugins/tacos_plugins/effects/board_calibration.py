@@ -1,6 +1,6 @@
 """Lenses calibrated from views of boards by OpenCV: where the search for a lens begins.
 
-Least squares over corners finds in milliseconds what steps from a pinhole do not reach: strong barrels, fisheyes.
+Least squares over corners finds in milliseconds what steps from a pinhole do not reach: barrels, fisheyes.
 
 References
 ----------
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -103,7 +104,7 @@ class _Boards:
     def matrix(self, focal_px: float) -> NDArray[np.float64]:
         return np.array([[focal_px, 0, self.middle_px], [0, focal_px, self.middle_px], [0, 0, 1.0]])
 
-    def has_lens(self, matrix: NDArray[np.float64], rms_px: float) -> bool:
+    def has_lens(self, matrix: NDArray[Any], rms_px: float) -> bool:
         f = matrix[0, 0] / (np.sqrt(2) * self.middle_px)
         return bool(np.isfinite(matrix).all() and np.isfinite(rms_px) and WIDEST_FOCAL < f < LONGEST_FOCAL)
 
@@ -138,7 +139,7 @@ def _brown(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) 
 
 
 def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) -> Calibration | None:
-    """OpenCV's own fit, which converges with a free focal length alone; where it is known, turned into that one."""
+    """OpenCV's own fit, which converges with a free focal length alone; a known one is put in afterwards."""
     names = ["USE_INTRINSIC_GUESS", "RECOMPUTE_EXTRINSIC", "FIX_SKEW", "FIX_K4"]
     names += [f"FIX_K{k}" for k in range(terms + 1, 4)]
     names += [] if "principal_point" in free else ["FIX_PRINCIPAL_POINT"]
@@ -165,7 +166,7 @@ def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]
 
 
 def _over_focal_length(
-    focal_px: float, fitted_px: float, lens: NDArray[np.float64], boards: _Boards, terms: int
+    focal_px: float, fitted_px: float, lens: NDArray[Any], boards: _Boards, terms: int
 ) -> NDArray[np.float64]:
     """(4,) coefficients over another focal length that image angles at the same radii, by least squares."""
     widest = max(
@@ -179,9 +180,7 @@ def _over_focal_length(
     return np.append(found, np.zeros(4 - terms))
 
 
-def _calibration(
-    boards: _Boards, matrix: NDArray[np.float64], lens: NDArray[np.float64], rms_px: float
-) -> Calibration:
+def _calibration(boards: _Boards, matrix: NDArray[Any], lens: NDArray[Any], rms_px: float) -> Calibration:
     k = lens.ravel()
     radial = (k[0], k[1], k[4]) if len(k) >= 5 else (k[0], k[1], k[2])  # tangential ones stand between
     return Calibration(

@@ -65,7 +65,7 @@ def photographed(
     size: tuple[int, int] = (WIDTH, HEIGHT),
     oversampling: int = 2,
 ) -> np.ndarray:
-    """(H, W) picture of a printed texture on pale ground, by the ray of each of several samples in a pixel [DN].
+    """(H, W) picture of a printed texture on pale ground, by the rays of several samples in a pixel [DN].
 
     `corner_mm` is where the texture's upper left corner lies on the board.
     """

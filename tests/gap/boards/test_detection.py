@@ -1,4 +1,4 @@
-"""Targets are found in pictures drawn by other means, to a fraction of a pixel, and what is missing is said."""
+"""Targets are found in pictures drawn by other means, to a fraction of a pixel; what is missing is said."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def charuco_texture() -> np.ndarray:
 @pytest.mark.parametrize("aside_mm", [0.0, 90.0])
 def test_of_a_charuco_parts_are_enough(aside_mm):
     turned, shift = pose((10, 20), 260.0, np.array([105.0, 75.0, 0.0]))
-    shift = shift + [aside_mm, 0, 0]
+    shift[0] += aside_mm
     picture = photographed(charuco_texture(), 4.0, (0.0, 0.0), turned, shift, FOCAL_PX)
     found = find_corners(board_capture(image=developed(picture, np.random.default_rng(4)), board=CHARUCO))
     assert found is not None
@@ -132,8 +132,8 @@ def test_what_was_not_found_is_said_with_a_remedy():
     kept, said = with_corners([squares_counted, nothing, charuco, board_capture("good", files)])
     assert [capture.id for capture in kept] == ["good"]
     assert said[0] == (
-        "counted: its board has 9 x 6 inner corners, not 10 x 7; it is left out. Corners between squares count, not "
-        "squares: correct inner_corners."
+        "counted: its board has 9 x 6 inner corners, not 10 x 7; it is left out. Corners between squares "
+        "count, not squares: correct inner_corners."
     )
     assert said[1].startswith(
         "nothing: no chessboard of 9 x 6 inner corners was found; it is left out. Make sure that"
