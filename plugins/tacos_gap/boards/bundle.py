@@ -147,7 +147,7 @@ class Bundle:
     # the adjustment ---------------------------------------------------------------------------------------
 
     def _adjust(self, effects: Sequence[PlacedEffect]) -> Adjusted:
-        seen = [traced(effects, view.geometry, view.corners_px) for view in self.views]
+        seen = self._traced(effects)
         poses = tuple(
             first_pose(view.points_mm, places, view.geometry)
             for view, (places, _) in zip(self.views, seen, strict=True)
@@ -172,6 +172,18 @@ class Bundle:
             if gain < CONVERGED:
                 break
         return best
+
+    def _traced(self, effects: Sequence[PlacedEffect]) -> list[tuple[Array, Array]]:
+        """See `traced`, for each view; those of one geometry together, as maps of whole images are costly."""
+        found: dict[int, tuple[Array, Array]] = {}
+        for geometry in dict.fromkeys(view.geometry for view in self.views):
+            members = [i for i, view in enumerate(self.views) if view.geometry == geometry]
+            corners = [self.views[i].corners_px for i in members]
+            parts = traced(effects, geometry, np.concatenate(corners))
+            ends = np.cumsum([len(each) for each in corners])[:-1]
+            places, inverses = (np.split(part, ends) for part in parts)
+            found |= dict(zip(members, zip(places, inverses, strict=True), strict=True))
+        return [found[i] for i in range(len(self.views))]
 
     def _within(self, shared: Array) -> Array:
         """Paper that bends no further than paper does."""

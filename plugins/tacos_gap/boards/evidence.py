@@ -34,7 +34,7 @@ class BoardEvidence:
     noise_px
         Standard deviation of its corners by detection [px].
     null_replicates
-        (B, 2K) what the adjustment leaves of such noise [noise floor].
+        (B, 2K) what the adjustment leaves of a noise-floor unit on every corner [noise floor].
     """
 
     def __init__(
@@ -112,8 +112,10 @@ def evidence_of_boards(
     views = [_view(capture, noise_px) for capture, noise_px in zip(captures, noises_px, strict=True)]
     bundle = Bundle(views, captures[0].unstated)
     draws = [
-        generator(seed, "board", capture.id).normal(scale=noise_px, size=(replicates, *view.corners_px.shape))
-        for capture, view, noise_px in zip(captures, views, noises_px, strict=True)
+        generator(seed, "board", capture.id).normal(
+            scale=view.sigma_px, size=(replicates, *view.corners_px.shape)
+        )
+        for capture, view in zip(captures, views, strict=True)
     ]
     left = bundle.noise_left(draws)
     return [
