@@ -6,8 +6,9 @@ one difference: the lens is not fitted but given, as a hypothesis' effects. Pose
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,11 +130,11 @@ class Bundle:
         moved = np.linalg.solve(normal, gradient) if len(flat) else gradient
         return [(z - shared @ moved).T for z, shared in parts]
 
-    def nuisances(self, view: int, effects: Sequence[PlacedEffect]) -> Mapping[str, float]:
+    def nuisances(self, view: int, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
         """What was fitted beside the pose of a view: how far its paper bends, and an unstated lens."""
         found = self.adjusted(effects)
         board = self.views[view].board
-        told: dict[str, float] = {}
+        told: dict[str, Any] = {}
         if board in self._papers:
             place = self._papers.index(board)
             bend = found.shared[self._starts[place] : self._starts[place + 1]]
@@ -219,7 +220,7 @@ class Bundle:
             normal = normal + shared.T @ shared
             gradient = gradient + shared.T @ z
             parts.append((upright, triangle, by_shared, z))
-        moved: Array = np.linalg.lstsq(normal, gradient, rcond=None)[0]
+        moved: Array = np.asarray(np.linalg.lstsq(normal, gradient, rcond=None)[0], np.float64)
         poses = [
             np.linalg.lstsq(triangle, upright.T @ (z - by_shared @ moved), rcond=None)[0]
             for upright, triangle, by_shared, z in parts

@@ -5,7 +5,8 @@ Only what neither poses nor paper can explain is left, so that distance and tilt
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ class BoardEvidence:
         moved_px = traced([effect], self.capture.geometry, self.corners_px)[0] - self.corners_px
         return bool(np.mean(moved_px**2) > self.sigma_px**2)
 
-    def nuisances(self, effects: Sequence[PlacedEffect]) -> Mapping[str, float]:
+    def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
         """What was fitted to the view beside its pose: bent paper [mm], an unstated focal length [px]."""
         return self._bundle.nuisances(self._place, effects)
 
