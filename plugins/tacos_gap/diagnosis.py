@@ -12,7 +12,7 @@ import numpy as np
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
-from tacos_gap.boards import BoardEvidence, find_corners
+from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
@@ -69,6 +69,7 @@ def diagnose(
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     tell("measuring the captures")
+    folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)
     problem = Problem(evidence)
     while True:
@@ -108,6 +109,8 @@ def _explained(
     if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
         left = replace(left, probability=max(left.probability, LEAST_PRESENT), where=places[0].statistic)
     cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
+    if not causes and left.probability < 0.5:
+        cause_set, wanted = hidden_by_pose(problem.evidence, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
         wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed)
     return Diagnosis(
@@ -141,39 +144,37 @@ def _detectable(
 def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
     """What each capture's expectation is off by beside the best explanation."""
     effects = placed(best.hypothesis)
-    each = [evidence for evidence in problem.evidence if isinstance(evidence, ImageEvidence)]
+    each = [e for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
     found = {evidence.capture.id: evidence.nuisances(effects) for evidence in each}
     return {name: values for name, values in found.items() if values}
 
 
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
+    captures = boards_found(folder).captures
     with ThreadPoolExecutor(workers) as pool:
-        found = list(pool.map(lambda capture: _evidence_of(capture, seed), folder.captures))
-    evidence = [each for each in found if not isinstance(each, str)]
-    said = [text for text in found if isinstance(text, str) and text]
-    return evidence, [*said, *(text for each in evidence if (text := _not_taken(each)))]
+        pictures = pool.map(lambda capture: _evidence_of(capture, seed), captures)
+        images = [evidence for evidence in pictures if evidence is not None]
+    boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
+    return [*images, *boards], [text for each in images if (text := _not_taken(each))]
 
 
-def _not_taken(evidence: Evidence) -> str:
+def _not_taken(evidence: ImageEvidence) -> str:
     """In a sentence, which statistics of a capture could not be taken; empty where all were."""
-    if not isinstance(evidence, ImageEvidence) or not (names := evidence.left_out):
+    if not (names := evidence.left_out):
         return ""
     listed = ", ".join(name.replace("_", " ") for name in names)
     return f"{evidence.capture.id}: could not be measured in all simulations and is left out: {listed}."
 
 
-def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
-    """The evidence of a capture, or in a sentence why there is none; empty where that was said on reading."""
+def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | None:
+    """The evidence of a picture; None of boards, and where its mask leaves nothing, as reading said."""
     if capture.kind == "board":
-        corners = find_corners(capture)
-        if corners is None:
-            return f"{capture.id}: the board's corners were not found; it is left out."
-        return BoardEvidence(capture, corners, seed)
+        return None
     if capture.expected_dn is None:
         capture = with_sharp_edges(capture)
     if not capture.valid.any():
-        return ""
+        return None
     return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 

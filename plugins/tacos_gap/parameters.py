@@ -16,6 +16,9 @@ from tacos_gap.captures import RealCapture
 KNOT_STEP = 0.04
 """Step that matters of a point of a curve [full scale]."""
 
+SUGGESTED_STEP = 0.1
+"""A change that matters, over the distance from neutral that captures suggest."""
+
 
 @dataclass(frozen=True)
 class HypothesisTerm:
@@ -127,10 +130,10 @@ def initial_guesses_of(
     if own is None:
         own = [{key: value + side * step(cls, key)} for key, value in floats.items() for side in (1, -1)]
     guesses = [_flattened(guess) for guess in (own if suggested is None else suggested)]
-    scales = _scales([*guesses, *map(_flattened, own)], cls)
+    scales = _scales(guesses, cls) | _scales([_flattened(guess) for guess in own], cls)
     for values in guesses:
         free = {
-            key: _step_from_neutral(cls, key, value) or scales.get(key, 1.0)
+            key: _step(cls, key, value, scales.get(key, 1.0), suggested is not None)
             for key, value in values.items()
             if isinstance(value, float)
         }
@@ -139,10 +142,18 @@ def initial_guesses_of(
             yield term
 
 
-def _step_from_neutral(cls: type[Any], name: str, value: float) -> float:
-    """A step that matters: the distance of a guess from neutral; points of a curve have a short way to go."""
+def _step(cls: type[Any], name: str, value: float, scale: float, is_suggested: bool) -> float:
+    """A change that matters of a parameter that begins at a value.
+
+    A guess of a class is itself the least that matters, but for points of a curve, which have a short way to
+    go. What captures suggest may be many times that.
+    """
     distance = abs(value - (neutral_value(cls, name) or 0.0))
-    return min(distance, KNOT_STEP) if name.startswith("knots.") else distance
+    if not distance:
+        return scale
+    if name.startswith("knots."):
+        return min(distance, KNOT_STEP)
+    return min(distance, max(scale, SUGGESTED_STEP * distance)) if is_suggested else distance
 
 
 def _scales(guesses: Sequence[Mapping[str, Any]], cls: type[Any]) -> dict[str, float]:
@@ -150,7 +161,7 @@ def _scales(guesses: Sequence[Mapping[str, Any]], cls: type[Any]) -> dict[str, f
     scales: dict[str, float] = {}
     for guess in guesses:
         for key, value in guess.items():
-            if isinstance(value, float) and (distance := _step_from_neutral(cls, key, value)):
+            if isinstance(value, float) and (distance := abs(value - (neutral_value(cls, key) or 0.0))):
                 scales[key] = min(distance, scales.get(key, distance))
     return scales
 

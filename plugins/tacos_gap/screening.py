@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.boards import BoardEvidence
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.fit import theta_of
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_for, neutral_value
@@ -53,7 +54,7 @@ class ScreeningScore:
 
 def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> ScreeningDirections:
     """Simulate each effect at each of its initial guesses; `each` is a map that may work in parallel."""
-    captures = [each.capture for each in problem.evidence if isinstance(each, ImageEvidence)]
+    captures = [each.capture for each in problem.evidence if isinstance(each, (ImageEvidence, BoardEvidence))]
     terms = [term for name, cls in effects.items() for term in initial_guesses_for(name, cls, captures)]
     found: dict[str, list[ScreeningDirection]] = {}
     for term, z in zip(terms, each(lambda term: problem.residual((term,)), terms), strict=True):

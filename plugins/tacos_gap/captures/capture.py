@@ -38,10 +38,26 @@ class Noise:
 
 @dataclass(frozen=True)
 class Board:
-    """A chessboard: inner corners (columns, rows) and the side of its squares."""
+    """A flat target; views of equal boards are views of one and the same.
+
+    Parameters
+    ----------
+    inner_corners
+        Columns and rows of inner corners, or of circles.
+    square_mm
+        Side of its squares, or distance from circle to circle; of rows of asymmetric circles half of it is
+        the distance between rows [mm].
+    pattern
+        chessboard, charuco, circles or asymmetric_circles.
+    marker_mm, dictionary
+        Side of the markers of a ChArUco board [mm], and OpenCV's name of their dictionary.
+    """
 
     inner_corners: tuple[int, int]
     square_mm: float
+    pattern: str = "chessboard"
+    marker_mm: float = 0.0
+    dictionary: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +90,10 @@ class RealCapture:
         (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
     row_time_us
         Readout from row to row that is in `expected_dn` already [us].
+    unstated
+        What of the lens nobody stated: focal_length, principal_point.
+    corners
+        (K, 3) points of the board [mm] and (K, 2) where they are seen [px]; None until they were found.
     """
 
     id: str
@@ -94,6 +114,8 @@ class RealCapture:
     row_time_us: float = 0.0
     sensor: PlacedSensor | None = None
     notes: tuple[str, ...] = ()
+    unstated: frozenset[str] = frozenset()
+    corners: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
 
     @property
     def frames(self) -> int:

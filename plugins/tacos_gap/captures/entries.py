@@ -12,6 +12,9 @@ Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "se
 Size = Annotated[int, Field(ge=1, le=100_000)]
 NonNegative = Annotated[float, Field(ge=0)]
 
+DICTIONARIES = r"^DICT_((4X4|5X5|6X6|7X7)_(50|100|250|1000)|ARUCO_ORIGINAL|APRILTAG_(16h5|25h9|36h10|36h11))$"
+"""Names of OpenCV's marker dictionaries."""
+
 
 class CropEntry(Settings):
     """Where the files sit on the sensor."""
@@ -28,7 +31,9 @@ class CaptureCamera(Settings):
     width_px: Size = setting(help="Width of the files.", unit="px")
     height_px: Size = setting(help="Height of the files.", unit="px")
     pixel_um: float = setting(3.0, help="Pitch of the pixels.", unit="um", gt=0)
-    focal_length_mm: float = setting(4.0, help="Focal length.", unit="mm", gt=0)
+    focal_length_mm: float | None = setting(
+        None, help="Focal length; from the boards if absent, 4 mm without any.", unit="mm", gt=0
+    )
     principal_point_px: tuple[float, float] | None = setting(
         None, help="Principal point in the files; their centre (or the sensor's) if absent.", unit="px"
     )
@@ -71,12 +76,27 @@ class NoiseEntry(Settings):
 
 
 class BoardEntry(Settings):
-    """A chessboard."""
+    """A flat target with a known pattern."""
 
-    inner_corners: tuple[Annotated[int, Field(ge=3)], Annotated[int, Field(ge=3)]] = setting(
-        help="Inner corners along its rows and columns."
+    pattern: Literal["chessboard", "charuco", "circles", "asymmetric_circles"] = setting(
+        "chessboard", help="Its pattern, as OpenCV names them. Of a charuco parts may be seen."
     )
-    square_mm: float = setting(help="Side of its squares.", unit="mm", gt=0)
+    inner_corners: tuple[Annotated[int, Field(ge=3)], Annotated[int, Field(ge=3)]] = setting(
+        help="Inner corners along its rows and columns, or circles."
+    )
+    square_mm: float = setting(
+        help="Side of its squares, or from circle to circle (asymmetric: along a row).", unit="mm", gt=0
+    )
+    marker_mm: float | None = setting(None, help="Side of the markers of a charuco.", unit="mm", gt=0)
+    dictionary: Annotated[str, Field(pattern=DICTIONARIES)] = setting(
+        "DICT_4X4_50", help="OpenCV's dictionary of the markers of a charuco."
+    )
+
+    @model_validator(mode="after")
+    def _markers_fit(self) -> BoardEntry:
+        if self.pattern == "charuco" and not (self.marker_mm and self.marker_mm < self.square_mm):
+            raise ValueError("a charuco needs marker_mm, below square_mm")
+        return self
 
 
 class EdgeEntry(Settings):

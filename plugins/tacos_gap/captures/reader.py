@@ -13,7 +13,14 @@ from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import Document, read_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures.capture import Board, CaptureFolder, Noise, RealCapture
-from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry, FolderEntry, NoiseEntry
+from tacos_gap.captures.entries import (
+    BoardEntry,
+    CaptureCamera,
+    CaptureEntry,
+    CropEntry,
+    FolderEntry,
+    NoiseEntry,
+)
 from tacos_gap.captures.files import CaptureFiles
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
@@ -21,6 +28,9 @@ from tacos_gap.captures.plausibility import faults_of, limitations_of, order_fau
 FILE = "captures.yaml"
 MAX_FRAMES = 6
 """Frames of one capture that are used; more add little and cost time."""
+
+FOCAL_LENGTH_MM = 4.0
+"""Stands for a focal length that nobody stated, until boards tell it."""
 
 Render = Callable[[Path, str], NDArray[np.float32]]
 """Renders the expected values of a capture, (1 or N, H, W, C) [DN], from a recipe and the capture's id."""
@@ -93,6 +103,11 @@ class _Reader:
         except ValueError as error:
             self.files.fault(("camera", "crop"), str(error), "files that lie on the sensor")
         self._check_noise()
+        if entry.camera.focal_length_mm is None and all(each.kind != "board" for each in entry.captures):
+            self.limitations.append(
+                f"focal_length_mm is not stated, and there are no boards to tell it: {FOCAL_LENGTH_MM:g} mm "
+                f"is assumed. Nothing is said about it."
+            )
 
     def capture(self, i: int) -> RealCapture | None:
         """A capture; None after its faults were kept."""
@@ -151,10 +166,11 @@ class _Reader:
             group=entry.group,
             level_uncertainty=entry.level_uncertainty,
             expected_frames=entry.simulated_frames or 0,
-            board=Board(entry.board.inner_corners, entry.board.square_mm) if entry.board else None,
+            board=_board(entry.board) if entry.board else None,
             edge_angle_deg=entry.edge.angle_deg if entry.edge else None,
             patches=patches,
             row_time_us=entry.row_time_us,
+            unstated=_unstated(camera),
         )
         for key, what, wanted, remedy in faults_of(capture):
             files.fault(("captures", i, key), what, wanted, remedy)
@@ -279,6 +295,21 @@ def _per_channel(value: float | tuple[float, ...]) -> tuple[float, ...]:
     return tuple(value) if isinstance(value, tuple) else (value,)
 
 
+def _board(entry: BoardEntry) -> Board:
+    if entry.pattern != "charuco":
+        return Board(entry.inner_corners, entry.square_mm, entry.pattern)
+    return Board(
+        entry.inner_corners, entry.square_mm, entry.pattern, entry.marker_mm or 0.0, entry.dictionary
+    )
+
+
+def _unstated(camera: CaptureCamera) -> frozenset[str]:
+    """What of the lens is nobody's claim: a centre that goes without saying is one, beside a focal length."""
+    if camera.focal_length_mm is not None:
+        return frozenset()
+    return frozenset({"focal_length", *(() if camera.principal_point_px else ("principal_point",))})
+
+
 def _geometry(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometry:
     """Where the files of a capture lie on the sensor; those of the camera itself for None."""
     width = (entry and entry.width_px) or camera.width_px
@@ -294,7 +325,7 @@ def _geometry(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometr
     return ImageGeometry(
         width_px=width,
         height_px=height,
-        focal_length_px=camera.focal_length_mm * 1e3 / camera.pixel_um,
+        focal_length_px=(camera.focal_length_mm or FOCAL_LENGTH_MM) * 1e3 / camera.pixel_um,
         centre_px=centre,
         pixel_um=camera.pixel_um,
         offset_px=(crop.x, crop.y),
