@@ -79,7 +79,7 @@ class Diagnosis:
     limitations: tuple[str, ...]
     problem: Problem
     attribution: Attribution
-    task: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    task: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """``diagnosis.json`` as plain data."""

@@ -101,7 +101,7 @@ def test_task_scores_of_the_patched_simulation_are_nearer_to_the_real_ones(
     assert "radius_um" in report
     assert "radius_px" in report
     inliers = data["task"]["features.inliers"]
-    assert set(inliers) == {"real", "sim_before", "sim_after"}
+    assert set(inliers) == {"real", "sim_before", "sim_after", "ci", "captures"}
     assert abs(inliers["sim_after"] - inliers["real"]) < abs(inliers["sim_before"] - inliers["real"])
     assert "What it does to the task" in report
     assert "Contrast of detail over spatial frequency" in report
@@ -162,6 +162,7 @@ def test_an_empty_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtur
         ({"study": "headset_quik"}, "there is no such recipe"),
         ({"study": "diagnose"}, "diagnose is no study"),
         ({"study": "headset_quick", "change": {"compare.cameras": ["flea9"]}}, "flea9"),
+        ({"task": "bench"}, "bench is no study"),
     ],
 )
 def test_wrong_settings_are_refused_before_any_work(
@@ -170,6 +171,19 @@ def test_wrong_settings_are_refused_before_any_work(
     recipe = ProcedureRecipe("procedure.diagnose", {"captures": str(tmp_path / "none"), **settings})
     with pytest.raises(UserError, match=said):
         run(recipe, out=tmp_path / "out", plugins=plugins)
+
+
+def test_all_that_is_wrong_is_said_as_the_recipe_is_checked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "captures.yaml").write_text("tacos_captures: 1\ncamera: {width_px: 0}\ncaptures: []\n")
+    sets = [f"captures={tmp_path}", "without=[vigneting]", "study=headset_quik", "task=bench"]
+    status = run_main(["diagnose", "--check", *(word for each in sets for word in ("--set", each))])
+    assert status == 2
+    said = capsys.readouterr().err
+    for part in ("captures.yaml:2", "vigneting", "headset_quik", "bench is no study"):
+        assert part in said
+    assert "Traceback" not in said
 
 
 class TestDiagnose(ProcedureConformance):

@@ -45,6 +45,22 @@ class Board:
 
 
 @dataclass(frozen=True, eq=False)
+class Objects:
+    """Which object each pixel of a still shows.
+
+    Parameters
+    ----------
+    ids
+        (H, W) int32 index into `classes`; 0 is the background.
+    classes
+        What each object is, the background first.
+    """
+
+    ids: NDArray[np.int32]
+    classes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class RealCapture:
     """Real frames of one thing under one setting, and what the simulator expects.
 
@@ -74,6 +90,8 @@ class RealCapture:
         (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
     row_time_us
         Readout from row to row that is in `expected_dn` already [us].
+    objects
+        What a still shows, for tasks that find things; None where nobody labelled it.
     """
 
     id: str
@@ -94,6 +112,7 @@ class RealCapture:
     row_time_us: float = 0.0
     sensor: PlacedSensor | None = None
     notes: tuple[str, ...] = ()
+    objects: Objects | None = None
 
     @property
     def frames(self) -> int:
