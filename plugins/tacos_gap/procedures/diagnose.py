@@ -135,6 +135,7 @@ class Diagnose:
             seconds=time.monotonic() - began,
             without=self.config.without,
             decision=decision,
+            considered=considered.effects,
         )
         write_page(out / "report.html", page(diagnosis, folder, run))
         return {"diagnosis": data, "summary": summary(diagnosis, decision)}

@@ -8,12 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from tacos_gap.report.series import AFTER, BEFORE, REAL
 from tacos_report.figures.canvas import draw, light_grid
-from tacos_report.palette import INK, MUTED, camera_colour
+from tacos_report.palette import INK, MUTED
 from tacos_validation.cameras_validated.noise_curves import NoiseCurve
 from tacos_validation.cameras_validated.ranking import CameraScores, level
 
-MARKS = {"real": ("o", INK), "sim_before": ("s", camera_colour(0)), "sim_after": ("D", camera_colour(2))}
+MARKS = {"real": ("o", REAL), "sim_before": ("s", BEFORE), "sim_after": ("D", AFTER)}
 TITLES = {"real": "real", "sim_before": "simulated", "sim_after": "simulated with the causes"}
 
 
