@@ -107,6 +107,17 @@ def test_task_scores_of_the_patched_simulation_are_nearer_to_the_real_ones(
     assert "Contrast of detail over spatial frequency" in report
 
 
+def test_exposure_that_settles_over_a_sequence_is_found(plugins: Plugins, tmp_path: Path) -> None:
+    steady = [capture("dark", 0.0), capture("flat", 90.0), capture("sequence", patchwork(), frames=6)]
+    real = taken(steady, [effect(plugins, "auto-exposure", first=0.7, lag_frames=1.5)])
+    real[1] = taken([steady[1]], [])[0]  # a flat is taken once all has settled
+    data, _ = diagnosed(real, {"auto-exposure", "exposure-error", "read-noise"}, plugins, tmp_path)
+    assert [cause["effect"] for cause in data["causes"]] == ["auto-exposure"]
+    found = data["causes"][0]["parameters"]
+    assert found["first"]["value"] == pytest.approx(0.7, abs=0.03)
+    assert found["lag_frames"]["value"] == pytest.approx(1.5, abs=0.3)
+
+
 def test_no_gap_is_said_and_nothing_patched(plugins: Plugins, tmp_path: Path) -> None:
     captures = taken([capture("dark", 0.0), capture("flat", 80.0)], [])
     data, report = diagnosed(captures, {"vignetting", "read-noise"}, plugins, tmp_path)

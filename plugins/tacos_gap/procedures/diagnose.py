@@ -29,6 +29,8 @@ from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis, Parameter
 from tacos_gap.problem import placed
 from tacos_gap.procedures.checking import check_all, check_captures
+from tacos_gap.procedures.telling import Telling
+from tacos_gap.report import task_words
 from tacos_gap.report.page import Circumstances, page
 from tacos_gap.sensing import NODE, with_sensor
 from tacos_gap.tasks import RecipeTask, default_tasks, score_tasks, task_gap, tasks_of
@@ -107,7 +109,8 @@ class Diagnose:
             folder = replace(folder, captures=with_sensor(folder.captures, sensor))
         progress.step(f"{len(folder.captures)} captures")
         progress.phase("Looking for causes", None)
-        diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=progress.step)
+        with Telling(progress) as tell:
+            diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=tell)
         causes = placed(diagnosis.attribution.best.hypothesis)
         progress.phase("Scoring tasks", None)
         scored = score_tasks(folder.captures, causes, tasks, seed)
@@ -194,17 +197,17 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     lines = [said[diagnosis.verdict]]
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
-        lines.append(f"  {cause.effect} ({cause.probability:.0%}): {values}")
-        lines.append(f"      closes {cause.closure:.0%} of the gap on what it was not fitted to")
+        sure = getattr(cause, "present", 0.0) or cause.probability
+        lines.append(f"  {cause.effect} ({sure:.0%}): {values}")
+        if len(diagnosis.causes) > 1:
+            lines.append(f"      its share of what is closed: {cause.shapley:.0%} of the gap")
+    if diagnosis.causes:
+        lines.append(f"Closes {diagnosis.closure:.0%} of the gap on what it was not fitted to.")
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
     if more:
         lines.append(f"  cannot be told from: {', '.join(more)}")
     lines.append(f"Gap: {diagnosis.gap_before:.1f} before, {diagnosis.gap_after:.1f} after, noise floor 1.")
-    for score, found in diagnosis.task.items():
-        lines.append(
-            f"{score}: {found['real']:.4g} on real frames, {found['sim_before']:.4g} on simulated ones, "
-            f"{found['sim_after']:.4g} with the causes."
-        )
+    lines += [task_words.sentence(name, found) for name, found in diagnosis.task.items()]
     if decision:
         lines.append(str(decision["sentence"]))
     if diagnosis.next_capture:

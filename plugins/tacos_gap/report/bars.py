@@ -59,7 +59,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
 def closures(diagnosis: Diagnosis) -> str:
     """SVG of bars: all causes, each one's share, alone and in its place, and the negative control."""
     best = diagnosis.causes
-    together = sum(cause.shapley for cause in best)
+    together = diagnosis.closure
     rows: list[tuple[str, float, str]] = []
     if len(best) > 1:
         rows.append(("all together", together, AFTER))

@@ -50,7 +50,7 @@ def headline(diagnosis: Diagnosis) -> str:
         return f"There is a gap{place}, and no effect of the catalogue explains it."
     names = [effect_words(cause.effect) for cause in diagnosis.causes]
     others = [effect_words(name) for name in alternatives(diagnosis)]
-    closed = share(together(diagnosis.causes))
+    closed = share(diagnosis.closure)
     one = len(names) == 1
     if diagnosis.verdict == "unknown":
         nearest = f"{listed(names)} {'comes' if one else 'come'} nearest"
@@ -110,11 +110,6 @@ def picture_remainder(rms_dn: Sequence[float], noise_dn: float) -> str:
             "by parts of a pixel, maps of single specimens, light that differs a little."
         )
     return text
-
-
-def together(causes: Sequence[Cause]) -> float:
-    """What all causes together close, held out: the sum of their fair shares."""
-    return sum(cause.shapley for cause in causes)
 
 
 def alternatives(diagnosis: Diagnosis) -> list[str]:

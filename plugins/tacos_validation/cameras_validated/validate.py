@@ -21,6 +21,7 @@ from tacos_gap.candidates import Candidates, candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.formation import simulate
 from tacos_gap.procedures.checking import check_all, check_captures
+from tacos_gap.procedures.telling import Telling
 from tacos_gap.tasks import CaptureScores, RecipeTask, default_tasks, score_tasks, tasks_of
 from tacos_gap.tasks.recipe_tasks import frozen_plan
 from tacos_report.page import write_page
@@ -136,7 +137,8 @@ class ValidateCameras:
         if self.config.patches == "given":
             return given_patch(path / PATCH, plugins)
         progress.phase(f"Diagnosing {name}", None)
-        return diagnosed_patch(folder, considered, seed, self.config.workers, progress.step)
+        with Telling(progress) as tell:
+            return diagnosed_patch(folder, considered, seed, self.config.workers, tell)
 
 
 def _keep(folder: Path, patch: CameraPatch) -> None:
