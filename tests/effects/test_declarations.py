@@ -94,8 +94,9 @@ def test_exposure_and_white_balance_that_settle_are_guessed_from_a_sequence():
     expected = np.full((6, 20, 20, 3), 100.0)
     settles = expected * np.concatenate([1.3**left, 1.0**left, 0.8**left], axis=1)[:, None, None, :]
     (guess,) = AutoWhiteBalance.guesses_from([seen(settles, expected, kind="sequence", black_level_dn=0.0)])
-    assert guess["red_first"] == pytest.approx(1.3, rel=0.05)
-    assert guess["blue_first"] == pytest.approx(0.8, rel=0.05)
+    assert guess["red_first"] == pytest.approx(1.3, rel=0.01)
+    assert guess["blue_first"] == pytest.approx(0.8, rel=0.01)
+    assert guess["lag_frames"] == pytest.approx(2.0, rel=0.07)
     brighter = expected * (1.5 ** np.arange(6))[:, None, None, None] / 8
     evened = brighter / (1.5 ** (0.6 * np.arange(6)))[:, None, None, None]
     first = next(iter(AutoExposure.guesses_from([seen(evened, brighter, kind="sequence")])))

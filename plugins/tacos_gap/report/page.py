@@ -82,9 +82,10 @@ def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Pag
     artist = Artist(diagnosis.problem, folder.captures, effects, run.seed, after=after)
     gaps = capture_gaps(diagnosis)
     shown = [compare(c, effects, run.seed) for c in to_show(folder.captures, gaps)]
+    explained = diagnosis.verdict == "explained"
     sections = [
         Section("What was photographed", tuple(photographed(folder.captures))),
-        *([Section("Real and simulated", tuple(_frames(shown)))] if shown else []),
+        *([Section("Real and simulated", tuple(_frames(shown, explained=explained)))] if shown else []),
         Section("Where the gap lies", tuple(_where(diagnosis, numbers, artist))),
         *([Section("What causes it", tuple(_causes(diagnosis, artist)))] if diagnosis.causes else []),
         Section("How far it shrinks", tuple(_closure(diagnosis))),
@@ -183,7 +184,7 @@ def _decided(diagnosis: Diagnosis, cause: Cause, artist: Artist) -> tuple[Drawin
     return None, own.drawing(name, numbers)
 
 
-def _frames(shown: Sequence[ComparedFrames]) -> Iterator[Block]:
+def _frames(shown: Sequence[ComparedFrames], *, explained: bool) -> Iterator[Block]:
     for pair in shown:
         yield Heading(f"{pair.capture}, {pair.kind}")
         yield SideBySide(_pictures(pair.whole, SIMULATIONS))
@@ -198,7 +199,7 @@ def _frames(shown: Sequence[ComparedFrames]) -> Iterator[Block]:
         yield Paragraph(
             "Differences are means over the frames; blue is darker than simulated, vermilion brighter, in "
             f"full colour at {number(pair.reach_dn, 2)} DN, on one scale.{note} "
-            f"{words.picture_remainder(pair.rms_dn, pair.noise_dn)}"
+            f"{words.picture_remainder(pair.rms_dn, pair.noise_dn, explained=explained)}"
         )
 
 

@@ -92,7 +92,7 @@ def _interval_after(name: str, parameter: Parameter) -> str:
     return "" if parameter.interval is None else f" ({_row(name, parameter)[2]})"
 
 
-def picture_remainder(rms_dn: Sequence[float], noise_dn: float) -> str:
+def picture_remainder(rms_dn: Sequence[float], noise_dn: float, *, explained: bool = True) -> str:
     """What pictures still differ by, and how much of that noise alone would leave.
 
     Examples
@@ -104,7 +104,9 @@ def picture_remainder(rms_dn: Sequence[float], noise_dn: float) -> str:
     text = f"The means differ by {number(rms_dn[0], 2)} DN (root mean square){with_causes}; "
     text += f"{number(noise_dn, 2)} DN are noise of the frames themselves, which no simulation removes."
     beyond = max(rms_dn[-1] ** 2 - noise_dn**2, 0.0) ** 0.5
-    if len(rms_dn) > 1 and beyond > noise_dn:
+    if len(rms_dn) > 1 and beyond > noise_dn and not explained:
+        text += f" The {number(beyond, 2)} DN beyond it hold what no effect here explains."
+    elif len(rms_dn) > 1 and beyond > noise_dn:
         text += (
             f" The {number(beyond, 2)} DN beyond it are what the numbers of this page leave out: places off "
             "by parts of a pixel, maps of single specimens, light that differs a little."

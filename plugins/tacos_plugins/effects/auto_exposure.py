@@ -16,7 +16,7 @@ from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.contracts.observed import Captures
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling
+from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling, settling_of
 from tacos_plugins.effects.shown_by import SEQUENCE
 
 
@@ -103,12 +103,13 @@ class AutoExposure:
         for capture in sequences(captures):
             real, expected = (means.mean(axis=1) for means in means_dn(capture))
             drift, change = (np.log(means / means[0]) for means in (real / expected, expected))
-            if np.ptp(drift) < LEAST_CHANGE:
+            if np.ptp(drift) <= LEAST_CHANGE:
                 continue
             if np.ptp(change) > LEAST_CHANGE:
                 slope = -float(drift @ change) / float(change @ change)
                 yield {"strength": min(max(slope, 0.05), 1.0)}
-            yield {"first": math.exp(-float(drift[-1])), "lag_frames": 2.0}
+            first, lag_frames = settling_of(real / expected)
+            yield {"first": first, "lag_frames": lag_frames}
 
     def on_array(
         self,

@@ -12,7 +12,7 @@ from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.contracts.observed import Captures
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
-from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling
+from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling, settling_of
 from tacos_plugins.effects.shown_by import SEQUENCE
 
 
@@ -55,9 +55,11 @@ class AutoWhiteBalance:
                 continue
             real, expected = means_dn(capture)
             ratio = (real / real[:, 1:2]) / (expected / expected[:, 1:2])
-            red, blue = (ratio[0] / ratio[-1])[[0, 2]].tolist()
-            if max(abs(red - 1), abs(blue - 1)) > LEAST_CHANGE:
-                yield {"red_first": red, "blue_first": blue, "lag_frames": 2.0}
+            if np.ptp(np.log(ratio), axis=0).max() <= LEAST_CHANGE:
+                continue
+            (red, red_lag), (blue, blue_lag) = (settling_of(ratio[:, channel]) for channel in (0, 2))
+            clearer = red_lag if abs(np.log(red)) > abs(np.log(blue)) else blue_lag
+            yield {"red_first": red, "blue_first": blue, "lag_frames": clearer}
 
     def on_array(
         self,

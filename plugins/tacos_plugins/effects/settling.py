@@ -43,6 +43,29 @@ def settling(first: float, lag_frames: float, start: int, count: int) -> NDArray
     return np.exp2(math.log2(first) * left)
 
 
+LAGS_FRAMES = np.geomspace(0.3, 30.0, 41)
+"""Lags that are tried on what captures show [frame]."""
+
+
+def settling_of(factors: NDArray[np.float64]) -> tuple[float, float]:
+    """First factor, over the settled one, and lag [frame] that come nearest to (N,) factors, in stops.
+
+    Examples
+    --------
+    >>> first, lag_frames = settling_of(90.0 * settling(0.7, 1.5, start=0, count=6))
+    >>> round(first, 2), round(lag_frames, 1)
+    (0.7, 1.5)
+    """
+    stops, count = np.log2(factors), len(factors)
+    best = (np.inf, 1.0, 1.0)
+    for lag_frames in LAGS_FRAMES.tolist():
+        model = np.stack([np.log2(settling(2.0, lag_frames, 0, count)), np.ones(count)], axis=1)
+        solution, *_ = np.linalg.lstsq(model, stops, rcond=None)
+        rest = float(np.sum((stops - model @ solution) ** 2))
+        best = min(best, (rest, float(2 ** solution[0]), lag_frames))
+    return best[1], best[2]
+
+
 def sequences(captures: Captures) -> list[ObservedCapture]:
     """Captures of a sequence that are long enough to drift."""
     return [
