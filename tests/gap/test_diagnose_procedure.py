@@ -103,7 +103,7 @@ def test_task_scores_of_the_patched_simulation_are_nearer_to_the_real_ones(
     inliers = data["task"]["features.inliers"]
     assert set(inliers) == {"real", "sim_before", "sim_after", "ci", "captures"}
     assert abs(inliers["sim_after"] - inliers["real"]) < abs(inliers["sim_before"] - inliers["real"])
-    assert "What it does to the task" in report
+    assert "What it does to tasks" in report
     assert "Contrast of detail over spatial frequency" in report
 
 
