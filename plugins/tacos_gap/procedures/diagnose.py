@@ -197,8 +197,7 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     lines = [said[diagnosis.verdict]]
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
-        sure = getattr(cause, "present", 0.0) or cause.probability
-        lines.append(f"  {cause.effect} ({sure:.0%}): {values}")
+        lines.append(f"  {cause.effect} ({cause.present:.0%}): {values}")
         if len(diagnosis.causes) > 1:
             lines.append(f"      its share of what is closed: {cause.shapley:.0%} of the gap")
     if diagnosis.causes:

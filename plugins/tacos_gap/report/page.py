@@ -222,7 +222,7 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
             f"The line on the first bar is its 90 % interval.{negative_control}",
         )
     yield Paragraph(words.remainder(diagnosis))
-    if nuisances := nuisance_rows(getattr(diagnosis, "nuisances", {})):
+    if nuisances := nuisance_rows(diagnosis.nuisances):
         heads = ("capture", "its expectation was off by")
         yield Folded("What was allowed for and is nobody's error", Table(heads, nuisances))
 
@@ -294,7 +294,7 @@ def _repeat(
     run: Circumstances,
 ) -> Iterator[Block]:
     yield Code(run.command)
-    explained = getattr(diagnosis.unknown, "by_capture", {})
+    explained = diagnosis.unknown.by_capture
     rows = []
     for capture in captures:
         before, after = gaps.get(capture.id, (None, None))

@@ -87,8 +87,7 @@ def not_told(
         ]
         yield Paragraph("Nothing can be said of these effects until the captures hold what shows them:")
         yield Table(("photograph", "to learn of"), tuple(rows))
-    limits = getattr(diagnosis, "detectable", {})
-    if limits:
+    if limits := diagnosis.detectable:
         yield Paragraph(
             "Of the others none was overlooked that is larger than its detection limit: an effect of that "
             "size would have shown in these captures nine times in ten."

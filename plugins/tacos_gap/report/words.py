@@ -75,7 +75,7 @@ def cause_sentence(cause: Cause) -> str:
         for key, parameter in cause.parameters.items()
         if not isinstance(parameter.value, list)
     ]
-    sure = share(getattr(cause, "present", 0.0) or cause.probability)
+    sure = share(cause.present)
     sized = f", {listed(said)}" if said else ""
     return (
         f"The simulator lacks {name}{sized}: it is there with a probability of {sure}, and adding it alone "
