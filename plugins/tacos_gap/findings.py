@@ -84,7 +84,7 @@ class Diagnosis:
     limitations: tuple[str, ...]
     problem: Problem
     attribution: Attribution
-    task: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    task: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     closure_interval: tuple[float, float] = (0.0, 0.0)
     detectable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     nuisances: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

@@ -10,6 +10,7 @@ import numpy as np
 
 from tacos_framework.testing import EffectConformance
 from tacos_plugins.effects.auto_exposure import AutoExposure
+from tacos_plugins.effects.auto_white_balance import AutoWhiteBalance
 from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.colour_matrix import ColourMatrix
 from tacos_plugins.effects.conversion_gain_error import ConversionGainError
@@ -142,6 +143,16 @@ class TestPoseErrorWithAShift(EffectConformance):
 class TestAutoExposure(EffectConformance):
     component = AutoExposure
     config = {"target_mlx_s": 15.0, "lag_frames": 2.0}
+
+
+class TestAutoExposureAgainstTheFirstFrame(EffectConformance):
+    component = AutoExposure
+    config = {"strength": 0.5, "first": 1.5, "lag_frames": 2.0}
+
+
+class TestAutoWhiteBalance(EffectConformance):
+    component = AutoWhiteBalance
+    config = {"red_first": 1.3, "blue_first": 0.8, "lag_frames": 2.0}
 
 
 class TestBlackLevel(EffectConformance):

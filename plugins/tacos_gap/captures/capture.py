@@ -61,6 +61,22 @@ class Board:
 
 
 @dataclass(frozen=True, eq=False)
+class Objects:
+    """Which object each pixel of a still shows.
+
+    Parameters
+    ----------
+    ids
+        (H, W) int32 index into `classes`; 0 is the background.
+    classes
+        What each object is, the background first.
+    """
+
+    ids: NDArray[np.int32]
+    classes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class RealCapture:
     """Real frames of one thing under one setting, and what the simulator expects.
 
@@ -94,6 +110,8 @@ class RealCapture:
         What of the lens nobody stated: focal_length, principal_point.
     corners
         (K, 3) points of the board [mm] and (K, 2) where they are seen [px]; None until they were found.
+    objects
+        What a still shows, for tasks that find things; None where nobody labelled it.
     """
 
     id: str
@@ -116,6 +134,7 @@ class RealCapture:
     notes: tuple[str, ...] = ()
     unstated: frozenset[str] = frozenset()
     corners: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    objects: Objects | None = None
 
     @property
     def frames(self) -> int:

@@ -111,6 +111,18 @@ class ChartEntry(Settings):
     patches: str = setting(help="CSV with id, x, y, width, height [px], r, g, b [linear DN].")
 
 
+class ObjectsEntry(Settings):
+    """What a still shows, for tasks that find things."""
+
+    ids: str = setting(
+        help="Image or .npy of whole numbers: the object each pixel shows, 0 for the background, 1 for the "
+        "first of `classes`."
+    )
+    classes: tuple[str, ...] = setting(
+        help="What each object is, as tasks call it, e.g. chair.", min_length=1
+    )
+
+
 class CaptureEntry(Settings):
     """One capture: frames taken with the same settings, or the frames of a sequence."""
 
@@ -139,6 +151,7 @@ class CaptureEntry(Settings):
     edge: EdgeEntry | None = setting(None, help="The edge; without it, edges of any direction.")
     chart: ChartEntry | None = setting(None, help="The patches of a chart.")
     depth: str | None = setting(None, help="Depth along the optical axis, .npy.", unit="m")
+    objects: ObjectsEntry | None = setting(None, help="Labelled objects, for tasks that find things.")
     velocity_px_s: tuple[float, float] | str | None = setting(
         None, help="Motion in the image, or a .npy of (height, width, 2).", unit="px/s"
     )

@@ -12,7 +12,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import Document, read_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.captures.capture import Board, CaptureFolder, Noise, RealCapture
+from tacos_gap.captures.capture import Board, CaptureFolder, Noise, Objects, RealCapture
 from tacos_gap.captures.entries import (
     BoardEntry,
     CaptureCamera,
@@ -134,6 +134,7 @@ class _Reader:
                 ("captures", i, "depth"), f"{entry.depth} holds depths of 0 or below", "metres above 0"
             )
         velocity = self._velocity(i, entry, shape)
+        objects = self._objects(i, entry, shape)
         patches = files.patches(i, entry.chart.patches, shape) if entry.chart else None
         noise = self._noise(i, entry)
         if len(files.faults) > before or real is None:
@@ -171,6 +172,7 @@ class _Reader:
             patches=patches,
             row_time_us=entry.row_time_us,
             unstated=_unstated(camera),
+            objects=objects,
         )
         for key, what, wanted, remedy in faults_of(capture):
             files.fault(("captures", i, key), what, wanted, remedy)
@@ -251,6 +253,22 @@ class _Reader:
         if isinstance(given, str):
             return self.files.array(i, "velocity_px_s", given, (*shape, 2))
         return None if given is None else np.array(given, np.float64)
+
+    def _objects(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> Objects | None:
+        if entry.objects is None:
+            return None
+        if entry.kind == "sequence":
+            self.files.fault(("captures", i, "objects"), "a sequence has objects", "objects of a still")
+            return None
+        found = self.files.array(i, "objects", entry.objects.ids, shape)
+        if found is None:
+            return None
+        ids, most = found.reshape(*shape, -1)[..., 0], len(entry.objects.classes)
+        if (ids != np.rint(ids)).any() or ids.min() < 0 or ids.max() > most:
+            what = f"{entry.objects.ids} holds ids from {ids.min():g} to {ids.max():g}"
+            self.files.fault(("captures", i, "objects"), what, f"whole numbers from 0 to {most}, as classes")
+            return None
+        return Objects(ids.astype(np.int32), ("background", *entry.objects.classes))
 
     # noise ------------------------------------------------------------------------------------------------
 

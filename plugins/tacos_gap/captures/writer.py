@@ -176,6 +176,9 @@ def _entry(folder: Path, name: str, capture: RealCapture, camera: Mapping[str, A
         entry["edge"] = {"angle_deg": capture.edge_angle_deg}
     if capture.patches is not None:
         entry["chart"] = {"patches": _patches(folder, name, *capture.patches)}
+    if capture.objects is not None:
+        ids = _array(folder, f"{name}/objects.npy", capture.objects.ids)
+        entry["objects"] = {"ids": ids, "classes": list(capture.objects.classes[1:])}
     return entry | _scene_of(folder, name, capture)
 
 

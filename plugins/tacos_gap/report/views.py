@@ -108,6 +108,9 @@ _VIEWS = {
     "code_comb": StatisticView("Empty codes", "strength [1]"),
     "colour_matrix": StatisticView("How channels mix", "entry of the matrix [1]"),
     "patches": StatisticView("Patches of the chart", "real less expected [DN]"),
+    "level_over_time": StatisticView(
+        "Brightness over time", "off the mean of the sequence [%]", _percent, "A drift is a control at work."
+    ),
     "frame_to_frame": StatisticView("Brightness from frame to frame", "standard deviation [%]", _percent),
 }
 
