@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.evidence import ReplicateResiduals
-from tacos_gap.problem import Problem, robust
+from tacos_gap.problem import Problem, floor_rms, robust
 
 TOLERATED = 0.05
 CERTAIN = 0.15
@@ -60,7 +60,7 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     z = residuals.z
     # what there was, too, in units of the hypothesis: a noisier one must not seem to explain by that alone
     null = problem.null * problem.scale / residuals.scale
-    size = _rms(residuals.replicates)
+    size = floor_rms(residuals.replicates)
     gap, before = _rms(z) / size, _rms(null) / size
     blocks = block_index(problem)
     sizes = np.bincount(blocks)

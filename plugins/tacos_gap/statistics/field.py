@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
 from tacos_gap.statistics.grid import rings, tiles
 
 RELATIVE = 0.004
@@ -33,8 +33,9 @@ def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     if sample.repeats:
         circles = rings(capture)
         if len(circles.at) > 1:
-            ratio = np.einsum("hwc->hw", sample.variance) / _expected_variance(sample)
-            value = np.log(np.maximum(circles.mean(ratio), 1e-6))
+            rounding = np.float32(ROUNDING_DN2 * len(sample.channels))  # twice below, once in the files
+            ratio = (np.einsum("hwc->hw", sample.variance) + rounding) / _expected_variance(sample)
+            value = np.log(circles.mean(ratio))
             yield StatisticBlock("noise_over_field", "isp", value - value.mean(), circles.at, 0.02)
 
 
@@ -42,5 +43,5 @@ def _expected_variance(sample: Sample) -> np.ndarray:
     """(H, W) noise for the level that was *measured*: what dims light leaves the ratio at 1."""
     black = np.float32(sample.capture.context.black_level_dn)
     level = np.maximum(sample.mean - black, 0)
-    rounding = np.float32(level.shape[-1] / 12)
+    rounding = np.float32(2 * ROUNDING_DN2 * level.shape[-1])
     return np.asarray(np.einsum("hwc->hw", sample.capture.noise.variance_dn2(level)) + rounding)

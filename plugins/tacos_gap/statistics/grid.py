@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from tacos_gap.captures import RealCapture
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
-RINGS = (0.0, 0.35, 0.6, 0.8, 1.5)
-"""Borders of rings around the principal point, as radius over half the diagonal."""
+RINGS = (0.0, 0.35, 0.6, 0.8, np.inf)
+"""Borders of rings around the principal point, as radius over half the diagonal; that may lie off the file."""
 
 LEVELS = 6
 SMALLEST_BIN = 200  # pixels
@@ -98,7 +98,7 @@ def rings(capture: RealCapture) -> Bins:
 
     def make() -> Bins:
         index = np.searchsorted(RINGS, capture.geometry.radius, side="right") - 1
-        index = np.where(capture.valid, np.clip(index, 0, len(RINGS) - 2), -1)
+        index = np.where(capture.valid, index, -1)
         at = [{"radius": [inner, min(outer, 1.0)]} for inner, outer in pairwise(RINGS)]
         return _compact(index, at)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -12,12 +12,18 @@ from numpy.typing import NDArray
 from scipy.stats import poisson
 
 from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.darks import steady_darks
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
+
+
+_MOST_HIDDEN = 3.0
+"""Logarithm of how many more hot pixels there may be than are seen."""
 
 
 class DarkCurrent:
@@ -73,6 +79,21 @@ class DarkCurrent:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """Share and rate of the hot pixels of the longest dark.
+
+        Of exponentially distributed values those above a threshold exceed it by their mean.
+        """
+        for dark in steady_darks(captures)[-1:]:
+            hot_dn = dark.hot_dn
+            if hot_dn.size:
+                mean_dn = float(hot_dn.mean()) - dark.lowest_dn
+                hidden = math.exp(min(dark.lowest_dn / mean_dn, _MOST_HIDDEN))
+                share = min(hidden * hot_dn.size / dark.above_dn.size, 0.5)
+                rate_dn_s = mean_dn / dark.capture.context.exposure_s
+                yield {"rate_dn_s": 0.0, "hot_share": share, "hot_rate_dn_s": rate_dn_s}
 
     def on_array(
         self,
