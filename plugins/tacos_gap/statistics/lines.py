@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
-
-NEIGHBOURS = 9
-"""Lines whose median one of them is held against."""
+from tacos_plugins.effects.line_defects import NEIGHBOURS
 
 _OFFSET_DN = 0.08
 _RELATIVE = 0.003
