@@ -148,6 +148,6 @@ def without_hot_pixels(
     Bright pieces of rows and columns stay: they are patterns, not single pixels.
     """
     steady = frames_dn.min(axis=0) - expected_dn[0]
-    middle, spread = middle_and_spread(steady)
-    hot = isolated(steady - middle > ROUNDING_DN + _HOT_SPREADS * spread)
+    _, spread = middle_and_spread(frames_dn[0] - expected_dn[0])
+    hot = isolated(steady - np.median(steady) > ROUNDING_DN + _HOT_SPREADS * spread)
     return np.where(hot[None], expected_dn, frames_dn) if hot.any() else frames_dn

@@ -16,7 +16,7 @@ from tacos_framework.contracts.observed import Captures
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_plugins.effects.darks import steady_darks
+from tacos_plugins.effects.darks import SteadyDark, steady_darks
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
@@ -24,6 +24,16 @@ from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
 
 _MOST_HIDDEN = 3.0
 """Logarithm of how many more hot pixels there may be than are seen."""
+
+
+_LEAST_RISE_DN = 0.25
+
+
+def _rate(first: SteadyDark, last: SteadyDark) -> float | None:
+    """Rise of the mean level per second, hot pixels aside; None where it is too small to be seen."""
+    rise_dn = last.level_dn - first.level_dn
+    time_s = last.capture.context.exposure_s - first.capture.context.exposure_s
+    return rise_dn / time_s if time_s > 0 and rise_dn > _LEAST_RISE_DN else None
 
 
 class DarkCurrent:
@@ -82,11 +92,14 @@ class DarkCurrent:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """Share and rate of the hot pixels of the longest dark.
+        """By how much the dark rises from the shortest to the longest exposure, and the hot pixels of the latter.
 
         Of exponentially distributed values those above a threshold exceed it by their mean.
         """
-        for dark in steady_darks(captures)[-1:]:
+        darks = steady_darks(captures)
+        if len(darks) > 1 and (rate_dn_s := _rate(darks[0], darks[-1])) is not None:
+            yield {"rate_dn_s": rate_dn_s}
+        for dark in darks[-1:]:
             hot_dn = dark.hot_dn
             if hot_dn.size:
                 mean_dn = float(hot_dn.mean()) - dark.lowest_dn

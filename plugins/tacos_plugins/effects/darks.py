@@ -17,11 +17,18 @@ _SPREADS = 6.0
 _NORMAL_MAD = 1.4826
 """Standard deviation of normal values over their median absolute deviation."""
 
+_NORMAL_QUANTILE = 0.8413
+"""Share of normal values below one standard deviation."""
+
 
 def middle_and_spread(values: NDArray[np.floating]) -> tuple[float, float]:
-    """Median, and the standard deviation by the median absolute deviation: 0 where most are alike."""
-    middle = float(np.median(values))
-    return middle, _NORMAL_MAD * float(np.median(np.abs(values - middle)))
+    """Median, and the standard deviation of normal noise of which anything below the median may be cut off.
+
+    It is the larger of those by the median absolute deviation and by the quantile one deviation above the
+    median; 0 where nearly all values are alike.
+    """
+    middle, upper = (float(level) for level in np.quantile(values, (0.5, _NORMAL_QUANTILE)))
+    return middle, max(_NORMAL_MAD * float(np.median(np.abs(values - middle))), upper - middle)
 
 
 def isolated(bright: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -61,6 +68,12 @@ class SteadyDark:
         return np.asarray(self.above_dn[isolated(self.bright)])
 
     @property
+    def level_dn(self) -> float:
+        """Mean of the frames without their bright pixels [DN]."""
+        rest = ~self.bright
+        return float(self.capture.real_dn.mean(axis=0)[rest].mean()) if rest.any() else 0.0
+
+    @property
     def is_cut_off(self) -> bool:
         """Whether most pixels stand at the lower end of the codes, noise and offsets below it unseen."""
         return bool(np.mean(self.capture.real_dn <= 0) > 0.5)
@@ -73,5 +86,5 @@ def steady_darks(captures: Captures) -> list[SteadyDark]:
 
 def _steady(capture: ObservedCapture) -> SteadyDark:
     steady = capture.real_dn.min(axis=0)
-    middle, spread = middle_and_spread(steady)
-    return SteadyDark(capture, steady - np.float32(middle), ROUNDING_DN + _SPREADS * spread)
+    _, spread = middle_and_spread(capture.real_dn[0])
+    return SteadyDark(capture, steady - np.median(steady), ROUNDING_DN + _SPREADS * spread)

@@ -1,4 +1,4 @@
-"""Bad rows and columns: how many, what they show, and when captures suggest them."""
+"""Bad lines and hot pixels: how many, what they show, and when captures suggest which."""
 
 from __future__ import annotations
 
@@ -118,3 +118,19 @@ def test_columns_without_a_pedestal_suggest_a_pattern_and_single_pixels_dark_cur
 def _hot(frames: np.ndarray) -> np.ndarray:
     (found,) = steady_darks([as_dark(frames)])
     return found.hot_dn
+
+
+def test_a_dark_that_rises_with_time_suggests_its_rate():
+    noise = np.random.default_rng(2)
+    short, long = (
+        np.rint(np.maximum(noise.normal(level, 1.3, (2, 60, 80, 1)), 0)).astype(np.float32) for level in (4, 9)
+    )
+    guesses = DarkCurrent.guesses_from([as_dark(long, exposure_s=5.0), as_dark(short, exposure_s=0.0)])
+    assert next(iter(guesses))["rate_dn_s"] == pytest.approx(1.0, abs=0.05)
+
+
+def test_noise_that_is_cut_off_at_0_is_no_bright_pixel():
+    noise = np.random.default_rng(3).normal(0, 1.3, (2, 200, 200, 1))
+    (found,) = steady_darks([as_dark(np.rint(np.maximum(noise, 0)).astype(np.float32))])
+    assert found.lowest_dn > 4
+    assert found.hot_dn.size == 0
