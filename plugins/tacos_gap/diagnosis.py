@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
@@ -25,6 +26,7 @@ from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem, robust
+from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
 from tacos_gap.transfer import of_one_specimen
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
@@ -66,6 +68,8 @@ def diagnose(
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     tell("measuring the captures")
     evidence, limitations = gather(folder, seed, workers)
+    if not any(each.labels for each in evidence):
+        raise UserError(nothing_to_measure(folder, limitations))
     problem = Problem(evidence)
     while True:
         try:
@@ -121,16 +125,41 @@ def _explained(
     )
 
 
+def nothing_to_measure(folder: CaptureFolder, limitations: Sequence[str]) -> Fault:
+    """That no capture of a folder tells anything, and why."""
+    return Fault(
+        str(folder.path),
+        "nothing can be measured in any capture",
+        "one capture at least that shows something",
+        " ".join((*limitations, "Run `tacos captures check` on it.")),
+    )
+
+
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
     with ThreadPoolExecutor(workers) as pool:
         found = list(pool.map(lambda capture: _evidence_of(capture, seed), folder.captures))
     evidence = [each for each in found if not isinstance(each, str)]
-    return evidence, [text for text in found if isinstance(text, str) and text]
+    measured = [each.capture for each in evidence if isinstance(each, ImageEvidence)]
+    left_out = [text for text in found if isinstance(text, str) and text]
+    return evidence, [*left_out, *(text for capture in measured for text in unmeasured(capture))]
 
 
 def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
-    """The evidence of a capture, or in a sentence why there is none; empty where that was said on reading."""
+    """The evidence of a capture, or in a sentence why there is none.
+
+    What is raised names the capture.
+    """
+    try:
+        return _measured(capture, seed)
+    except Exception as error:
+        error.add_note(f"while measuring the capture {capture.id!r}")
+        raise
+
+
+def _measured(capture: RealCapture, seed: int) -> Evidence | str:
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
     if capture.kind == "board":
         corners = find_corners(capture)
         if corners is None:
@@ -138,8 +167,8 @@ def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
         return BoardEvidence(capture, corners, seed)
     if capture.expected_dn is None:
         capture = with_sharp_edges(capture)
-    if not capture.valid.any():
-        return ""
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
     return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
-from tacos_gap.statistics.grid import levels, smooth_areas
+from tacos_gap.statistics.grid import has_even_areas, levels, smooth_areas
 
 _WINDOW_PX = 7
 _RELATIVE = 0.0015
@@ -18,14 +18,13 @@ _LEAST_OF_A_LINE = 16  # pixels
 
 def fixed_pattern_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Covariance of independent halves of the frames after a high-pass: of pixels, of columns, of rows."""
-    if sample.repeats and sample.capture.kind in ("dark", "flat", "bracket"):
+    repeated = sample.repeats and sample.capture.kind in ("dark", "flat", "bracket")
+    if repeated and has_even_areas(sample.capture):
         yield from _covariance(sample)
 
 
 def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
     even = smooth_areas(sample.capture) & sample.valid
-    if even.sum() < 2000:
-        return
     first = _fine(sample.frames[0::2].mean(axis=0) - sample.reference)
     second = _fine(sample.frames[1::2].mean(axis=0) - sample.reference)
     count = [even.sum(axis=axis) for axis in (0, 1)]

@@ -128,6 +128,18 @@ def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = 
     return _kept(capture, ("levels", channel, flat is None), make)
 
 
+LEAST_SIDE_PX = 16
+"""Side of an image below which nothing is measured in it: rows, tiles and neighbours need room."""
+
+LEAST_EVEN = 2000
+"""Pixels without edges that it takes to measure noise and fixed patterns."""
+
+
+def has_even_areas(capture: RealCapture) -> bool:
+    """Whether enough of the expectation is free of edges to see noise in a single frame, or fixed patterns."""
+    return int(np.count_nonzero(smooth_areas(capture) & capture.valid)) >= LEAST_EVEN
+
+
 _SMOOTH: WeakKeyDictionary[RealCapture, NDArray[np.bool_]] = WeakKeyDictionary()
 
 

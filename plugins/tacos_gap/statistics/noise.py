@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
-from tacos_gap.statistics.grid import levels, smooth_areas
+from tacos_gap.statistics.grid import has_even_areas, levels, smooth_areas
 
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, -1), (0, 4), (4, 0))
 """Neighbours, as rows and columns away [px]."""
@@ -24,9 +24,9 @@ def noise_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         yield from _photon_transfer(sample, sample.variance, "photon_transfer", None, 0.02)
         yield _tails(planes, sample.valid)
     else:
-        even = smooth_areas(sample.capture) & sample.valid
-        if even.sum() < 2000:
+        if not has_even_areas(sample.capture):
             return
+        even = smooth_areas(sample.capture) & sample.valid
         noise = (sample.frames[0] - sample.expected[0]) * even[:, :, None]
         yield from _photon_transfer(sample, _high_pass(noise) ** 2, "spatial_noise", even, 0.03)
         planes = np.ascontiguousarray(np.moveaxis(noise, -1, 0))[:, None]

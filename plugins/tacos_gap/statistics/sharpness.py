@@ -39,6 +39,11 @@ def sharpness_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     yield StatisticBlock("detail", "optics", values[layout.kept], layout.at, 0.03)
 
 
+def has_detail(capture: RealCapture) -> bool:
+    """Whether a structured capture has a tile with detail."""
+    return _layout(capture) is not None
+
+
 @dataclass(frozen=True, eq=False)
 class _Layout:
     corners: Sequence[tuple[int, int]]
