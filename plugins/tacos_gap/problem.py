@@ -20,7 +20,7 @@ ROBUST_SCALE = 10.0
 """Residual from which on the robust one grows by the logarithm [noise floor]."""
 
 LEAST_FLOOR = 0.2
-"""Least noise floor, in units of which a negligible difference is 1: dark frames without a pedestal have none."""
+"""Least noise floor, where a negligible difference is 1: dark frames without a pedestal have none."""
 
 Hypothesis = tuple[HypothesisTerm, ...]
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.values import ImageGeometry
-from tacos_plugins.effects.darks import isolated, steady_darks
 from tacos_plugins.effects.dark_current import DarkCurrent
+from tacos_plugins.effects.darks import isolated, steady_darks
 from tacos_plugins.effects.defect_lines import DefectLines
 from tacos_plugins.effects.dsnu import Dsnu
 from tests.effects.sample_arrays import BLACK_DN, context, flats, geometry_of, make, run
@@ -123,7 +123,8 @@ def _hot(frames: np.ndarray) -> np.ndarray:
 def test_a_dark_that_rises_with_time_suggests_its_rate():
     noise = np.random.default_rng(2)
     short, long = (
-        np.rint(np.maximum(noise.normal(level, 1.3, (2, 60, 80, 1)), 0)).astype(np.float32) for level in (4, 9)
+        np.rint(np.maximum(noise.normal(level, 1.3, (2, 60, 80, 1)), 0)).astype(np.float32)
+        for level in (4, 9)
     )
     guesses = DarkCurrent.guesses_from([as_dark(long, exposure_s=5.0), as_dark(short, exposure_s=0.0)])
     assert next(iter(guesses))["rate_dn_s"] == pytest.approx(1.0, abs=0.05)

@@ -77,9 +77,7 @@ class NoiseEntry(Settings):
 class BoardEntry(Settings):
     """A chessboard."""
 
-    inner_corners: tuple[Corners, Corners] = setting(
-        help="Inner corners along its rows and columns."
-    )
+    inner_corners: tuple[Corners, Corners] = setting(help="Inner corners along its rows and columns.")
     square_mm: float = setting(help="Side of its squares.", unit="mm", gt=0, le=1e5)
 
 
@@ -127,7 +125,9 @@ class CaptureEntry(Settings):
         None, help="Motion in the image, or a .npy of (height, width, 2).", unit="px/s"
     )
     frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0, le=1e9)
-    row_time_us: float = setting(0.0, help="Readout from row to row the simulator has.", unit="us", ge=0, le=1e9)
+    row_time_us: float = setting(
+        0.0, help="Readout from row to row the simulator has.", unit="us", ge=0, le=1e9
+    )
     row_time_reference: Place = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
 
 

@@ -13,6 +13,7 @@ from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import Document, read_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures.capture import Board, CaptureFolder, Noise, RealCapture
+from tacos_gap.captures.doubts import doubt_of_files, doubt_of_focal_length, doubts
 from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry, FolderEntry, NoiseEntry
 from tacos_gap.captures.files import CaptureFiles
 from tacos_gap.captures.noise_estimate import estimate_noise
@@ -65,7 +66,9 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     if faults:
         raise UserError(faults)
     limits = (*reader.limitations, *(text for capture in captures for text in limitations_of(capture)))
-    return CaptureFolder(path.parent, tuple(captures), limits)
+    stated = "focal_length_mm" in entry.camera.model_fields_set
+    doubted = (*doubts(captures), *doubt_of_focal_length(stated, captures))
+    return CaptureFolder(path.parent, tuple(captures), (*limits, *doubted))
 
 
 class _Reader:
@@ -106,6 +109,7 @@ class _Reader:
                 f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
             )
         real = files.stack(i, "real", paths[:MAX_FRAMES], shape)
+        self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
         expected = self._expected(i, entry, shape, len(paths), usable=real is not None)
         mask = files.array(i, "mask", entry.mask, shape)
         depth = files.array(i, "depth", entry.depth, shape, infinite=True)

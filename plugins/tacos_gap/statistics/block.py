@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from tacos_gap.captures import RealCapture
 from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
 
-
 ROUNDING_DN2 = 1 / 12
 """Variance of rounding: noise far below it shows by the accident of which pixels stand between two codes."""
 

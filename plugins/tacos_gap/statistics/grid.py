@@ -16,7 +16,7 @@ from tacos_gap.captures import RealCapture
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
 RINGS = (0.0, 0.35, 0.6, 0.8, np.inf)
-"""Borders of rings around the principal point, as radius over half the diagonal; that may lie off the file."""
+"""Borders of rings around the principal point, which may lie off the file: radius over half the diagonal."""
 
 LEVELS = 6
 SMALLEST_BIN = 200  # pixels
@@ -136,7 +136,7 @@ LEAST_EVEN = 2000
 
 
 def has_even_areas(capture: RealCapture) -> bool:
-    """Whether enough of the expectation is free of edges to see noise in a single frame, or fixed patterns."""
+    """Whether enough of the expectation is free of edges to see fixed patterns, or noise in one frame."""
     return int(np.count_nonzero(smooth_areas(capture) & capture.valid)) >= LEAST_EVEN
 
 

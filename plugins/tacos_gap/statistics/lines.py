@@ -18,7 +18,7 @@ _LUCK = 0.2
 
 
 def line_statistics(sample: Sample) -> Iterator[StatisticBlock]:
-    """Mean of the brightest and of the darkest line less those around it, of rows and columns, in even fields.
+    """Mean of the brightest and of the darkest row and column less those around it, in even fields.
 
     Pixels that are hot by themselves are taken out by a median along the line, which keeps lines that are bad
     over a part of their length only.
@@ -38,7 +38,7 @@ def line_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 
 def line_offsets(plane: NDArray[np.floating], axis: int) -> NDArray[np.float64]:
-    """Mean of each line of an (H, W) image that runs along an axis, less the median of those around it [DN]."""
+    """Mean of each line along an axis of an (H, W) image, less the median of those around it [DN]."""
     along = np.moveaxis(plane, axis, 0)
     before, here, after = along[:-2], along[1:-1], along[2:]
     steady = np.maximum(np.minimum(before, here), np.minimum(np.maximum(before, here), after))

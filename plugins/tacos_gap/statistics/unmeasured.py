@@ -29,7 +29,8 @@ def unmeasured(capture: RealCapture) -> Iterator[str]:
             yield f"{capture.id}: no part of what is expected has texture; displacement cannot be measured."
         if not has_detail(capture):
             yield (
-                f"{capture.id}: no tile of {TILE_PX} x {TILE_PX} pixels has detail; sharpness cannot be measured."
+                f"{capture.id}: no tile of {TILE_PX} x {TILE_PX} pixels has detail; sharpness cannot be "
+                f"measured."
             )
     repeats = capture.frames > 1 and capture.expected_dn is not None and len(capture.expected_dn) == 1
     needs_even = capture.kind in ("dark", "flat", "bracket") if repeats else True
@@ -37,4 +38,4 @@ def unmeasured(capture: RealCapture) -> Iterator[str]:
         what = "fixed patterns" if repeats else "noise"
         yield f"{capture.id}: fewer than {LEAST_EVEN} pixels are free of edges; {what} cannot be measured."
     if capture.kind == "chart" and capture.real_dn.shape[-1] == 3 and not has_colours(capture):
-        yield f"{capture.id}: its colours are too few or too alike; the mixing of channels cannot be measured."
+        yield f"{capture.id}: its colours are too few or too alike; how channels mix cannot be measured."

@@ -21,7 +21,6 @@ from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
 
-
 _MOST_HIDDEN = 3.0
 """Logarithm of how many more hot pixels there may be than are seen."""
 
@@ -92,7 +91,7 @@ class DarkCurrent:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """By how much the dark rises from the shortest to the longest exposure, and the hot pixels of the latter.
+        """How fast the dark rises from the shortest to the longest exposure, and hot pixels of the longest.
 
         Of exponentially distributed values those above a threshold exceed it by their mean.
         """

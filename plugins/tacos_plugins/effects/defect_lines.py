@@ -126,9 +126,7 @@ class DefectLines:
 
 
 @lru_cache(maxsize=8)
-def _bad(
-    seed: int, what: str, camera: str, lines: int, binning: float, share: float
-) -> NDArray[np.float32]:
+def _bad(seed: int, what: str, camera: str, lines: int, binning: float, share: float) -> NDArray[np.float32]:
     """(lines,) share of the photosites' lines in each line of an image that are bad.
 
     Of the lines in an order of their own the first are bad, as many as the share says.

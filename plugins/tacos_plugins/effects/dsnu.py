@@ -18,7 +18,6 @@ from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern,
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARK, REPEATED_FLAT
 
-
 _BRIGHT_COLUMN = 0.25
 """Share of a column's pixels that makes it a bright one."""
 
