@@ -138,6 +138,7 @@ class ForwardSelection:
 
     def _in_its_units(self, best: Fitted) -> tuple[Fitted, ReplicateResiduals]:
         """An explanation in units of its own noise floor, and how it fares there."""
+        best = self._renuisanced(best)
         before = self.problem.scale
         residuals = self.problem.replicate_residuals(best.hypothesis)
         best = self._in_units_of(residuals, best)
@@ -146,6 +147,23 @@ class ForwardSelection:
             residuals = self.problem.replicate_residuals(best.hypothesis)
             best = self._in_units_of(residuals, best)
         return best, residuals
+
+    def _renuisanced(self, best: Fitted) -> Fitted:
+        """The explanation fitted again where the nuisances of captures moved beside it.
+
+        What was fitted beside others says nothing any more; the null is simulated anew.
+        """
+        moved = self.problem.renuisanced(best.hypothesis)
+        if moved is self.problem:
+            return best
+        self.problem = moved
+        refitted = fit(moved, best.hypothesis)
+        self._fits = {}
+        for each in (fit(moved, ()), refitted):
+            assert each is not None
+            self._kept(each)
+        assert refitted is not None
+        return refitted
 
     def _in_units_of(self, residuals: ReplicateResiduals, best: Fitted) -> Fitted:
         """Take the noise floor of the explanation so far as the unit; simulations are only rescaled."""

@@ -19,13 +19,14 @@ from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
 from tacos_gap.closure import closure
+from tacos_gap.detectable import detection_limits
 from tacos_gap.evidence import Evidence, ImageEvidence
 from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.fit import Fitted
 from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Problem, robust
+from tacos_gap.problem import Problem, placed, robust
 from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
 from tacos_gap.transfer import of_one_specimen
 from tacos_gap.unknown import Unexplained, block_index, unexplained
@@ -35,6 +36,9 @@ ENOUGH_PIXELS = 500_000
 
 LEAST_BESIDE_UNKNOWN = 0.1
 """Share of the gap that an effect must remove to be named where something unknown is at work."""
+
+LEAST_PRESENT = 0.5
+"""Or the probability with which the captures that show it say that it is there."""
 
 Notify = Callable[[str], None]
 
@@ -102,8 +106,11 @@ def _explained(
     tell("how far the gap shrinks")
     causes = causes_of(problem, attribution, left, captures, effects, seed)
     if left.probability >= 0.5:  # a little of everything fits what nothing explains
-        causes = [cause for cause in causes if cause.shapley >= LEAST_BESIDE_UNKNOWN]
+        causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.present >= LEAST_PRESENT]
     before, after = problem.gap(problem.null), problem.gap(best.held_out)
+    places = locate(problem, problem.null)
+    if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
+        left = replace(left, probability=max(left.probability, LEAST_PRESENT), where=places[0].statistic)
     cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
         wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed)
@@ -112,7 +119,7 @@ def _explained(
         gap_before=before,
         gap_after=after,
         gap_interval=_gap_interval(problem, best, seed),
-        where=locate(problem, problem.null),
+        where=places,
         causes=causes,
         cause_set=cause_set,
         unknown=left,
@@ -122,6 +129,8 @@ def _explained(
         limitations=tuple(of_one_specimen(cause) for cause in causes if cause.specimen),
         problem=problem,
         attribution=attribution,
+        detectable=_detectable(problem, effects, workers),
+        nuisances=_nuisances(problem, best),
     )
 
 
@@ -135,14 +144,38 @@ def nothing_to_measure(folder: CaptureFolder, limitations: Sequence[str]) -> Fau
     )
 
 
+def _detectable(
+    problem: Problem, effects: Mapping[str, type[Any]], workers: int
+) -> dict[str, dict[str, float]]:
+    with ThreadPoolExecutor(workers) as pool:
+        return detection_limits(problem, effects, pool.map)
+
+
+def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
+    """What each capture's expectation is off by beside the best explanation."""
+    effects = placed(best.hypothesis)
+    each = [evidence for evidence in problem.evidence if isinstance(evidence, ImageEvidence)]
+    found = {evidence.capture.id: evidence.nuisances(effects) for evidence in each}
+    return {name: values for name, values in found.items() if values}
+
+
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
     with ThreadPoolExecutor(workers) as pool:
         found = list(pool.map(lambda capture: _evidence_of(capture, seed), folder.captures))
     evidence = [each for each in found if not isinstance(each, str)]
-    measured = [each.capture for each in evidence if isinstance(each, ImageEvidence)]
-    left_out = [text for text in found if isinstance(text, str) and text]
-    return evidence, [*left_out, *(text for capture in measured for text in unmeasured(capture))]
+    said = [text for text in found if isinstance(text, str) and text]
+    images = [each for each in evidence if isinstance(each, ImageEvidence)]
+    said += [text for each in images for text in unmeasured(each.capture)]
+    return evidence, [*said, *(text for each in images if (text := _not_taken(each)))]
+
+
+def _not_taken(evidence: ImageEvidence) -> str:
+    """In a sentence, which statistics of a capture could not be taken; empty where all were."""
+    if not (names := evidence.left_out):
+        return ""
+    listed = ", ".join(name.replace("_", " ") for name in names)
+    return f"{evidence.capture.id}: could not be measured in all simulations and is left out: {listed}."
 
 
 def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
@@ -169,7 +202,7 @@ def _measured(capture: RealCapture, seed: int) -> Evidence | str:
         capture = with_sharp_edges(capture)
     if (reason := nothing_seen(capture)) is not None:
         return reason
-    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed)
+    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:
@@ -177,7 +210,8 @@ def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexpla
         return "unknown" if left.probability >= 0.5 else "no_gap"
     if left.probability < 0.5:
         return "explained"
-    return "partly_explained" if closure(before, after) >= 0.5 else "unknown"
+    proven = any(cause.present >= LEAST_PRESENT for cause in causes)
+    return "partly_explained" if proven or closure(before, after) >= 0.5 else "unknown"
 
 
 def _rival_hypotheses(attribution: Attribution, cause_set: Sequence[str]) -> list[tuple[HypothesisTerm, ...]]:

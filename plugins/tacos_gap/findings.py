@@ -42,7 +42,9 @@ class Parameter:
 class Cause:
     """An effect that the captures support.
 
-    `settings` are those of the captured camera; those of `specimen` among them belong to it alone.
+    `probability` is that it is there and the explanation complete; `present` that it is there, whatever else
+    is: it goes by the captures that show it. `settings` are those of the captured camera; those of `specimen`
+    among them belong to it alone.
     """
 
     effect: str
@@ -56,13 +58,16 @@ class Cause:
     evidence: str
     settings: Mapping[str, Any]
     specimen: tuple[str, ...] = ()
+    present: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What was found; `as_data` gives ``diagnosis.json``.
 
-    `problem` and `attribution` hold all numbers behind it, for the report.
+    `detectable` holds the smallest value of each effect's main parameter that would have shown, `nuisances`
+    what each capture's expectation is off by and is no cause. `problem` and `attribution` hold all numbers
+    behind it, for the report.
     """
 
     verdict: str
@@ -80,6 +85,8 @@ class Diagnosis:
     problem: Problem
     attribution: Attribution
     task: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    detectable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    nuisances: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """``diagnosis.json`` as plain data."""
@@ -105,7 +112,14 @@ class Diagnosis:
             ],
             "causes": [_cause_as_data(cause) for cause in self.causes],
             "cause_set": list(self.cause_set),
+            "complete": {
+                "probability": _round(1 - self.unknown.probability),
+                "by_stage": {name: _round(1 - p) for name, p in self.unknown.by_stage.items()},
+                "by_capture": {name: _round(1 - p) for name, p in self.unknown.by_capture.items()},
+            },
             "unknown": {"probability": self.unknown.probability, "where": self.unknown.where},
+            "detectable": {effect: dict(limits) for effect, limits in self.detectable.items()},
+            "nuisances": {capture: dict(values) for capture, values in self.nuisances.items()},
             "next_capture": self.next_capture
             and {"kind": self.next_capture.kind, "why": self.next_capture.why},
             "below_floor": list(self.below_floor),
@@ -130,6 +144,7 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
     return {
         "effect": cause.effect,
         "probability": _round(cause.probability),
+        "present": _round(cause.present),
         "parameters": {
             name: {
                 **_valued(parameter),

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
-from tacos_gap.evidence import Evidence, Label, ReplicateResiduals
+from tacos_gap.evidence import Evidence, ImageEvidence, Label, ReplicateResiduals
 from tacos_gap.parameters import HypothesisTerm
 
 ROBUST_SCALE = 10.0
 """Residual from which on the robust one grows by the logarithm [noise floor]."""
 
 LEAST_FLOOR = 0.2
-"""Least noise floor, where a negligible difference is 1: dark frames without a pedestal have none."""
+"""Least noise floor, in units of which a negligible difference is 1: darks without a pedestal have none."""
 
 Hypothesis = tuple[HypothesisTerm, ...]
 
@@ -130,6 +130,18 @@ class Problem:
         other.scale = scale
         other.null = self.null * self.scale / scale
         other.null_replicates = self.null_replicates * self.scale / scale
+        return other
+
+    def renuisanced(self, hypothesis: Hypothesis) -> Problem:
+        """The evidence with nuisances estimated anew beside a hypothesis; itself where all of them stay."""
+        effects = placed(hypothesis)
+        evidence = [e.renuisanced(effects) if isinstance(e, ImageEvidence) else e for e in self.evidence]
+        if all(new is old for new, old in zip(evidence, self.evidence, strict=True)):
+            return self
+        other = copy(self)
+        other.evidence = evidence
+        other.null = np.concatenate([e.residual(()) for e in evidence]) / self.scale
+        other._kept, other._replicate_residuals = {}, {}
         return other
 
     def averaging(self, draws: int) -> Problem:

@@ -57,14 +57,24 @@ class Sample:
         (N, H, W, C) the frames [DN].
     expected_dn
         (1 or N, H, W, C) what they are compared with [DN].
+    pattern_dn
+        (1 or N, H, W, C) what is added to the frames, codes and codecs aside, because `expected_dn` holds
+        noise of its own (see `tacos_gap.nuisances.noisy_expectation`) [DN].
     """
 
     def __init__(
-        self, capture: RealCapture, frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]
+        self,
+        capture: RealCapture,
+        frames_dn: NDArray[np.float32],
+        expected_dn: NDArray[np.float32],
+        pattern_dn: NDArray[np.float32] | None = None,
     ):
         self.capture = capture
         self.as_taken = frames_dn
         self.frames = without_hot_pixels(frames_dn, expected_dn) if capture.kind == "dark" else frames_dn
+        self.files = self.frames
+        if pattern_dn is not None:
+            self.frames = self.frames + pattern_dn
         self.expected = expected_dn
 
     @cached_property

@@ -18,7 +18,7 @@ _OUTLIERS = 0.1
 
 def compression_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Steps at borders of 8 x 8 blocks over steps elsewhere, and vanished coefficients of blocks in place."""
-    frame = sample.frames[0][..., 1 if len(sample.channels) == 3 else 0]
+    frame = sample.files[0][..., 1 if len(sample.channels) == 3 else 0]
     residual = frame - (
         sample.expected[0][..., 1] if len(sample.channels) == 3 else sample.expected[0][..., 0]
     )
