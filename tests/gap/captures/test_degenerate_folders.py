@@ -192,7 +192,7 @@ def test_what_is_raised_while_measuring_names_the_capture(tmp_path, monkeypatch)
 
 @pytest.mark.parametrize("seed", range(40))
 def test_a_random_folder_is_measured_or_refused_in_words(tmp_path, monkeypatch, seed):
-    monkeypatch.setattr(ImageEvidence.__init__, "__defaults__", (3,))  # replicates
+    monkeypatch.setattr(ImageEvidence.__init__, "__defaults__", (4,))  # replicates
     began = time.process_time()
     with contextlib.suppress(UserError):
         look_at(read_captures(random_folder(tmp_path, seed)))
