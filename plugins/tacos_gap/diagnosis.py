@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
@@ -26,6 +27,7 @@ from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem, placed, robust
+from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
 from tacos_gap.transfer import of_one_specimen
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
@@ -71,6 +73,8 @@ def diagnose(
     tell("measuring the captures")
     folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)
+    if not any(each.labels for each in evidence):
+        raise UserError(nothing_to_measure(folder, limitations))
     problem = Problem(evidence)
     while True:
         try:
@@ -134,6 +138,16 @@ def _explained(
     )
 
 
+def nothing_to_measure(folder: CaptureFolder, limitations: Sequence[str]) -> Fault:
+    """That no capture of a folder tells anything, and why."""
+    return Fault(
+        str(folder.path),
+        "nothing can be measured in any capture",
+        "one capture at least that shows something",
+        " ".join((*limitations, "Run `tacos captures check` on it.")),
+    )
+
+
 def _detectable(
     problem: Problem, effects: Mapping[str, type[Any]], workers: int
 ) -> dict[str, dict[str, float]]:
@@ -153,10 +167,12 @@ def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evi
     """Evidence of every capture that bears on anything, and why others do not."""
     captures = boards_found(folder).captures
     with ThreadPoolExecutor(workers) as pool:
-        pictures = pool.map(lambda capture: _evidence_of(capture, seed), captures)
-        images = [evidence for evidence in pictures if evidence is not None]
+        pictures = list(pool.map(lambda capture: _evidence_of(capture, seed), captures))
+    images = [each for each in pictures if isinstance(each, ImageEvidence)]
     boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
-    return [*images, *boards], [text for each in images if (text := _not_taken(each))]
+    said = [each for each in pictures if isinstance(each, str)]
+    said += [text for each in images for text in unmeasured(each.capture)]
+    return [*images, *boards], [*said, *(text for each in images if (text := _not_taken(each)))]
 
 
 def _not_taken(evidence: ImageEvidence) -> str:
@@ -167,14 +183,27 @@ def _not_taken(evidence: ImageEvidence) -> str:
     return f"{evidence.capture.id}: could not be measured in all simulations and is left out: {listed}."
 
 
-def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | None:
-    """The evidence of a picture; None of boards, and where its mask leaves nothing, as reading said."""
+def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
+    """The evidence of a picture, or in a sentence why there is none; None of boards.
+
+    What is raised names the capture.
+    """
+    try:
+        return _measured(capture, seed)
+    except Exception as error:
+        error.add_note(f"while measuring the capture {capture.id!r}")
+        raise
+
+
+def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
     if capture.kind == "board":
         return None
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
     if capture.expected_dn is None:
         capture = with_sharp_edges(capture)
-    if not capture.valid.any():
-        return None
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
     return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 

@@ -105,6 +105,10 @@ EFFECTS = {
         "dsnu:Dsnu",
         "Photosites and columns with offsets of their own, a pattern fixed to the sensor.",
     ),
+    "defect-lines": (
+        "defect_lines:DefectLines",
+        "Single rows and columns that are offset or dead, in every frame.",
+    ),
     "dark-current": (
         "dark_current:DarkCurrent",
         "Charge that gathers over the exposure without light, and hot pixels.",

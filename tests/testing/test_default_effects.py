@@ -16,6 +16,7 @@ from tacos_plugins.effects.colour_matrix import ColourMatrix
 from tacos_plugins.effects.conversion_gain_error import ConversionGainError
 from tacos_plugins.effects.crosstalk import Crosstalk
 from tacos_plugins.effects.dark_current import DarkCurrent
+from tacos_plugins.effects.defect_lines import DefectLines
 from tacos_plugins.effects.defocus import Defocus
 from tacos_plugins.effects.demosaic import Demosaic
 from tacos_plugins.effects.denoise import Denoise
@@ -207,6 +208,11 @@ class TestDenoise(EffectConformance):
         rng = np.random.default_rng(2)
         noisy = [np.clip(np.rint(rng.normal(i, 3.0)), 0, 255).astype(np.uint8) for i in frames.images]
         return replace(frames, images=tuple(noisy))
+
+
+class TestDefectLines(EffectConformance):
+    component = DefectLines
+    config = {"column_share": 0.1, "row_share": 0.05, "offset_dn": 8.0}
 
 
 class TestDsnu(EffectConformance):

@@ -10,7 +10,11 @@ from tacos_framework.settings import Settings, setting
 
 Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]
 Size = Annotated[int, Field(ge=1, le=100_000)]
-NonNegative = Annotated[float, Field(ge=0)]
+NonNegative = Annotated[float, Field(ge=0, le=1e9)]
+Level = Annotated[float, Field(ge=-1e9, le=1e9)]
+Place = Annotated[float, Field(ge=-1e6, le=1e6)]
+Corners = Annotated[int, Field(ge=3, le=1000)]
+"""Bounds far beyond any camera, within which nothing overflows."""
 
 DICTIONARIES = r"^DICT_((4X4|5X5|6X6|7X7)_(50|100|250|1000)|ARUCO_ORIGINAL|APRILTAG_(16h5|25h9|36h10|36h11))$"
 """Names of OpenCV's marker dictionaries."""
@@ -19,8 +23,8 @@ DICTIONARIES = r"^DICT_((4X4|5X5|6X6|7X7)_(50|100|250|1000)|ARUCO_ORIGINAL|APRIL
 class CropEntry(Settings):
     """Where the files sit on the sensor."""
 
-    x: int = setting(0, help="Sensor column of the files' first column.", unit="px", ge=0)
-    y: int = setting(0, help="Sensor row of the files' first row.", unit="px", ge=0)
+    x: int = setting(0, help="Sensor column of the files' first column.", unit="px", ge=0, le=100_000)
+    y: int = setting(0, help="Sensor row of the files' first row.", unit="px", ge=0, le=100_000)
     full_width_px: Size = setting(help="Width of the sensor.", unit="px")
     full_height_px: Size = setting(help="Height of the sensor.", unit="px")
 
@@ -30,18 +34,18 @@ class CaptureCamera(Settings):
 
     width_px: Size = setting(help="Width of the files.", unit="px")
     height_px: Size = setting(help="Height of the files.", unit="px")
-    pixel_um: float = setting(3.0, help="Pitch of the pixels.", unit="um", gt=0)
+    pixel_um: float = setting(3.0, help="Pitch of the pixels.", unit="um", gt=0, le=1e4)
     focal_length_mm: float | None = setting(
-        None, help="Focal length; from the boards if absent, 4 mm without any.", unit="mm", gt=0
+        None, help="Focal length; from the boards if absent, 4 mm without any.", unit="mm", gt=0, le=1e5
     )
-    principal_point_px: tuple[float, float] | None = setting(
+    principal_point_px: tuple[Place, Place] | None = setting(
         None, help="Principal point in the files; their centre (or the sensor's) if absent.", unit="px"
     )
     crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
-    f_number: float | None = setting(None, help="Focal length over aperture.", gt=0)
+    f_number: float | None = setting(None, help="Focal length over aperture.", gt=0, le=1e4)
     bit_depth: int = setting(8, help="Bits of a sample.", unit="bit", ge=1, le=16)
     white_level_dn: float | None = setting(
-        None, help="Largest value of the files; 2**bit_depth - 1 if absent.", unit="DN", gt=0
+        None, help="Largest value of the files; 2**bit_depth - 1 if absent.", unit="DN", gt=0, le=65535
     )
     black_level_dn: float = setting(0.0, help="Pedestal in the files.", unit="DN", ge=0)
     channels: Literal[1, 3] = setting(1, help="1 for mono or a mosaic, 3 for RGB.")
@@ -72,7 +76,7 @@ class NoiseEntry(Settings):
     thermal_dn2: NonNegative | tuple[NonNegative, NonNegative, NonNegative] = setting(
         help="Variance at no signal; one, or one per channel.", unit="DN^2"
     )
-    gain_db: float = setting(0.0, help="The gain it holds at.", unit="dB")
+    gain_db: float = setting(0.0, help="The gain it holds at.", unit="dB", ge=-200, le=200)
 
 
 class BoardEntry(Settings):
@@ -81,11 +85,11 @@ class BoardEntry(Settings):
     pattern: Literal["chessboard", "charuco", "circles", "asymmetric_circles"] = setting(
         "chessboard", help="Its pattern, as OpenCV names them. Of a charuco parts may be seen."
     )
-    inner_corners: tuple[Annotated[int, Field(ge=3)], Annotated[int, Field(ge=3)]] = setting(
+    inner_corners: tuple[Corners, Corners] = setting(
         help="Inner corners along its rows and columns, or circles."
     )
     square_mm: float = setting(
-        help="Side of its squares, or from circle to circle (asymmetric: along a row).", unit="mm", gt=0
+        help="Side of its squares, or from circle to circle (asymmetric: along a row).", unit="mm", gt=0, le=1e5
     )
     marker_mm: float | None = setting(None, help="Side of the markers of a charuco.", unit="mm", gt=0)
     dictionary: Annotated[str, Field(pattern=DICTIONARIES)] = setting(
@@ -129,12 +133,12 @@ class CaptureEntry(Settings):
     id: str = setting(help="Its name.", min_length=1, max_length=200)
     kind: Kind = setting(help="What it shows.")
     real: str | tuple[str, ...] = setting(help="Files of the frames, or a glob.", min_length=1)
-    simulated: float | str | tuple[str, ...] | None = setting(
+    simulated: Level | str | tuple[str, ...] | None = setting(
         None, help="Expected file values without noise: a file, one per frame, or a number.", unit="DN"
     )
     scene: str | None = setting(None, help="A recipe that renders the expected values.")
-    exposure_ms: float | None = setting(None, help="Exposure time.", unit="ms", gt=0)
-    gain_db: float = setting(0.0, help="Gain.", unit="dB")
+    exposure_ms: float | None = setting(None, help="Exposure time.", unit="ms", gt=0, le=1e9)
+    gain_db: float = setting(0.0, help="Gain.", unit="dB", ge=-200, le=200)
     group: str | None = setting(None, help="Captures of one group differ in exposure_ms only.")
     level_uncertainty: float = setting(
         0.0,
@@ -152,12 +156,14 @@ class CaptureEntry(Settings):
     chart: ChartEntry | None = setting(None, help="The patches of a chart.")
     depth: str | None = setting(None, help="Depth along the optical axis, .npy.", unit="m")
     objects: ObjectsEntry | None = setting(None, help="Labelled objects, for tasks that find things.")
-    velocity_px_s: tuple[float, float] | str | None = setting(
+    velocity_px_s: tuple[Level, Level] | str | None = setting(
         None, help="Motion in the image, or a .npy of (height, width, 2).", unit="px/s"
     )
-    frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0)
-    row_time_us: float = setting(0.0, help="Readout from row to row the simulator has.", unit="us", ge=0)
-    row_time_reference: float = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
+    frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0, le=1e9)
+    row_time_us: float = setting(
+        0.0, help="Readout from row to row the simulator has.", unit="us", ge=0, le=1e9
+    )
+    row_time_reference: Place = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
 
 
 class FolderEntry(Settings):

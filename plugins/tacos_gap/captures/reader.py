@@ -13,6 +13,7 @@ from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import Document, read_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures.capture import Board, CaptureFolder, Noise, Objects, RealCapture
+from tacos_gap.captures.doubts import doubt_of_files, doubts
 from tacos_gap.captures.entries import (
     BoardEntry,
     CaptureCamera,
@@ -80,7 +81,7 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     usable, left_out = with_own_expectations(captures)
     if not usable:
         raise UserError([Fault(reader.where_of[text.partition(": ")[0]], text) for text in left_out])
-    return CaptureFolder(path.parent, usable, (*limits, *left_out))
+    return CaptureFolder(path.parent, usable, (*limits, *doubts(captures), *left_out))
 
 
 class _Reader:
@@ -126,6 +127,7 @@ class _Reader:
                 f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
             )
         real = files.stack(i, "real", paths[:MAX_FRAMES], shape)
+        self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
         expected = self._expected(i, entry, shape, len(paths), usable=real is not None)
         mask = files.array(i, "mask", entry.mask, shape)
         depth = files.array(i, "depth", entry.depth, shape, infinite=True)

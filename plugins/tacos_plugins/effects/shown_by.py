@@ -19,6 +19,7 @@ from tacos_plugins.effects.settling import FEWEST_FRAMES, a_drift_could_show
 
 DARK = ShownBy(any_of_kind("dark"), "kind dark: frames with the cap on")
 DARKS_OF_TWO_TIMES = ShownBy(two_dark_exposures, "kind dark at a second, ten times longer exposure")
+EVEN_FIELD = ShownBy(any_of_kind("dark", "flat", "bracket"), "kind dark or flat: an even field")
 FLAT = ShownBy(any_of_kind("flat", "bracket"), "kind flat: frames of an even surface")
 REPEATED_FLAT = ShownBy(
     repeated("dark", "flat", "bracket"), "two or more frames of a flat, with the same settings"
