@@ -89,7 +89,10 @@ class BoardEntry(Settings):
         help="Inner corners along its rows and columns, or circles."
     )
     square_mm: float = setting(
-        help="Side of its squares, or from circle to circle (asymmetric: along a row).", unit="mm", gt=0, le=1e5
+        help="Side of its squares, or from circle to circle (asymmetric: along a row).",
+        unit="mm",
+        gt=0,
+        le=1e5,
     )
     marker_mm: float | None = setting(None, help="Side of the markers of a charuco.", unit="mm", gt=0)
     dictionary: Annotated[str, Field(pattern=DICTIONARIES)] = setting(

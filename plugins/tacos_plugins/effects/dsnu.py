@@ -105,7 +105,7 @@ class Dsnu:
             if not dark.is_cut_off:
                 continue
             geometry, channels = dark.capture.geometry, dark.above_dn.shape[-1]
-            columns = np.count_nonzero(dark.bright.mean(axis=(0, 2)) > _BRIGHT_COLUMN)
+            columns = int(np.count_nonzero(dark.bright.mean(axis=(0, 2)) > _BRIGHT_COLUMN))
             if columns:
                 patterns = [column_pattern("dsnu-columns", seed, geometry) for seed in range(_SPECIMENS)]
                 edges = [_edge(columns, pattern) for pattern in patterns]

@@ -59,20 +59,6 @@ def test_lossy_files(tmp_path):
     assert "its files are lossy (.jpg)" in said(describe(tmp_path, entry))
 
 
-@pytest.mark.parametrize("stated", [True, False])
-def test_a_focal_length_that_nobody_gave(tmp_path, stated):
-    names = save_frames(tmp_path, "board", noisy(frames=1))
-    entry = {
-        "id": "board",
-        "kind": "board",
-        "real": names,
-        "board": {"inner_corners": [9, 6], "square_mm": 20},
-    }
-    camera: dict[str, Any] = {"width_px": WIDTH, "height_px": HEIGHT}
-    camera |= {"focal_length_mm": 6.0} if stated else {}
-    assert ("nobody gave focal_length_mm" in said(describe(tmp_path, entry, camera=camera))) is not stated
-
-
 def test_portrait_frames(tmp_path):
     frames = np.swapaxes(noisy(), 1, 2)
     entry = {"id": "flat", "kind": "flat", "real": save_frames(tmp_path, "flat", frames), "simulated": 100}
