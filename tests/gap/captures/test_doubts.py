@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
-import pytest
 
 from tacos_gap.captures import read_captures
 from tests.gap.captures.folders import HEIGHT, WIDTH, describe, flat_folder, noisy, save, save_frames
