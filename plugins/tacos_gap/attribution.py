@@ -318,7 +318,17 @@ class ForwardSelection:
             (screening_score(self._directions[name], base.z) for name in free), key=lambda p: -p.gain
         )
         worth = 0.5 * self.problem.weight
-        return [each.initial_guess for each in scores[:count] if worth * each.gain > least]
+        shortlist = [each.initial_guesses for each in scores[:count] if worth * each.gain > least]
+        return list(self._pool.map(lambda guesses: self._nearest(base.hypothesis, guesses), shortlist))
+
+    def _nearest(self, rest: Hypothesis, guesses: Sequence[HypothesisTerm]) -> HypothesisTerm:
+        """The guess that leaves least once it is simulated: what adds up to first order need not."""
+
+        def left(guess: HypothesisTerm) -> float:
+            z = self.problem.residual((*rest, guess))
+            return np.inf if z is None else float(np.sum(robust(z) ** 2))
+
+        return guesses[0] if len(guesses) == 1 else min(guesses, key=left)
 
     def _pruned(self, fitted: Fitted) -> Fitted:
         """A converged fit, without parameters and effects that it does not need there."""

@@ -18,7 +18,7 @@ from tacos_gap.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
 from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.presence import completeness_where_it_shows, support
+from tacos_gap.presence import share_explained, shown
 from tacos_gap.problem import Problem, robust
 from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained
@@ -73,9 +73,7 @@ def causes_of(
         if alike:
             certainty = min(certainty, 1.0 / (1 + len(alike)))
         without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
-        shown = 1 - left.probability
-        if without is not None:
-            shown = completeness_where_it_shows(problem, support(problem, best.z, without), left)
+        share = 0.0 if without is None else share_explained(problem, best.z, without)
         near = [name for name in rivals if probabilities[name] > 0.05]
         causes.append(
             Cause(
@@ -89,7 +87,7 @@ def causes_of(
                 confused_with=tuple(dict.fromkeys([*alike, *near])),
                 evidence=_evidence(problem, best, term, rest, attribution),
                 settings=_settings(term),
-                present=certainty * max(shown, 1 - left.probability),
+                present=certainty * max(shown(share), 1 - left.probability),
                 specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
             )
         )

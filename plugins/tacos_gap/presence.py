@@ -6,17 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.problem import Problem, robust
-from tacos_gap.unknown import Unexplained
+from tacos_gap.unknown import SLACK, block_index
 
-LEAST_EVIDENCE = 0.25
-"""Share of all evidence for an effect that captures of one kind must hold to prove it by themselves."""
-
-LEAST_CAPTURES = 2
-"""So many of them: one is fitted, another one foretold."""
+MIMICKED, PROVEN = 0.6, 0.9
+"""Shares of the squared gap, where an effect shows, that it explains: up to the first something else could look
+so, from the second on nothing would, whatever is left elsewhere."""
 
 
-def support(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> dict[str, float]:
-    """What each capture gains by an effect, as a fall of its sum of robust squares; captures that lose, 0.
+def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> float:
+    """Share of the squared gap that an effect explains in the statistics of captures where it shows.
+
+    They count by what they gain. What flats prove, scenes that nothing explains do not disprove.
 
     Parameters
     ----------
@@ -25,31 +25,25 @@ def support(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.
     with_it, without
         (K,) residuals of the explanation with the effect and without it [noise floor].
     """
-    gain = robust(without) ** 2 - robust(with_it) ** 2
-    found: dict[str, float] = {}
-    for slot in problem.slots:
-        if slot.stop > slot.start:
-            name = problem.labels[slot.start].capture
-            found[name] = found.get(name, 0.0) + float(gain[slot.start : slot.stop].sum())
-    return {name: max(value, 0.0) for name, value in found.items()}
+    if not len(with_it):
+        return 0.0
+    blocks = block_index(problem)
+    sizes = np.bincount(blocks)
+    before, after = (np.bincount(blocks, robust(z) ** 2) for z in (without, with_it))
+    gains = np.maximum(before - after, 0.0)
+    if not gains.any():
+        return 0.0
+    above = np.maximum(before - sizes, 1e-9)
+    explained = np.clip(1 - np.maximum(after - SLACK**2 * sizes, 0.0) / above, 0.0, 1.0)
+    return float(np.average(explained, weights=gains))
 
 
-def completeness_where_it_shows(problem: Problem, gains: dict[str, float], left: Unexplained) -> float:
-    """Probability that nothing unknown shows where an effect does.
+def shown(share: float) -> float:
+    """Probability that nothing unknown looks like an effect which explains such a share where it shows.
 
-    Captures count by what they gain. Those of one kind are enough where they hold a good part of it: what
-    flats prove, scenes that nothing explains do not disprove.
+    Examples
+    --------
+    >>> shown(0.5), round(shown(0.75), 2), shown(0.95)
+    (0.0, 0.5, 1.0)
     """
-    total = sum(gains.values())
-    if total <= 0:
-        return 1.0 - left.probability
-    kinds = {label.capture: label.kind for label in problem.labels}
-    complete = {name: 1.0 - left.by_capture.get(name, left.probability) for name in gains}
-    everywhere = sum(gain * complete[name] for name, gain in gains.items()) / total
-    alone = []
-    for kind in dict.fromkeys(kinds.values()):
-        own = {name: gain for name, gain in gains.items() if kinds[name] == kind and gain > 0}
-        evidence = sum(own.values())
-        if len(own) >= LEAST_CAPTURES and evidence >= LEAST_EVIDENCE * total:
-            alone.append(sum(gain * complete[name] for name, gain in own.items()) / evidence)
-    return max([everywhere, *alone])
+    return float(np.clip((share - MIMICKED) / (PROVEN - MIMICKED), 0.0, 1.0))

@@ -44,12 +44,12 @@ class ScreeningScore:
     ----------
     gain
         Fall of the sum of robust squares.
-    initial_guess
-        Where its fit should begin.
+    initial_guesses
+        Where its fit may begin; the best first, as far as first order tells.
     """
 
     gain: float
-    initial_guess: HypothesisTerm
+    initial_guesses: tuple[HypothesisTerm, ...]
 
 
 def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> ScreeningDirections:
@@ -78,19 +78,21 @@ def screening_score(directions: Sequence[ScreeningDirection], base: NDArray[np.f
     that begins at one of them has them all free.
     """
     cost = float(np.sum(robust(base) ** 2))
-    best = ScreeningScore(-np.inf, directions[0].term)
+    gain, guess = -np.inf, directions[0].term
     single = _of_one_parameter(directions)
     for direction in directions:
         for share in SHARES if direction.term.free else (1.0,):  # discrete effects are there or not
-            gain = cost - float(np.sum(robust(base + share * direction.change) ** 2))
-            if gain > best.gain:
-                best = ScreeningScore(gain, _scaled(direction.term, share))
+            own = cost - float(np.sum(robust(base + share * direction.change) ** 2))
+            if own > gain:
+                gain, guess = own, _scaled(direction.term, share)
     if not single:
-        return best
-    combined = _combined(single, base)
-    if combined is not None and combined.gain > best.gain:
-        return combined
-    return replace(best, initial_guess=_with_all_free(best.initial_guess, single))
+        return ScreeningScore(gain, (guess,))
+    guesses = (_with_all_free(guess, single),)
+    if (combined := _combined(single, base)) is not None:
+        together, at = combined
+        guesses = (at, *guesses) if together > gain else guesses
+        gain = max(gain, together)
+    return ScreeningScore(gain, guesses)
 
 
 def all_initial_guesses(directions: Sequence[ScreeningDirection]) -> list[HypothesisTerm]:
@@ -119,8 +121,10 @@ def _with_all_free(term: HypothesisTerm, single: Mapping[str, ScreeningDirection
     return wider if wider.placed() is not None else term
 
 
-def _combined(single: Mapping[str, ScreeningDirection], base: NDArray[np.float64]) -> ScreeningScore | None:
-    """Directions of one free parameter each, combined by least squares."""
+def _combined(
+    single: Mapping[str, ScreeningDirection], base: NDArray[np.float64]
+) -> tuple[float, HypothesisTerm] | None:
+    """Directions of one free parameter each, combined by least squares: what they gain, and the term."""
     directions = list(single.values())
     changes = np.stack([direction.change for direction in directions], axis=1)
     weights = robust_derivative(base)
@@ -137,7 +141,7 @@ def _combined(single: Mapping[str, ScreeningDirection], base: NDArray[np.float64
     if term.placed() is None:
         return None
     gain = float(np.sum(robust(base) ** 2)) - float(np.sum(robust(base + changes @ shares) ** 2))
-    return ScreeningScore(gain, term)
+    return gain, term
 
 
 def _scaled(term: HypothesisTerm, scale: float) -> HypothesisTerm:

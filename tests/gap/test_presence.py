@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tacos_gap.evidence import Label, ReplicateResiduals
-from tacos_gap.presence import completeness_where_it_shows, support
+from tacos_gap.presence import share_explained, shown
 from tacos_gap.problem import Problem
-from tacos_gap.unknown import Unexplained, unexplained
+from tacos_gap.unknown import unexplained
 
 
 class Flat:
@@ -44,21 +44,15 @@ def test_what_is_left_is_left_in_a_stage_and_in_captures(problem):
 
 
 def test_what_flats_prove_is_there_although_scenes_stay_unexplained(problem):
-    left = unexplained(problem, problem.replicate_residuals(()))
     without = problem.null + np.where(np.arange(len(problem.null)) % 60 < 30, 5.0, 0.0)
-    gains = support(problem, problem.null, without)
-    assert all(gain > 100 for gain in gains.values())
-    assert completeness_where_it_shows(problem, gains, left) > 0.9
+    assert shown(share_explained(problem, problem.null, without)) == 1.0
 
 
-def test_what_shows_where_nothing_is_explained_is_in_doubt(problem):
-    left = unexplained(problem, problem.replicate_residuals(()))
-    in_scenes = np.array([label.kind == "scene" for label in problem.labels])
-    gains = support(problem, problem.null, problem.null + 5.0 * in_scenes)
-    assert completeness_where_it_shows(problem, gains, left) < 0.1
+def test_what_leaves_much_where_it_shows_is_in_doubt(problem):
+    in_scenes = np.array([label.kind == "scene" and label.stage == "pixel" for label in problem.labels])
+    share = share_explained(problem, problem.null, problem.null + 3.0 * in_scenes)
+    assert shown(share) == 0.0  # 8 of 11 units are left
 
 
-def test_an_effect_that_gains_nowhere_is_as_sure_as_the_whole_is_complete(problem):
-    left = Unexplained(0.3, 0.01, 2.0, 0.1, None)
-    gains = support(problem, problem.null, problem.null)
-    assert completeness_where_it_shows(problem, gains, left) == pytest.approx(0.7)
+def test_an_effect_that_explains_nothing_is_shown_by_nothing(problem):
+    assert share_explained(problem, problem.null, problem.null) == 0.0
