@@ -9,8 +9,8 @@ from tacos_gap.problem import Problem, robust
 from tacos_gap.unknown import SLACK, block_index
 
 MIMICKED, PROVEN = 0.6, 0.9
-"""Shares of the squared gap, where an effect shows, that it explains: up to the first something else could look
-so, from the second on nothing would, whatever is left elsewhere."""
+"""Shares of the squared gap that an effect explains where it shows. Up to the first something else could look
+so; from the second on nothing would, whatever is left elsewhere."""
 
 
 def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> float:

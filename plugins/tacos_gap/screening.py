@@ -78,21 +78,21 @@ def screening_score(directions: Sequence[ScreeningDirection], base: NDArray[np.f
     that begins at one of them has them all free.
     """
     cost = float(np.sum(robust(base) ** 2))
-    gain, guess = -np.inf, directions[0].term
     single = _of_one_parameter(directions)
-    for direction in directions:
-        for share in SHARES if direction.term.free else (1.0,):  # discrete effects are there or not
-            own = cost - float(np.sum(robust(base + share * direction.change) ** 2))
-            if own > gain:
-                gain, guess = own, _scaled(direction.term, share)
-    if not single:
-        return ScreeningScore(gain, (guess,))
-    guesses = (_with_all_free(guess, single),)
-    if (combined := _combined(single, base)) is not None:
-        together, at = combined
-        guesses = (at, *guesses) if together > gain else guesses
-        gain = max(gain, together)
-    return ScreeningScore(gain, guesses)
+    found: list[tuple[float, HypothesisTerm]] = []
+    for shares in (SHARES, (1.0,)):  # scaled, and as it was simulated: what is cut off at 0 does not scale
+        scaled = [
+            (cost - float(np.sum(robust(base + share * direction.change) ** 2)), direction, share)
+            for direction in directions
+            for share in (shares if direction.term.free else (1.0,))  # discrete effects are there or not
+        ]
+        gain, direction, share = max(scaled, key=lambda each: each[0])
+        found.append((gain, _with_all_free(_scaled(direction.term, share), single)))
+    if single and (combined := _combined(single, base)) is not None:
+        found.append(combined)
+    found.sort(key=lambda each: -each[0])
+    guesses = {repr(term.values): term for _, term in found}
+    return ScreeningScore(found[0][0], tuple(guesses.values()))
 
 
 def all_initial_guesses(directions: Sequence[ScreeningDirection]) -> list[HypothesisTerm]:
