@@ -34,6 +34,12 @@ LARGEST = 6
 COMPLEXITY_PENALTY = 6.0
 """Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
 
+LEAST_OF_REST = 0.08
+"""What it must gain over what is left above the noise floor: where formulas do not fit, a bit of everything does."""
+
+MUCH = 0.4
+"""Share of the gap left from which on effects on files are tried together."""
+
 MISFIT = 0.05
 """Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
 further effect must gain more than that."""
@@ -163,7 +169,7 @@ class ForwardSelection:
     def _explained(self, null: Fitted) -> Fitted:
         """The best explanation from nothing on, or from effects on files where much stays unexplained."""
         best, left = self._grown(null)
-        if left.probability < 0.5 or len(self._on_files(null)) < 2:
+        if left.probability < 0.5 or left.share < MUCH or len(self._on_files(null)) < 2:
             return best
         self._notify("what the camera does to its files, together")
         units = self.problem.scale
@@ -300,7 +306,9 @@ class ForwardSelection:
     def _is_worth_it(self, base: Fitted, fitted: Fitted) -> bool:
         """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
         allowed = discrepancy(self.problem, base, MISFIT)
-        return gain_beyond(self.problem, base, fitted, allowed) > COMPLEXITY_PENALTY
+        rest = -base.score - 0.5 * self.problem.weight * len(base.z)  # squares of the noise floor are 1 each
+        least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
+        return gain_beyond(self.problem, base, fitted, allowed) > least
 
     def _screened(
         self,
