@@ -121,7 +121,7 @@ def size_in(placed: Sequence[PlacedOutline]) -> tuple[float, float]:
 
 def paint_sheet(figure: Figure, placed: Sequence[PlacedOutline]) -> None:
     """Draw the parts, and a scale, on a figure of `size_in`."""
-    axes = figure.add_axes((0, 0, 1, 1))
+    axes = figure.add_subplot()
     wide, high = (inches / INCHES_PER_MM for inches in size_in(placed))
     axes.set_xlim(-0.8, wide - 0.8)
     axes.set_ylim(2 - high, 2)

@@ -18,8 +18,8 @@ Triangles = NDArray[np.float64]
 _ABOVE_EYE_M = 0.3
 _ROOM_MARGIN_M, _OPEN_MARGIN_M = 8.0, 30.0
 _PATH, _CAMERA, _WALL = (213, 94, 0), (0, 114, 178), (45, 48, 54)
-_JUMP_M_S = 60.0
-"""Between keys of a trajectory that are farther apart than this the agent has jumped."""
+_JUMP_STEPS = 8.0
+"""Between keys of a trajectory that lie so many usual steps apart the agent has jumped to another walk."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,9 +172,10 @@ def _paint_trip(
 
     places = trajectory.world_from_agent[:, :2, 3]
     path = sheet.pixels(places).tolist()
-    steps = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(trajectory.time_s)
-    for start, end, speed in zip(path[:-1], path[1:], steps, strict=True):
-        if speed < _JUMP_M_S:
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    for start, end, step in zip(path[:-1], path[1:], steps, strict=True):
+        if step <= _JUMP_STEPS * usual:
             cv2.line(picture, start, end, _PATH, 2, cv2.LINE_AA)
     reach_m = 0.09 * max(picture.shape) / sheet.px_per_m
     half = min(math.radians(camera.hfov_deg) / 2, math.pi / 2)

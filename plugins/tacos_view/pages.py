@@ -147,7 +147,7 @@ def write_catalog(out: Path, catalog: Catalog) -> Path:
     placed = arranged(parts)
     size = size_in(placed)
     folder = ViewFolder(out)
-    figure = Figure(figsize=size, facecolor="white")
+    figure = Figure(figsize=size, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     paint_sheet(figure, placed)
     png = BytesIO()

@@ -35,8 +35,8 @@ def shown_depth(depth_m: NDArray[np.floating]) -> Picture:
     import cv2
 
     near = 1.0 / np.maximum(np.asarray(depth_m, np.float64), 1e-6)
-    scale = np.percentile(near[near > 0], 99) if (near > 0).any() else 1.0
-    codes = np.clip(255 * np.sqrt(near / scale), 0, 255).astype(np.uint8)
+    low, high = np.percentile(near[near > 0], (1, 99)) if (near > 0).any() else (0.0, 1.0)
+    codes = np.clip(25 + 230 * (near - low) / max(high - low, 1e-9), 0, 255).astype(np.uint8)
     coloured = cv2.applyColorMap(codes, cv2.COLORMAP_INFERNO)[..., ::-1]
     return np.where(near[..., None] > 0, coloured, 0).astype(np.uint8)
 
