@@ -1,7 +1,7 @@
 """What most users need from Python, under one name: ``import tacos``.
 
-``run`` and ``load_recipe`` do what ``tacos-run`` does, ``read_result`` reads what came out, and ``render`` gives frames in
-one line. Everything else, for those who write plugins, is in `tacos_framework`.
+``run`` and ``load_recipe`` do what ``tacos-run`` does, ``read_result`` reads what came out, and ``render``
+gives frames in one line. Everything else, for those who write plugins, is in `tacos_framework`.
 
 Examples
 --------

@@ -16,8 +16,8 @@ Depth
     The distance along the optical axis (z), not along the ray; where nothing is, or beyond what 16 bits
     hold, 0 in integer files and infinity in EXR. ``point = depth * K^-1 (x, y, 1)``.
 Images
-    Linear digital numbers, proportional to light above the black level; ``srgb`` encodes them for eyes and for
-    programs that expect photographs.
+    Linear digital numbers, proportional to light above the black level; ``srgb`` encodes them for eyes, and
+    for programs that expect photographs.
 """
 
 from __future__ import annotations

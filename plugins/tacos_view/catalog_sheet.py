@@ -80,7 +80,9 @@ def _outline(part: CatalogPart) -> Outline | None:
         circle = part.number("image_circle_mm")
         focal = values.get("focal_length_mm")
         detail = f"{focal:g} mm, circle {circle:g} mm" if isinstance(focal, int | float) else f"{circle:g} mm"
-        return Outline(part.name, detail, circle, circle, True, str(values.get("mount") or "mount not stated"))
+        return Outline(
+            part.name, detail, circle, circle, True, str(values.get("mount") or "mount not stated")
+        )
     return None
 
 

@@ -22,14 +22,15 @@ def camera_html(camera: Camera) -> str:
     half = math.radians(camera.hfov_deg) / 2
     x, y = _REACH * math.sin(half), _REACH * math.cos(half)
     apex = _REACH + _EDGE
-    wedge = f"M {apex:.1f} {apex:.1f} l {-x:.1f} {-y:.1f} A {_REACH} {_REACH} 0 0 1 {apex + x:.1f} {apex - y:.1f} Z"
+    rim = f"l {-x:.1f} {-y:.1f} A {_REACH} {_REACH} 0 0 1 {apex + x:.1f} {apex - y:.1f}"
+    wedge = f"M {apex:.1f} {apex:.1f} {rim} Z"
     svg = (
         f'<svg width="{2 * apex:.0f}" height="{apex + _EDGE:.0f}" role="img" aria-label="field of view">'
         f'<path d="{wedge}" fill="#0072b2" fill-opacity="0.2" stroke="#0072b2"/></svg>'
     )
     said = (
-        f"{camera.name}: {camera.width_px} x {camera.height_px} pixels of {camera.pixel_um * camera.binning:g} um, "
-        f"{camera.focal_length_mm:.3g} mm, {camera.hfov_deg:.1f} x {camera.vfov_deg:.1f} deg"
+        f"{camera.name}: {camera.width_px} x {camera.height_px} pixels of "
+        f"{camera.pixel_um * camera.binning:g} um, {camera.focal_length_mm:.3g} mm, {camera.hfov_deg:.1f} x {camera.vfov_deg:.1f} deg"
     )
     return f"<figure>{svg}<figcaption>{said}</figcaption></figure>"
 

@@ -87,8 +87,8 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
         eyebrow="tacos view",
         title=f"{what}, seen by {rendering.title}",
         lead=(
-            f"{rendering.world.triangle_count} triangles, {len(rendering.world.objects) - 1} labelled objects of "
-            f"{labelled} classes, {len(rendering.world.lights)} lights."
+            f"{rendering.world.triangle_count} triangles, {len(rendering.world.objects) - 1} labelled objects "
+            f"of {labelled} classes, {len(rendering.world.lights)} lights."
         ),
         sections=(
             Section("What the camera sees", (_camera_table(rendering), *notes, *rows)),

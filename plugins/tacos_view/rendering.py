@@ -218,4 +218,3 @@ _ARRAYS = ("depth_m", "object_id", "world_from_camera", "luminance_cd_m2")
 
 def _joined(batches: Sequence[FrameBatch], camera: int, name: str) -> NDArray[Any]:
     return np.concatenate([getattr(batch.capture.views[camera], name) for batch in batches])
-

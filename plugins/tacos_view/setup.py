@@ -58,7 +58,9 @@ class RenderSetup:
         """
         spec = self.episode_spec(count, seed)
         graph = self.plan.graph
-        fed = [task for task in graph.of_kind("task") if [*graph.nodes[task].sources.values()] == [graph.shown]]
+        fed = [
+            task for task in graph.of_kind("task") if [*graph.nodes[task].sources.values()] == [graph.shown]
+        ]
         if fed:
             for batch in self.simulation.batches(fed[0], self.camera.values, spec):
                 for i in range(len(batch.episode)):
@@ -78,7 +80,9 @@ class RenderSetup:
         """Names the world and the trip, in the recipe's first scenario."""
         first = self.plan.recipe.scenarios[0]
         scenario = first.name if isinstance(first, NamedScenario) else None
-        return EpisodeSpec(self.plan.recipe.seed if seed is None else seed, (PURPOSE,), count, (0, 1), scenario)
+        return EpisodeSpec(
+            self.plan.recipe.seed if seed is None else seed, (PURPOSE,), count, (0, 1), scenario
+        )
 
     def _length(self, spec: EpisodeSpec) -> int:
         if spec.frames is not None:

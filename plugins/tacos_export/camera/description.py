@@ -18,7 +18,7 @@ from tacos_plugins.effects.lens_distortion import LensDistortion
 from tacos_view.setup import RenderSetup
 
 LensModel = Literal["brown", "fisheye"]
-"""OpenCV's models: Brown and Conrady's with (k1, k2, p1, p2, k3), Kannala and Brandt's with (k1, k2, k3, k4)."""
+"""OpenCV's: Brown and Conrady with (k1, k2, p1, p2, k3), Kannala and Brandt with (k1, k2, k3, k4)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +81,11 @@ def lens_of(
             distorting += 1
             model = config.model
             c = config
-            coefficients = (
-                (c.k1, c.k2, c.k3, 0.0) if model == "fisheye" else (c.k1, c.k2, c.p1, c.p2, c.k3)
-            )
+            coefficients = (c.k1, c.k2, c.k3, 0.0) if model == "fisheye" else (c.k1, c.k2, c.p1, c.p2, c.k3)
         else:
-            limitations.append(f"{effect.name} moves pixels too, which the lens model of these files cannot say")
+            limitations.append(
+                f"{effect.name} moves pixels too, which the lens model of these files cannot say"
+            )
     return model, coefficients, tuple(limitations)
 
 

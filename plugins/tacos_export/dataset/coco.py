@@ -39,9 +39,7 @@ class CocoWriter:
         self._categories = self._categories or categories(world)
         for i, view in enumerate(frame.capture.views):
             name = f"{view.camera.name}_{index:06d}.png"
-            write_image(
-                self._dataset.out / "images" / name, photograph(frame, i, self._dataset.encoding)
-            )
+            write_image(self._dataset.out / "images" / name, photograph(frame, i, self._dataset.encoding))
             write_image(self._dataset.out / "depth" / name, depth_codes(view.depth_m[0], DEPTH_CODES_PER_M))
             image_id = len(self._images) + 1
             self._images.append(

@@ -13,6 +13,7 @@ from tacos_export.dataset.frame import Dataset, DatasetCamera, DatasetWriter, En
 from tacos_framework import __version__
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.values import FrameBatch, World
+from tacos_plugins.effects.tone_curve import ToneCurve
 from tacos_view.setup import RenderSetup
 
 FORMATS = {
@@ -24,8 +25,6 @@ FORMATS = {
     "exr": "tacos_export.dataset.raster:ExrWriter",
 }
 """The formats, and what writes them."""
-
-_TONE_CURVE = "effect.tone-curve"
 
 
 def export_dataset(
@@ -75,7 +74,7 @@ def export_dataset(
         lens, distortion, said = lens_of(setup.effects, camera.name)
         lenses[camera.name] = DatasetCamera(lens, distortion)
         notes += [f"{camera.name}: {each}" for each in said]
-    curved = any(effect.use.split(" ")[0] == _TONE_CURVE for effect in setup.effects)
+    curved = any(issubclass(effect.cls, ToneCurve) for effect in setup.effects)
     encoding = encoding or ("camera" if curved else "srgb")
     dataset = Dataset(out, setup.rig, lenses, encoding)
     writer = writer_class(dataset)
@@ -92,7 +91,9 @@ def export_dataset(
 
 def _writer(format: str) -> type[DatasetWriter]:
     if format not in FORMATS:
-        raise UserError(Fault("--format", f"there is no format {format!r}", "", did_you_mean(format, FORMATS)))
+        raise UserError(
+            Fault("--format", f"there is no format {format!r}", "", did_you_mean(format, FORMATS))
+        )
     module, _, name = FORMATS[format].partition(":")
     writer: type[DatasetWriter] = getattr(importlib.import_module(module), name)
     return writer

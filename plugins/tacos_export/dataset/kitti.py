@@ -22,10 +22,11 @@ _UNKNOWN_3D = "-1 -1 -1 -1000 -1000 -1000 -10"
 
 
 class KittiWriter:
-    """``image_2/`` (left), ``image_3/`` (right), ``calib/``, ``depth_2/``, ``disp_2/``, ``label_2/``, ``poses.txt``.
+    """``image_2/`` (left), ``image_3/`` (right), ``calib/``, ``depth_2/``, ``disp_2/``, ``label_2/``, poses.
 
     Boxes are those of the visible pixels; truncation, occlusion and boxes in space hold KITTI's values for
-    unknown. Poses are those of the left camera, from where it was at first. Disparity is that of the true depth.
+    unknown. ``poses.txt`` has the poses of the left camera, from where it was at first. Disparity is that of
+    the true depth.
 
     References
     ----------

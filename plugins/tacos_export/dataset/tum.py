@@ -13,7 +13,7 @@ DEPTH_CODES_PER_M = 5000.0
 
 
 class TumWriter:
-    """``rgb/``, ``depth/``, ``rgb.txt``, ``depth.txt``, ``groundtruth.txt``: one folder a walk where there are several.
+    """``rgb/``, ``depth/``, ``rgb.txt``, ``depth.txt``, ``groundtruth.txt`` in a folder for each walk.
 
     The first camera is written. Lines of the ground truth are ``timestamp tx ty tz qx qy qz qw``: the pose of
     the camera in the world.
