@@ -36,13 +36,16 @@ class TwoBoxes:
             *box((2.0, -0.8, 0.6), (2.6, -0.2, 1.6), object_id=1),
             *box((3.0, 0.2, 0.0), (3.8, 1.0, 1.4), object_id=2),
         ]
+        lit = tuple(np.full((len(part.vertices_m), 3), illumination_lux, np.float32) for part in parts)
         world = World(
             key="two boxes",
             parts=tuple(parts),
             materials=(matte(0.5),),
             objects=(Object("room", "background"), Object("cup", "cup"), Object("chair", "chair")),
             class_names=("background", "chair", "cup", "dog"),
-            indirect_lux=tuple(np.full((len(part.vertices_m), 3), illumination_lux, np.float32) for part in parts),
+            indirect_lux=lit,
+                np.full((len(part.vertices_m), 3), illumination_lux, np.float32) for part in parts
+            ),
         )
         ends = np.stack([pose((x, y, 1.2), (1.0, 0.1 * i, 0.0)) for i, (x, y) in enumerate(WALK)])
         times = np.linspace(0.0, 1.0, self.config.frames + 2)[1:-1]

@@ -30,7 +30,8 @@ def camera_html(camera: Camera) -> str:
     )
     said = (
         f"{camera.name}: {camera.width_px} x {camera.height_px} pixels of "
-        f"{camera.pixel_um * camera.binning:g} um, {camera.focal_length_mm:.3g} mm, {camera.hfov_deg:.1f} x {camera.vfov_deg:.1f} deg"
+        f"{camera.pixel_um * camera.binning:g} um, {camera.focal_length_mm:.3g} mm, "
+        f"{camera.hfov_deg:.1f} x {camera.vfov_deg:.1f} deg"
     )
     return f"<figure>{svg}<figcaption>{said}</figcaption></figure>"
 

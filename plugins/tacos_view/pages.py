@@ -82,13 +82,14 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
         if assumed
         else []
     )
-    labelled = len({thing.class_name for thing in rendering.world.objects[1:]})
+    world = rendering.world
+    labelled = len({thing.class_name for thing in world.objects[1:]})
     page = Page(
         eyebrow="tacos view",
         title=f"{what}, seen by {rendering.title}",
         lead=(
-            f"{rendering.world.triangle_count} triangles, {len(rendering.world.objects) - 1} labelled objects "
-            f"of {labelled} classes, {len(rendering.world.lights)} lights."
+            f"{world.triangle_count} triangles, {len(world.objects) - 1} labelled objects of {labelled} "
+            f"classes, {len(world.lights)} lights."
         ),
         sections=(
             Section("What the camera sees", (_camera_table(rendering), *notes, *rows)),

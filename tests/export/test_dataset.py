@@ -48,6 +48,7 @@ def read(path: Path) -> NDArray[Any]:
     return image
 
 
+@pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")  # pycocotools with numpy 2
 def test_coco_is_read_by_pycocotools(exported: Any, frames: list[FrameBatch]) -> None:
     coco = pytest.importorskip("pycocotools.coco", reason="the extra perception brings it").COCO
     folder = exported("coco")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -108,7 +110,7 @@ def test_the_facade_is_the_same_functions() -> None:
 
 
 def test_a_procedure_has_no_camera() -> None:
-    with pytest.raises(UserError, match="a recipe of procedure.diagnose, which has no camera"):
+    with pytest.raises(UserError, match=r"a recipe of procedure\.diagnose, which has no camera"):
         render("diagnose")
 
 
@@ -119,11 +121,8 @@ def test_notebooks_show_cameras() -> None:
         def for_type(self, kind: type, function: object) -> None:
             shown[kind] = function
 
-    class Shell:
-        class display_formatter:
-            formatters = {"text/html": Formatter()}
-
-    tacos.load_ipython_extension(Shell())
+    display = SimpleNamespace(formatters={"text/html": Formatter()})
+    tacos.load_ipython_extension(SimpleNamespace(display_formatter=display))
     setup = set_up(monocular_recipe(), CAMERA, plugins=plugins_with_boxes())
     rig = built_rig(setup.plan, setup.camera)
     assert "64 x 48 pixels of 20 um" in shown[type(rig)](rig)

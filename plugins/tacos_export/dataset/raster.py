@@ -40,8 +40,8 @@ class Png16Writer:
 class ExrWriter:
     """``CAMERA/000000.exr`` with what 16 bits do not hold, beside the frames as ``CAMERA/image/`` (PNG).
 
-    Channels ``R``, ``G``, ``B``: light before the sensor, linear sRGB primaries [cd/m2]; ``Z``: depth along the
-    optical axis, infinite where nothing is [m]; ``id``: the object. Needs the package OpenEXR (extra
+    Channels ``R``, ``G``, ``B``: light before the sensor, linear sRGB primaries [cd/m2]; ``Z``: depth along
+    the optical axis, infinite where nothing is [m]; ``id``: the object. Needs the package OpenEXR (extra
     ``export``).
     """
 
