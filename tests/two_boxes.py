@@ -44,8 +44,6 @@ class TwoBoxes:
             objects=(Object("room", "background"), Object("cup", "cup"), Object("chair", "chair")),
             class_names=("background", "chair", "cup", "dog"),
             indirect_lux=lit,
-                np.full((len(part.vertices_m), 3), illumination_lux, np.float32) for part in parts
-            ),
         )
         ends = np.stack([pose((x, y, 1.2), (1.0, 0.1 * i, 0.0)) for i, (x, y) in enumerate(WALK)])
         times = np.linspace(0.0, 1.0, self.config.frames + 2)[1:-1]
