@@ -68,7 +68,6 @@ def export_dataset(
     writer_class = _writer(format)
     if out.exists() and any(out.iterdir()):
         raise UserError(Fault(str(out), "the folder is not empty", "a new folder", "Name another by --out."))
-    out.mkdir(parents=True, exist_ok=True)
     lenses, notes = {}, []
     for camera in setup.rig.cameras:
         lens, distortion, said = lens_of(setup.effects, camera.name)
@@ -78,6 +77,7 @@ def export_dataset(
     encoding = encoding or ("camera" if curved else "srgb")
     dataset = Dataset(out, setup.rig, lenses, encoding)
     writer = writer_class(dataset)
+    out.mkdir(parents=True, exist_ok=True)  # nothing is left of a format that refuses the rig
     manifest = Manifest(dataset, setup.camera.title)
     for index, frame in enumerate(setup.frames(frames, seed=seed)):
         writer.add(index, frame)

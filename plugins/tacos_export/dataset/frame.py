@@ -34,7 +34,7 @@ class Dataset:
     Parameters
     ----------
     out
-        The folder, which is there.
+        The folder, which is there once frames come.
     rig
         The cameras.
     lenses
@@ -53,7 +53,7 @@ class DatasetWriter(Protocol):
     """Writes frames in one format, as they come."""
 
     def __init__(self, dataset: Dataset) -> None:
-        """Prepare the folder; `UserError` where the format has no place for such a rig."""
+        """Write nothing yet; `UserError` where the format has no place for such a rig."""
         ...
 
     def add(self, index: int, frame: FrameBatch) -> None:
