@@ -1,39 +1,55 @@
 """Which effects: forward selection with removals, scored on held-out conditions.
 
 Of the effects that were screened only those of the highest screening scores are fitted, round by round.
+Where this ends with much unexplained, it is begun anew with what a camera does to its files, all of it
+together: of a processed camera no single effect is a good explanation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tacos_framework.contracts import FILE_STAGES
+from tacos_gap.codec import codec_of_files
+from tacos_gap.discrete import searched
 from tacos_gap.evidence import ReplicateResiduals
-from tacos_gap.fit import Fitted, finished, fit, rescored
+from tacos_gap.fit import DRAWS, Fitted, finished, fit, rescored, settled
+from tacos_gap.forms import in_its_best_form
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Hypothesis, Problem, robust
 from tacos_gap.pruning import pruned
+from tacos_gap.rivals import discrepancy, gain_beyond, slot_probabilities, standard_error
 from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
-from tacos_gap.unknown import block_index, unexplained
+from tacos_gap.unknown import Unexplained, block_index, unexplained
 
-LARGEST = 3
-"""Most effects in one explanation."""
+LARGEST = 6
+"""Most effects in one explanation: shares of more cannot be enumerated."""
 
 COMPLEXITY_PENALTY = 6.0
 """Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
 
-LEAST_SHARE = 0.003
-"""What it must gain over what all have gained so far: no model is exact, and a rest is always there."""
+MISFIT = 0.05
+"""Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
+further effect must gain more than that."""
+
+LEAST_SHARE = 0.001
+"""What one more parameter must gain, a third of the penalty aside, over what all have gained."""
 
 LEAST_CHANGE = 0.25
 """Mean square by which an effect must change some statistic of a capture; less is negligible."""
 
 TRIED = 4
 """Effects fitted in each round."""
+
+CLOSE = 30.0
+"""Effects whose first fits score so much less than another are no rivals of it [nat]; all others are
+compared by several simulations."""
 
 WIDER = 3.0
 """Where an explanation spreads so much more than the simulator, as lamps of unknown phase do, it was scored
@@ -43,7 +59,7 @@ MANY = 0.05
 """Share of the numbers that must be so much wider."""
 
 AVERAGED = 3
-"""Simulations whose mean stands for such an explanation."""
+"""Simulations whose mean stands for such an explanation while it is fitted."""
 
 SCREENING_FRACTION = 0.25
 """Screening score, over the complexity penalty, above which an effect is fitted beside others."""
@@ -68,6 +84,8 @@ class Attribution:
         All sets of effects that were fitted.
     problem
         The evidence, in units of the noise floor of the explanation.
+    errors
+        Like `slots`, the standard error of each score's difference to that of the effect itself [nat].
     """
 
     best: Fitted
@@ -75,6 +93,11 @@ class Attribution:
     slots: Mapping[str, Mapping[str, float]]
     fits: Mapping[tuple[str, ...], Fitted]
     problem: Problem
+    errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def probabilities(self, name: str) -> dict[str, float]:
+        """Probability of each effect that was tried in the place of one; empty where it is not of `best`."""
+        return slot_probabilities(self.slots.get(name, {}), self.errors.get(name, {}))
 
 
 class ForwardSelection:
@@ -113,19 +136,8 @@ class ForwardSelection:
         self._fits[()] = null
         with ThreadPoolExecutor(self._workers) as pool:
             self._pool = pool
-            best = null
-            while True:
-                best, residuals = self._in_its_units(best)
-                enough = len(best.hypothesis) == LARGEST
-                if enough or not unexplained(self.problem, residuals).is_significant:
-                    break
-                # where nothing is significant, nothing is tried
-                self._directions = self._directions or try_all(self.problem, self._effects, pool.map)
-                better = self._extended(best)
-                if better is None:
-                    break
-                best = self._backward_elimination(better)
-                self._notify(" + ".join(best.names))
+            best = self._explained(null)
+            slots: dict[str, dict[str, Fitted]] = {}
             for _ in range(LARGEST):
                 best = self._pruned(best)
                 slots = {name: self._rivals(best, name) for name in best.names}
@@ -134,26 +146,118 @@ class ForwardSelection:
                     break
                 best = better
             best = finished(self.problem, best)
-            return Attribution(best, self._fits[()], slots, self._fits, self.problem)
+            return self._attribution(best, slots)
+
+    def _attribution(self, best: Fitted, slots: Mapping[str, Mapping[str, Fitted]]) -> Attribution:
+        scores: dict[str, dict[str, float]] = {}
+        errors: dict[str, dict[str, float]] = {}
+        for name, rivals in slots.items():
+            scores[name], errors[name] = {name: best.score}, {name: 0.0}
+            for rival, fitted in rivals.items():
+                scores[name][rival] = fitted.score + (0.0 if rival else COMPLEXITY_PENALTY)
+                errors[name][rival] = standard_error(self.problem, best, fitted)
+        return Attribution(best, self._fits[()], scores, self._fits, self.problem, errors)
+
+    # one explanation, and another ---------------------------------------------------------------------------
+
+    def _explained(self, null: Fitted) -> Fitted:
+        """The best explanation from nothing on, or from effects on files where much stays unexplained."""
+        best, left = self._grown(null)
+        if left.probability < 0.5 or len(self._on_files(null)) < 2:
+            return best
+        self._notify("what the camera does to its files, together")
+        units = self.problem.scale
+        block = self._through_files(null)
+        if set(block.names) <= set(best.names):
+            return self._in_its_units(best)[0]
+        other, _ = self._grown(block)
+        self._take_as_units(np.maximum(units, self.problem.scale))
+        both = [self._again(each) for each in (best, other)]
+        better = max(both, key=lambda fitted: fitted.score - COMPLEXITY_PENALTY * len(fitted.hypothesis))
+        return self._in_its_units(better)[0]
+
+    def _grown(self, best: Fitted) -> tuple[Fitted, Unexplained]:
+        """Forward selection from an explanation on, and what it leaves."""
+        while True:
+            best, residuals = self._in_its_units(best)
+            left = unexplained(self.problem, residuals)
+            if len(best.hypothesis) == LARGEST or not left.is_significant:
+                return best, left  # where nothing is significant, nothing is tried
+            if not self._directions:
+                self._directions = try_all(self.problem, self._effects, self._pool.map)
+                if codec := codec_of_files(self.problem, self._directions):
+                    best = self._fitted([codec])[0]
+                    self._notify(" + ".join(best.names))
+                    continue
+            better = self._extended(best)
+            if better is None:
+                return best, left
+            best = self._backward_elimination(better)
+            self._notify(" + ".join(best.names))
+
+    def _on_files(self, base: Fitted) -> list[str]:
+        """Effects on files that could gain anything by themselves."""
+        worth = 0.5 * self.problem.weight
+        return [
+            name
+            for name, of_effect in self._directions.items()
+            if self._effects[name].stage in FILE_STAGES
+            and worth * screening_score(of_effect, base.z).gain > COMPLEXITY_PENALTY
+        ]
+
+    def _through_files(self, base: Fitted) -> Fitted:
+        """Effects on files alone, as many as pay."""
+        among = {name for name in self._directions if self._effects[name].stage in FILE_STAGES}
+        while len(base.hypothesis) < LARGEST and (better := self._extended(base, among)) is not None:
+            base = self._backward_elimination(better)
+        return base
+
+    # units --------------------------------------------------------------------------------------------------
 
     def _in_its_units(self, best: Fitted) -> tuple[Fitted, ReplicateResiduals]:
         """An explanation in units of its own noise floor, and how it fares there."""
+        best = self._renuisanced(best)
         before = self.problem.scale
         residuals = self.problem.replicate_residuals(best.hypothesis)
-        best = self._in_units_of(residuals, best)
-        if best.hypothesis and np.mean(self.problem.scale > WIDER * before) > MANY:
+        self._take_as_units(np.maximum(residuals.scale, 1.0))
+        best = self._again(best)
+        if best.hypothesis and self._directions and np.mean(self.problem.scale > WIDER * before) > MANY:
             best = self._begun_anew(best)
             residuals = self.problem.replicate_residuals(best.hypothesis)
-            best = self._in_units_of(residuals, best)
+            self._take_as_units(np.maximum(residuals.scale, 1.0))
+            best = self._again(best)
         return best, residuals
 
-    def _in_units_of(self, residuals: ReplicateResiduals, best: Fitted) -> Fitted:
-        """Take the noise floor of the explanation so far as the unit; simulations are only rescaled."""
+    def _renuisanced(self, best: Fitted) -> Fitted:
+        """The explanation fitted again where the nuisances of captures moved beside it.
+
+        What was fitted beside others says nothing any more; the null is simulated anew.
+        """
+        moved = self.problem.renuisanced(best.hypothesis)
+        if moved is self.problem:
+            return best
+        self.problem = moved
+        refitted = fit(moved, best.hypothesis)
+        self._fits = {}
+        for each in (fit(moved, ()), refitted):
+            assert each is not None
+            self._kept(settled(moved, each))
+        return self._again(best)
+
+    def _take_as_units(self, scale: NDArray[np.float64]) -> None:
+        """Count in units of another noise floor; simulations are only rescaled."""
         before = self.problem.scale
-        self.problem = self.problem.reweighted(np.maximum(residuals.scale, 1.0))
+        self.problem = self.problem.reweighted(scale)
         self._fits = {k: rescored(self.problem, fitted, before) for k, fitted in self._fits.items()}
         self._directions = in_units(self._directions, before / self.problem.scale)
-        return self._fits[tuple(sorted(best.names))]
+
+    def _again(self, fitted: Fitted) -> Fitted:
+        """The fit as it stands in the units of now, and beside the nuisances of now."""
+        if _key(fitted.hypothesis) not in self._fits:
+            begun = fit(self.problem, fitted.hypothesis)
+            assert begun is not None
+            self._kept(settled(self.problem, begun))
+        return self._fits[_key(fitted.hypothesis)]
 
     def _begun_anew(self, best: Fitted) -> Fitted:
         """The explanation with its last effect fitted again, in the units of now, from each initial guess."""
@@ -165,22 +269,24 @@ class ForwardSelection:
 
     def _kept(self, fitted: Fitted) -> Fitted:
         """The fit, which from now on stands for its set of effects."""
-        self._fits[tuple(sorted(fitted.names))] = fitted
+        self._fits[_key(fitted.hypothesis)] = fitted
         return fitted
 
     # rounds -----------------------------------------------------------------------------------------------
 
-    def _extended(self, base: Fitted) -> Fitted | None:
+    def _extended(self, base: Fitted, among: Iterable[str] | None = None) -> Fitted | None:
         """The best explanation with one more effect; None when none is worth its complexity penalty."""
-        least = SCREENING_FRACTION * self._complexity_penalty(base)
-        tried = self._fitted(
-            [(*base.hypothesis, guess) for guess in self._screened(base, TRIED, least=least)]
-        )
+        least = SCREENING_FRACTION * COMPLEXITY_PENALTY
+        guesses = self._screened(base, TRIED, among=among, least=least)
+        tried = self._compared([(*base.hypothesis, guess) for guess in guesses])
         tried = [fitted for fitted in tried if self._shows(base, fitted)]
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
-        return best if best.score > base.score + self._complexity_penalty(best) else None
+        if not self._is_worth_it(base, best):
+            return None
+        guesses = all_initial_guesses(self._directions[best.names[-1]])
+        return self._kept(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
 
     def _shows(self, base: Fitted, fitted: Fitted) -> bool:
         """Whether what a fit changes exceeds the equivalence margin in any statistic of any capture.
@@ -191,15 +297,23 @@ class ForwardSelection:
         change = np.bincount(blocks, (robust(fitted.z) - robust(base.z)) ** 2) / np.bincount(blocks)
         return bool(change.max() >= LEAST_CHANGE)
 
-    def _complexity_penalty(self, fitted: Fitted) -> float:
-        """What one more effect must gain [nat]."""
-        return max(COMPLEXITY_PENALTY, LEAST_SHARE * (fitted.score - self._fits[()].score))
+    def _is_worth_it(self, base: Fitted, fitted: Fitted) -> bool:
+        """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
+        allowed = discrepancy(self.problem, base, MISFIT)
+        return gain_beyond(self.problem, base, fitted, allowed) > COMPLEXITY_PENALTY
 
     def _screened(
-        self, base: Fitted, count: int, without: Sequence[str] = (), least: float = 0.0
+        self,
+        base: Fitted,
+        count: int,
+        *,
+        among: Iterable[str] | None = None,
+        without: Sequence[str] = (),
+        least: float = 0.0,
     ) -> list[HypothesisTerm]:
         """Initial guesses of the effects with the highest screening scores on `base`, above `least` [nat]."""
-        free = [name for name in self._directions if name not in base.names and name not in without]
+        names = self._directions if among is None else [n for n in self._directions if n in set(among)]
+        free = [name for name in names if name not in base.names and name not in without]
         scores = sorted(
             (screening_score(self._directions[name], base.z) for name in free), key=lambda p: -p.gain
         )
@@ -208,43 +322,73 @@ class ForwardSelection:
 
     def _pruned(self, fitted: Fitted) -> Fitted:
         """A converged fit, without parameters and effects that it does not need there."""
-        ended = self._kept(finished(self.problem, fitted))
-        return self._backward_elimination(
-            self._kept(pruned(self.problem, ended, least=self._complexity_penalty(ended) / 3))
-        )
+        ended = self._kept(self._to_the_digit(finished(self.problem, fitted)))
+        least = max(COMPLEXITY_PENALTY / 3, LEAST_SHARE * (ended.score - self._fits[()].score))
+        return self._backward_elimination(self._kept(pruned(self.problem, ended, least)))
+
+    def _to_the_digit(self, fitted: Fitted) -> Fitted:
+        """A fit whose discrete settings are the best of their neighbours, by several simulations."""
+        averaged = self.problem.averaging(max(DRAWS, self.problem.draws))
+        hypothesis = fitted.hypothesis
+        for name in fitted.names:
+            term = next(term for term in hypothesis if term.name == name)
+            hypothesis = searched(averaged, (*_without(hypothesis, name), term), farthest=1)
+        if {term.name: term for term in hypothesis} == {term.name: term for term in fitted.hypothesis}:
+            return fitted
+        begun = fit(self.problem, hypothesis)
+        return fitted if begun is None else max(fitted, finished(self.problem, begun), key=lambda f: f.score)
 
     def _backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""
         for name in fitted.names:
-            fewer = self._fitted([tuple(t for t in fitted.hypothesis if t.name != name)])
-            if fewer and fewer[0].score > fitted.score - self._complexity_penalty(fitted):
+            fewer = self._compared([_without(fitted.hypothesis, name)], reference=fitted)
+            if fewer and not self._is_worth_it(fewer[0], fitted):
                 fitted = fewer[0]
         return fitted
 
-    def _rivals(self, fitted: Fitted, name: str) -> dict[str, float]:
-        """Scores with other effects in the place of `name`."""
-        rest = tuple(term for term in fitted.hypothesis if term.name != name)
-        (without,) = self._fitted([rest])
-        initial_guesses = self._screened(without, TRIED, without=[name])
-        scores = {name: fitted.score, "": without.score + COMPLEXITY_PENALTY}
-        for rival in self._fitted([(*rest, guess) for guess in initial_guesses]):
-            scores[rival.names[-1]] = rival.score
-        return scores
+    def _rivals(self, fitted: Fitted, name: str) -> dict[str, Fitted]:
+        """Fits with other effects in the place of `name`, and with none."""
+        rest = _without(fitted.hypothesis, name)
+        (without,) = self._compared([rest], reference=fitted)
+        guesses = self._screened(without, TRIED, without=[name])
+        rivals = self._compared([(*rest, guess) for guess in guesses], reference=fitted)
+        return {"": without, **{(set(rival.names) - set(fitted.names)).pop(): rival for rival in rivals}}
 
-    def _better_rival(self, best: Fitted, slots: Mapping[str, Mapping[str, float]]) -> Fitted | None:
+    def _better_rival(self, best: Fitted, slots: Mapping[str, Mapping[str, Fitted]]) -> Fitted | None:
         """The explanation with another effect in the first place where one turned out better."""
-        for name, scores in slots.items():
-            rival = max(scores, key=lambda key: scores[key])
-            if rival not in ("", name) and rival not in best.names and scores[rival] > scores[name] + 1e-9:
-                key = tuple(sorted(rival if other == name else other for other in best.names))
-                return self._fits.get(key)
+        for rivals in slots.values():
+            named = [fitted for rival, fitted in rivals.items() if rival]
+            if named and (first := max(named, key=lambda f: f.score)).score > best.score + 1e-9:
+                return first
         return None
+
+    # fits ---------------------------------------------------------------------------------------------------
+
+    def _compared(self, hypotheses: Sequence[Hypothesis], reference: Fitted | None = None) -> list[Fitted]:
+        """Fits of which those that come close to the best, or to the reference, are of several draws."""
+        fits = self._fitted(hypotheses)
+        best = max([f.score for f in [*fits, *([reference] if reference else [])]], default=0.0)
+        near = [fitted for fitted in fits if fitted.score > best - CLOSE]
+        for ended in self._pool.map(lambda fitted: settled(self.problem, fitted), near):
+            self._kept(ended)
+        return [self._again(fitted) for fitted in fits]
 
     def _fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
         """Fit them, in parallel; each set of effects once."""
-        wanted = [h for h in hypotheses if tuple(sorted(t.name for t in h)) not in self._fits]
-        for fitted in self._pool.map(lambda h: fit(self.problem, h), wanted):
+        wanted = [h for h in hypotheses if _key(h) not in self._fits]
+        for fitted in self._pool.map(self._fit, wanted):
             if fitted is not None:
-                self._fits[tuple(sorted(fitted.names))] = fitted
-        keys = [tuple(sorted(t.name for t in h)) for h in hypotheses]
-        return [self._fits[key] for key in keys if key in self._fits]
+                self._kept(fitted)
+        return [self._fits[_key(h)] for h in hypotheses if _key(h) in self._fits]
+
+    def _fit(self, hypothesis: Hypothesis) -> Fitted | None:
+        return fit(self.problem, searched(self.problem, hypothesis) if hypothesis else hypothesis)
+
+
+def _key(hypothesis: Hypothesis) -> tuple[str, ...]:
+    """What a set of effects is kept under."""
+    return tuple(sorted(term.name for term in hypothesis))
+
+
+def _without(hypothesis: Hypothesis, name: str) -> Hypothesis:
+    return tuple(term for term in hypothesis if term.name != name)

@@ -13,14 +13,15 @@ from tacos_framework.settings import unit_of
 from tacos_gap.ambiguity import NextCapture, confused_with
 from tacos_gap.attribution import Attribution
 from tacos_gap.captures import RealCapture
-from tacos_gap.closure import bootstrap_interval, closure, shapley
+from tacos_gap.closure import closures_of
 from tacos_gap.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
 from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.presence import completeness_where_it_shows, support
 from tacos_gap.problem import Problem, robust
 from tacos_gap.transfer import Photographed, of_specimen
-from tacos_gap.unknown import Unexplained, block_index
+from tacos_gap.unknown import Unexplained
 
 CONFIDENCE = 0.9
 """Probability with which a set of causes is to hold the truth, and an interval its parameter."""
@@ -56,26 +57,14 @@ def causes_of(
     best = attribution.best
     if not best.hypothesis:
         return []
-    before = problem.gap(problem.null)
-    groups = block_index(problem)
     half_width = half_widths(problem, best, CONFIDENCE)
-    values = _subset_closures(problem, best, before)
-    shares = shapley(best.names, lambda names: values[names])
-    interval = bootstrap_interval(
-        robust(problem.null) ** 2,
-        robust(best.held_out) ** 2,
-        problem.noise_floor_rms,
-        groups,
-        generator(seed, "closure"),
-    )
+    closures = closures_of(problem, best, generator(seed, "closure"))
     camera = Photographed.of(captures)
     causes, start = [], 0
     for term in best.hypothesis:
         stop = start + len(term.free)
         rest = tuple(name for name in best.names if name != term.name)
-        alone = values[(term.name,)]
-        own = values[best.names] - values[rest] if len(best.names) > 1 else values[best.names]
-        probabilities = slot_probabilities(attribution.slots[term.name])
+        probabilities = attribution.probabilities(term.name)
         rivals = sorted(
             (n for n in probabilities if n not in ("", term.name)), key=lambda n: -probabilities[n]
         )
@@ -83,40 +72,30 @@ def causes_of(
         certainty = min(probabilities[term.name], _LARGEST_PROBABILITY)
         if alike:
             certainty = min(certainty, 1.0 / (1 + len(alike)))
+        without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
+        shown = 1 - left.probability
+        if without is not None:
+            shown = completeness_where_it_shows(problem, support(problem, best.z, without), left)
         near = [name for name in rivals if probabilities[name] > 0.05]
         causes.append(
             Cause(
                 effect=term.name,
                 probability=certainty * (1 - left.probability),
                 parameters=_parameters(term, half_width[start:stop], camera),
-                closure=values[best.names] if len(best.names) == 1 else own,
-                closure_interval=interval,
-                closure_alone=alone,
-                shapley=shares[term.name],
+                closure=closures.fair[term.name].value,
+                closure_interval=closures.fair[term.name].interval,
+                closure_alone=closures.alone[term.name],
+                shapley=closures.fair[term.name].value,
                 confused_with=tuple(dict.fromkeys([*alike, *near])),
                 evidence=_evidence(problem, best, term, rest, attribution),
                 settings=_settings(term),
+                present=certainty * max(shown, 1 - left.probability),
                 specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
             )
         )
         start = stop
-    return sorted(causes, key=lambda cause: -cause.shapley)
-
-
-def _subset_closures(problem: Problem, best: Fitted, before: float) -> dict[tuple[str, ...], float]:
-    """Held-out closure of every subset of the effects, their parameters as fitted together."""
-    from itertools import combinations
-
-    values: dict[tuple[str, ...], float] = {(): 0.0}
-    for size in range(1, len(best.hypothesis) + 1):
-        for subset in combinations(best.hypothesis, size):
-            names = tuple(term.name for term in subset)
-            if names == best.names:
-                values[names] = closure(before, problem.gap(best.held_out))
-                continue
-            z = problem.residual(subset)
-            values[names] = 0.0 if z is None else closure(before, problem.gap(z))
-    return values
+    # a codec shows in every number and is seldom what one asks about: it comes last
+    return sorted(causes, key=lambda cause: (effects[cause.effect].stage == "codec", -cause.shapley))
 
 
 def _times(nats: float) -> str:
@@ -139,7 +118,7 @@ def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> 
             half = float(reach[name])
             ends = (as_fine_as(half, value - half), as_fine_as(half, value + half))
             found[name] = Parameter(as_fine_as(half, value), ends, unit_of(term.cls.Config, name))
-        elif name == "matrix":
+        elif isinstance(value, tuple):
             rows = [[short(v) for v in row] for row in value]
             found[name] = Parameter(rows, None, unit_of(term.cls.Config, name))
         else:
@@ -195,14 +174,6 @@ def _evidence(
 # sets -----------------------------------------------------------------------------------------------------
 
 
-def slot_probabilities(scores: Mapping[str, float]) -> dict[str, float]:
-    """Probability of each effect in one place of the explanation, from log scores on held-out conditions."""
-    names = list(scores)
-    values = np.array([scores[name] for name in names])
-    weights = np.exp(np.clip(values - values.max(), -700, 0))
-    return dict(zip(names, (weights / weights.sum()).tolist(), strict=True))
-
-
 def cause_set_of(
     causes: Sequence[Cause],
     attribution: Attribution,
@@ -213,7 +184,7 @@ def cause_set_of(
     chosen: list[str] = []
     wanted: NextCapture | None = None
     for cause in causes:
-        probabilities = slot_probabilities(attribution.slots[cause.effect])
+        probabilities = attribution.probabilities(cause.effect)
         held = 0.0
         for name in sorted(probabilities, key=lambda n: -probabilities[n]):
             if name and name not in chosen:

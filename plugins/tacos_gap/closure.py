@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from tacos_gap.fit import Fitted
+from tacos_gap.problem import Problem, robust
+from tacos_gap.unknown import block_index
 
 
 def closure(before: float, after: float, floor: float = 1.0) -> float:
@@ -57,31 +62,134 @@ def shapley(names: Sequence[str], value: Callable[[tuple[str, ...]], float]) -> 
     return shares
 
 
-def bootstrap_interval(
-    before: NDArray[np.float64],
-    after: NDArray[np.float64],
-    floor: float,
-    groups: NDArray[np.int64],
-    rng: np.random.Generator,
-    draws: int = 200,
-) -> tuple[float, float]:
-    """90 % interval of a closure over resampled groups of numbers (captures and statistics).
+@dataclass(frozen=True)
+class Share:
+    """A share of the gap with its 90 % interval."""
+
+    value: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Closures:
+    """How far an explanation shrinks the gap, held out from its fit.
 
     Parameters
     ----------
-    before, after
-        (K,) squared residuals.
-    floor
-        Root mean square of the noise floor.
-    groups
-        (K,) the group each number belongs to.
+    together
+        By all effects.
+    fair
+        By each, as its fair share of that (Shapley 1953); they add up to `together`.
+    alone
+        By each if it were the only one, its parameters as fitted together.
     """
-    count = int(groups.max()) + 1
-    sums = np.stack([np.bincount(groups, values, count) for values in (before, after)])
-    sizes = np.bincount(groups, minlength=count)
-    drawn = rng.integers(count, size=(draws, count))
-    size = np.maximum(sizes[drawn].sum(axis=1), 1)
-    gaps = np.sqrt(sums[:, drawn].sum(axis=2) / size) / max(floor, 1e-9)
-    values = [closure(b, a) for b, a in gaps.T]
-    low, high = np.percentile(values, (5, 95))
-    return float(low), float(high)
+
+    together: Share
+    fair: Mapping[str, Share]
+    alone: Mapping[str, float]
+
+
+def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws: int = 200) -> Closures:
+    """Closures of an explanation, all from the same numbers; intervals by resampled captures and statistics.
+
+    Parameters
+    ----------
+    problem
+        The evidence, in the units of the explanation.
+    best
+        The explanation, of one to six effects.
+    rng
+        Draws the resamples.
+    draws
+        How many.
+    """
+    names = best.names
+    groups = block_index(problem)
+    subsets = [subset for size in range(len(names) + 1) for subset in combinations(names, size)]
+    left = np.stack([_left_by(problem, best, subset) for subset in subsets])
+    own = np.mean(left, axis=1)[:, None]
+    drawn = rng.integers(int(groups.max()) + 1, size=(draws, int(groups.max()) + 1))
+    sums = np.stack([np.bincount(groups, squares) for squares in left])
+    resampled = sums[:, drawn].sum(axis=2) / np.bincount(groups)[drawn].sum(axis=1)
+    gaps = np.sqrt(np.hstack([own, resampled])) / max(problem.noise_floor_rms, 1e-9)
+    games = [
+        dict(
+            zip(
+                subsets,
+                (
+                    closure(column[0], gap) if subset else 0.0
+                    for subset, gap in zip(subsets, column, strict=True)
+                ),
+                strict=True,
+            )
+        )
+        for column in gaps.T.tolist()
+    ]
+    fair = [shapley(names, game.__getitem__) for game in games]
+    return Closures(
+        _share([game[names] for game in games]),
+        {name: _share([shares[name] for shares in fair]) for name in names},
+        {name: games[0][(name,)] for name in names},
+    )
+
+
+def _share(values: Sequence[float]) -> Share:
+    """The first value, with an interval of the others that holds it."""
+    low, high = np.percentile(values[1:], (5, 95)).tolist()
+    return Share(values[0], (min(low, values[0]), max(high, values[0])))
+
+
+def _left_by(problem: Problem, best: Fitted, names: Sequence[str]) -> NDArray[np.float64]:
+    """(K,) squared robust residuals that some effects leave, held out where all are there."""
+    if tuple(names) == best.names:
+        return robust(best.held_out) ** 2
+    z = problem.residual(tuple(term for term in best.hypothesis if term.name in names))
+    return robust(problem.null if z is None else z) ** 2
+
+
+@dataclass(frozen=True)
+class NegativeControl:
+    """What flexibility alone would close, with as many parameters as the explanation has.
+
+    Parameters
+    ----------
+    parameters
+        How many.
+    closure
+        The middle one of many controls; near 0 where the held-out score is to be trusted.
+    interval
+        That holds 90 % of them.
+    """
+
+    parameters: int
+    closure: float
+    interval: tuple[float, float]
+
+
+def negative_control(
+    problem: Problem, best: Fitted, rng: np.random.Generator, draws: int = 64
+) -> NegativeControl | None:
+    """Random directions in place of an explanation's own, fitted to one fold and scored on the other.
+
+    They are the explanation's directions with the numbers of each block exchanged at random and turned
+    about: they can do as much, in the same places, and mean nothing. None where nothing was fitted.
+    """
+    if not best.jacobian.shape[1]:
+        return None
+    blocks = [np.flatnonzero(block_index(problem) == k) for k in range(int(block_index(problem).max()) + 1)]
+    straight = robust(problem.null)
+    before = problem.gap(problem.null)
+    found = []
+    for _ in range(draws):
+        directions = np.empty_like(best.jacobian)
+        for block in blocks:
+            directions[block] = best.jacobian[rng.permutation(block)] * rng.choice((-1.0, 1.0))
+        predicted = straight.copy()
+        for held in (problem.fold, ~problem.fold):
+            own = directions[~held]
+            move, *_ = np.linalg.lstsq(own, -straight[~held], rcond=None)
+            predicted[held] = straight[held] + directions[held] @ move
+        after = float(np.sqrt(np.mean(predicted**2)) / max(problem.noise_floor_rms, 1e-9))
+        found.append(closure(before, after))
+    low, middle, high = np.percentile(found, (5, 50, 95)).tolist()
+    return NegativeControl(best.jacobian.shape[1], middle, (low, high))

@@ -1,4 +1,4 @@
-"""``tacos captures``: folders of captures, made by our simulator or checked."""
+"""``tacos captures``: what to photograph, photographs made into a folder, a folder simulated or checked."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tacos_framework.cli.exits import DONE
-from tacos_framework.errors import UserError
+from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
     from tacos_gap.candidates import Candidates
@@ -18,6 +18,12 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions of ``tacos captures`` to its parser."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    guide = actions.add_parser("guide", help="say what to photograph, in order")
+    guide.add_argument("effect", metavar="EFFECT", nargs="?", help="what this effect needs, e.g. vignetting")
+    guide.add_argument(
+        "--for", metavar="FILE", dest="diagnosis", type=Path, help="what would settle this diagnosis.json"
+    )
+    _add_import(actions)
     simulate = actions.add_parser("simulate", help="make a folder of captures from our simulator")
     simulate.add_argument(
         "recipe", metavar="RECIPE", help="path of a bench recipe, or name of a shipped one: bench"
@@ -45,9 +51,81 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     check.add_argument("folder", metavar="DIR", type=Path, help="folder with captures.yaml")
 
 
+def _add_import(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    photographs = actions.add_parser("import", help="sort photographs into a folder of captures")
+    photographs.add_argument(
+        "photos", metavar="PHOTOS", type=Path, nargs="+", help="pictures, or folders of them"
+    )
+    photographs.add_argument(
+        "--out", metavar="DIR", type=Path, required=True, help="the folder, new or empty"
+    )
+    for name, kind, unit, what in (
+        ("--pixel-um", float, "UM", "pitch of the pixels"),
+        ("--focal-length-mm", float, "MM", "focal length"),
+        ("--black-level-dn", float, "DN", "pedestal in the files"),
+        ("--bit-depth", int, "BITS", "bits of a sample"),
+        ("--square-mm", float, "MM", "side of the chessboard's squares"),
+    ):
+        photographs.add_argument(name, metavar=unit, type=kind, help=f"{what}, if the files do not say it")
+    photographs.add_argument(
+        "--cfa", choices=("RGGB", "BGGR", "GRBG", "GBRG"), help="colour filters of a mosaic in grey files"
+    )
+    photographs.add_argument(
+        "--board", metavar="COLUMNSxROWS", help="inner corners of the chessboard, e.g. 9x6"
+    )
+
+
 def captures(arguments: argparse.Namespace) -> int:
     """Run the chosen action."""
-    return _simulate(arguments) if arguments.action == "simulate" else _check(arguments)
+    actions = {"guide": _guide, "import": _import, "simulate": _simulate, "check": _check}
+    return actions[arguments.action](arguments)
+
+
+def _guide(arguments: argparse.Namespace) -> int:
+    from tacos_gap import guide
+
+    if arguments.effect is None and arguments.diagnosis is None:
+        print("\n".join(guide.whole_round()))
+        return DONE
+    from tacos_framework.plugins import Plugins
+    from tacos_gap.candidates import candidates
+
+    effects = candidates(Plugins.discover()).effects
+    if arguments.effect is not None:
+        print("\n".join(guide.for_effect(arguments.effect, effects)))
+    if arguments.diagnosis is not None:
+        print("\n".join(guide.for_diagnosis(arguments.diagnosis, effects)))
+    return DONE
+
+
+def _import(arguments: argparse.Namespace) -> int:
+    from tacos_gap.photographs.camera import Given
+    from tacos_gap.photographs.importing import import_photographs
+    from tacos_gap.photographs.summary import summary
+
+    given = Given(
+        pixel_um=arguments.pixel_um,
+        focal_length_mm=arguments.focal_length_mm,
+        black_level_dn=arguments.black_level_dn,
+        bit_depth=arguments.bit_depth,
+        cfa=arguments.cfa,
+        inner_corners=_corners(arguments.board),
+        square_mm=arguments.square_mm,
+    )
+    print("\n".join(summary(import_photographs(arguments.photos, arguments.out, given))))
+    return DONE
+
+
+def _corners(text: str | None) -> tuple[int, int] | None:
+    """The two numbers of ``9x6``."""
+    if text is None:
+        return None
+    first, _, second = text.lower().partition("x")
+    if not (first.isdigit() and second.isdigit() and min(int(first), int(second)) >= 3):
+        raise UserError(
+            Fault("--board", f"{text!r} is no board", "9x6: inner corners along rows and columns, 3 at least")
+        )
+    return int(first), int(second)
 
 
 def _simulate(arguments: argparse.Namespace) -> int:

@@ -9,22 +9,25 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
-from tacos_gap.boards import BoardEvidence, find_corners
+from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
-from tacos_gap.closure import closure
+from tacos_gap.closure import closure, closures_of, negative_control
+from tacos_gap.detectable import detection_limits
 from tacos_gap.evidence import Evidence, ImageEvidence
 from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.fit import Fitted
 from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Problem, robust
+from tacos_gap.problem import Problem, placed, robust
+from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
 from tacos_gap.transfer import of_one_specimen
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
@@ -33,6 +36,9 @@ ENOUGH_PIXELS = 500_000
 
 LEAST_BESIDE_UNKNOWN = 0.1
 """Share of the gap that an effect must remove to be named where something unknown is at work."""
+
+LEAST_PRESENT = 0.5
+"""Or the probability with which the captures that show it say that it is there."""
 
 Notify = Callable[[str], None]
 
@@ -65,7 +71,10 @@ def diagnose(
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     tell("measuring the captures")
+    folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)
+    if not any(each.labels for each in evidence):
+        raise UserError(nothing_to_measure(folder, limitations))
     problem = Problem(evidence)
     while True:
         try:
@@ -98,9 +107,14 @@ def _explained(
     tell("how far the gap shrinks")
     causes = causes_of(problem, attribution, left, captures, effects, seed)
     if left.probability >= 0.5:  # a little of everything fits what nothing explains
-        causes = [cause for cause in causes if cause.shapley >= LEAST_BESIDE_UNKNOWN]
+        causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.present >= LEAST_PRESENT]
     before, after = problem.gap(problem.null), problem.gap(best.held_out)
+    places = locate(problem, problem.null)
+    if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
+        left = replace(left, probability=max(left.probability, LEAST_PRESENT), where=places[0].statistic)
     cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
+    if not causes and left.probability < 0.5:
+        cause_set, wanted = hidden_by_pose(problem.evidence, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
         wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed)
     return Diagnosis(
@@ -108,39 +122,89 @@ def _explained(
         gap_before=before,
         gap_after=after,
         gap_interval=_gap_interval(problem, best, seed),
-        where=locate(problem, problem.null),
+        where=places,
         causes=causes,
         cause_set=cause_set,
         unknown=left,
         next_capture=wanted,
         below_floor=_below_floor(attribution, causes),
-        negative_control=_negative_control(problem, attribution),
+        negative_control=negative_control(problem, best, generator(seed, "negative control")),
         limitations=tuple(of_one_specimen(cause) for cause in causes if cause.specimen),
         problem=problem,
         attribution=attribution,
+        closure_interval=_closure_interval(problem, best, seed),
+        detectable=_detectable(problem, effects, workers),
+        nuisances=_nuisances(problem, best),
     )
+
+
+def nothing_to_measure(folder: CaptureFolder, limitations: Sequence[str]) -> Fault:
+    """That no capture of a folder tells anything, and why."""
+    return Fault(
+        str(folder.path),
+        "nothing can be measured in any capture",
+        "one capture at least that shows something",
+        " ".join((*limitations, "Run `tacos captures check` on it.")),
+    )
+
+
+def _detectable(
+    problem: Problem, effects: Mapping[str, type[Any]], workers: int
+) -> dict[str, dict[str, float]]:
+    with ThreadPoolExecutor(workers) as pool:
+        return detection_limits(problem, effects, pool.map)
+
+
+def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
+    """What each capture's expectation is off by beside the best explanation."""
+    effects = placed(best.hypothesis)
+    each = [e for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
+    found = {evidence.capture.id: evidence.nuisances(effects) for evidence in each}
+    return {name: values for name, values in found.items() if values}
 
 
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
+    captures = boards_found(folder).captures
     with ThreadPoolExecutor(workers) as pool:
-        found = list(pool.map(lambda capture: _evidence_of(capture, seed), folder.captures))
-    evidence = [each for each in found if not isinstance(each, str)]
-    return evidence, [text for text in found if isinstance(text, str) and text]
+        pictures = list(pool.map(lambda capture: _evidence_of(capture, seed), captures))
+    images = [each for each in pictures if isinstance(each, ImageEvidence)]
+    boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
+    said = [each for each in pictures if isinstance(each, str)]
+    said += [text for each in images for text in unmeasured(each.capture)]
+    return [*images, *boards], [*said, *(text for each in images if (text := _not_taken(each)))]
 
 
-def _evidence_of(capture: RealCapture, seed: int) -> Evidence | str:
-    """The evidence of a capture, or in a sentence why there is none; empty where that was said on reading."""
+def _not_taken(evidence: ImageEvidence) -> str:
+    """In a sentence, which statistics of a capture could not be taken; empty where all were."""
+    if not (names := evidence.left_out):
+        return ""
+    listed = ", ".join(name.replace("_", " ") for name in names)
+    return f"{evidence.capture.id}: could not be measured in all simulations and is left out: {listed}."
+
+
+def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
+    """The evidence of a picture, or in a sentence why there is none; None of boards.
+
+    What is raised names the capture.
+    """
+    try:
+        return _measured(capture, seed)
+    except Exception as error:
+        error.add_note(f"while measuring the capture {capture.id!r}")
+        raise
+
+
+def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
     if capture.kind == "board":
-        corners = find_corners(capture)
-        if corners is None:
-            return f"{capture.id}: the board's corners were not found; it is left out."
-        return BoardEvidence(capture, corners, seed)
+        return None
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
     if capture.expected_dn is None:
         capture = with_sharp_edges(capture)
-    if not capture.valid.any():
-        return ""
-    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed)
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
+    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:
@@ -148,7 +212,8 @@ def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexpla
         return "unknown" if left.probability >= 0.5 else "no_gap"
     if left.probability < 0.5:
         return "explained"
-    return "partly_explained" if closure(before, after) >= 0.5 else "unknown"
+    proven = any(cause.present >= LEAST_PRESENT for cause in causes)
+    return "partly_explained" if proven or closure(before, after) >= 0.5 else "unknown"
 
 
 def _rival_hypotheses(attribution: Attribution, cause_set: Sequence[str]) -> list[tuple[HypothesisTerm, ...]]:
@@ -174,19 +239,11 @@ def _below_floor(attribution: Attribution, causes: Sequence[Cause]) -> tuple[str
     return tuple(dict.fromkeys(small))
 
 
-def _negative_control(problem: Problem, attribution: Attribution) -> tuple[str, float] | None:
-    """The closure of a wrong effect as flexible as the best cause: what flexibility alone would buy."""
-    if not attribution.best.hypothesis:
-        return None
-    first = attribution.best.hypothesis[0]
-    before = problem.gap(problem.null)
-    members = set(attribution.best.names)
-    singles = [f for names, f in attribution.fits.items() if len(names) == 1 and not members & set(names)]
-    singles = [f for f in singles if f.hypothesis[0].cls.stage != first.cls.stage]
-    if not singles:
-        return None
-    alike = min(singles, key=lambda f: abs(len(f.hypothesis[0].free) - len(first.free)))
-    return alike.names[0], closure(before, problem.gap(alike.held_out))
+def _closure_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:
+    """90 % interval of the closure by all causes together, of the same resamples as each one's."""
+    if not best.hypothesis:
+        return 0.0, 0.0
+    return closures_of(problem, best, generator(seed, "closure")).together.interval
 
 
 def _gap_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:

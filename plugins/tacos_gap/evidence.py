@@ -7,7 +7,9 @@ differs by less than that, or by less than the equivalence margin of its statist
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,13 +20,29 @@ from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
 from tacos_gap.formation import lit_by, simulate
+from tacos_gap.nuisances import Marginal, disturbed, expectation_noise, freedoms_of, registered, stated
 from tacos_gap.statistics import Sample, StatisticBlock, measure
+from tacos_gap.taken_statistics import TakenStatistics
 
 N_NULL_REPLICATES = 16
 """Null replicates: simulations of each capture that its noise floor is made of."""
 
 N_REPLICATES = 16
 """Simulated replicates that the noise floor of a hypothesis is made of."""
+
+FARTHEST = 3.0
+"""How far nuisances are followed; beyond it the linear part must do [standard deviations of their priors]."""
+
+NEARBY = 0.25
+"""A move of all nuisances by less is none: the linear part is as good [standard deviations]."""
+
+BETTER = 0.75
+"""What is left of the cost of a capture where nuisances alone explain it: an effect not yet found must not
+drag the expectation about."""
+
+_DIFFERENCE = 0.5  # step of the derivatives [standard deviations]
+_LUCK_DRAWS = 8
+_BASE_DRAWS = 4  # simulations whose mean tells what a move of the expectation changes
 
 SPREAD_OF_ONE = 1.5
 """Variance of real less simulated over that of real alone: the simulated mean is not known exactly."""
@@ -85,6 +103,10 @@ class Evidence(Protocol):
 class ImageEvidence:
     """Statistics of a capture with expected values.
 
+    Its nuisances (light, pose and focus of the expectation) are integrated out around the values that the
+    explanation so far asks for, at which the expectation really is moved, blurred and lit, before any effect
+    acts on it; see `renuisanced`.
+
     Parameters
     ----------
     capture
@@ -99,64 +121,219 @@ class ImageEvidence:
         assert capture.expected_dn is not None
         self.capture = capture
         self._seed = seed
-        blocks = measure(Sample(capture, capture.real_dn, capture.expected_dn))
-        self.labels = [
-            Label(capture.id, capture.kind, block.statistic, block.stage, at)
-            for block in blocks
-            for at in block.at
-        ]
-        self.real = _values(blocks)
+        self._kept: dict[tuple[str, int], NDArray[np.float64]] = {}
+        self._freedoms = freedoms_of(capture)
+        self._nu = np.zeros(len(self._freedoms))
+        self._expectation = capture
+        self._taken = TakenStatistics.of(self._measured(capture))
         draws = np.stack([self._simulated((), draw) for draw in range(replicates)])
+        every = self._taken
+        luck = self._variance_with_noise()
+        self._taken = every.finite_in(draws)
+        kept = self._taken.kept[every.kept]
+        draws, self._luck = draws[:, kept], luck[kept]
+        self._kept = {}
         self._draws = draws
         self.mean = draws.mean(axis=0)
-        self._blocks = blocks
-        self._margin = np.concatenate([np.broadcast_to(b.margin, b.values.shape) for b in blocks])
         self.sigma = self._sigma(draws)
-        self._level = self._level_direction()
-        self.null_replicates = np.stack(
-            [self._without_level((draw - self.mean) / self.sigma) for draw in draws]
-        )
+        self.real = self._taken.values(self._taken.blocks)
+        self.labels = [
+            Label(capture.id, capture.kind, block.statistic, block.stage, at)
+            for block, at in self._taken.described()
+        ]
+        self._base = self.mean
+        self._base_draws = draws
+
+    @property
+    def left_out(self) -> list[str]:
+        """Statistics that could not be taken."""
+        return self._taken.left_out
+
+    def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
+        """What the expectation is off by beside effects, as in ``diagnosis.json``; empty if nothing is."""
+        if not self._freedoms:
+            return {}
+        return stated(self._freedoms, self._marginal.most_likely(self._difference(effects)))
+
+    # residuals --------------------------------------------------------------------------------------------
 
     def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """See `Evidence`. Hypotheses share their noise, so that they differ by their effects alone."""
-        expected = self.mean
+        return self._marginal.whitened(self._difference(effects, draws))
+
+    def _difference(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
+        """(K,) real less expected where the nuisances stand now [noise floor]."""
+        expected = self._base
         if effects and not self._untouched(effects):
-            changes = [self._simulated(effects, draw) - self._draws[draw] for draw in range(draws)]
-            expected = self.mean + np.mean(changes, axis=0)
-        return self._without_level((self.real - expected) / self.sigma)
+            changes = [self._simulated(effects, draw) - self._base_draw(draw) for draw in range(draws)]
+            expected = self._base + np.mean(changes, axis=0)
+        return np.asarray((self.real - expected) / self.sigma)
+
+    @cached_property
+    def null_replicates(self) -> NDArray[np.float64]:
+        """See `Evidence`; nuisances are drawn from their priors."""
+        return self._replicates(self._draws, self.mean, np.ones_like(self.sigma))
 
     def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
         """See `Evidence`: where an effect takes detail away, noise is larger in proportion."""
         if not effects or self._untouched(effects):
             return ReplicateResiduals(self.residual(effects), self.null_replicates, np.ones_like(self.sigma))
         draws = np.stack([self._simulated(effects, draw) for draw in range(N_REPLICATES)])
-        sigma = np.maximum(self._sigma(draws), self.sigma)
+        scale = np.maximum(self._sigma(draws) / self.sigma, 1.0)
         mean = draws.mean(axis=0)
+        z = (self.real - mean) / (self.sigma * scale)
         return ReplicateResiduals(
-            self._without_level((self.real - mean) / sigma),
-            np.stack([self._without_level((draw - mean) / sigma) for draw in draws]),
-            sigma / self.sigma,
+            self._marginal.whitened(z, scale), self._replicates(draws, mean, scale), scale
         )
 
+    def _replicates(
+        self, draws: NDArray[np.float64], mean: NDArray[np.float64], scale: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """(B, K) each draw against the others, as the real frames stand against all."""
+        others = len(draws) / (len(draws) - 1)
+        rng = generator(self._seed, "gap", self.capture.id, "nuisances")
+        nuisances = rng.standard_normal((len(draws), len(self._freedoms)))
+        z = (draws - mean) * others / (self.sigma * scale)
+        return self._marginal.spread(z, nuisances, scale)
+
     def _sigma(self, draws: NDArray[np.float64]) -> NDArray[np.float64]:
-        spread = _steadied(draws.std(axis=0, ddof=1), self._blocks)
-        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._margin**2))
+        spread = self._taken.steadied(draws.std(axis=0, ddof=1))
+        return np.asarray(np.sqrt(SPREAD_OF_ONE * spread**2 + self._luck + self._taken.margin**2))
+
+    # nuisances --------------------------------------------------------------------------------------------
+
+    def renuisanced(self, effects: Sequence[PlacedEffect]) -> ImageEvidence:
+        """The evidence with nuisances estimated anew beside these effects; itself where they stay.
+
+        Where there are no effects yet, pose begins where the pictures themselves align best.
+        """
+        if not self._freedoms:
+            return self
+        found = self
+        if not effects and not self._nu.any():
+            found = self._better_of(self._moved_to(registered(self.capture, self._freedoms)), effects)
+        for _ in range(2):
+            nu = found._marginal.most_likely(found._difference(effects))
+            nearer = found._better_of(found._moved_to(nu), effects)
+            if nearer is found:
+                return found
+            found = nearer
+        return found
+
+    def _moved_to(self, nu: NDArray[np.float64]) -> ImageEvidence:
+        """The evidence with the expectation at other nuisances, as far as those are followed."""
+        followed = [freedom.is_followed for freedom in self._freedoms]
+        nu = np.where(followed, np.clip(nu, -FARTHEST, FARTHEST), 0.0)
+        if np.abs(nu).max() < NEARBY:
+            nu = np.zeros_like(nu)
+        if np.abs(nu - self._nu).max() < NEARBY:
+            return self
+        moved = copy(self)
+        for name in ("_marginal", "null_replicates"):
+            moved.__dict__.pop(name, None)
+        moved._nu, moved._kept = nu, {}
+        moved._expectation = disturbed(self.capture, self._freedoms, nu)
+        moved.real = self._taken.values(moved._measured(moved._expectation))
+        moved._base_draws = np.stack([moved._simulated((), draw) for draw in range(_BASE_DRAWS)])
+        moved._base = self.mean + (moved._base_draws - self._draws[:_BASE_DRAWS]).mean(axis=0)
+        return moved
+
+    def _better_of(self, moved: ImageEvidence, effects: Sequence[PlacedEffect]) -> ImageEvidence:
+        """The other where it leaves less, prior included; much less where no effect was found yet."""
+        if moved is self:
+            return self
+        least = 1.0 if effects else BETTER
+        before, after = (
+            _cost(each._difference(effects)) + float(each._nu @ each._nu) for each in (self, moved)
+        )
+        return moved if after < least * before else self
+
+    @cached_property
+    def _marginal(self) -> Marginal:
+        """How the numbers move with the nuisances, by simulations with the noise of the first draw."""
+        here = self._base_draw(0) if self._freedoms else self._base
+        directions = []
+        for k, freedom in enumerate(self._freedoms):
+            if freedom.is_followed:
+                nearby = self._nu.copy()
+                step = _DIFFERENCE if nearby[k] <= 0 else -_DIFFERENCE
+                nearby[k] += step
+                other = disturbed(self.capture, self._freedoms, nearby)
+                change = (self._simulation(other, (), 0, self._noise_share) - here) / step
+            else:
+                change = self._change_with_noise(freedom.sigma)
+            directions.append(np.nan_to_num(change / self.sigma))
+        columns = np.stack(directions, axis=1) if directions else np.zeros((len(self.sigma), 0))
+        return Marginal(columns, self._nu)
+
+    def _variance_with_noise(self) -> NDArray[np.float64]:
+        """(K,) variance of the numbers as the stated noise of the expectation might have fallen otherwise.
+
+        All simulations are of one expectation, so that their spread does not show it.
+        """
+        assert self.capture.expected_dn is not None
+        found = []
+        for draw in range(_LUCK_DRAWS if self._noise_share else 0):
+            rng = generator(self._seed, "gap", self.capture.id, draw, "luck")
+            noise = expectation_noise(self.capture, rng, self._noise_share)
+            assert noise is not None
+            other = replace(self.capture, expected_dn=self.capture.expected_dn + noise)
+            found.append(self._simulation(other, (), 0, self._noise_share))
+        return (
+            np.nan_to_num(np.var(found, axis=0, ddof=1)) if found else np.zeros(int(self._taken.kept.sum()))
+        )
+
+    def _change_with_noise(self, share: float) -> NDArray[np.float64]:
+        """(K,) how simulated numbers move against real ones if the expectation holds noise nobody stated."""
+        changes = []
+        for draw in range(_BASE_DRAWS):
+            simulated = self._simulation(self._expectation, (), draw, share) - self._base_draw(draw)
+            measured = self._taken.values(self._measured(self._expectation, share, draw)) - self.real
+            changes.append(simulated - measured)
+        return np.asarray(np.mean(changes, axis=0))
+
+    # simulations ------------------------------------------------------------------------------------------
 
     def simulated(self, effects: Sequence[PlacedEffect]) -> NDArray[np.float64]:
         """(K,) the statistics a simulation with these effects gives, with the noise of the first draw."""
         return self._simulated(effects, 0)
 
+    def _base_draw(self, draw: int) -> NDArray[np.float64]:
+        return self._base_draws[draw] if draw < len(self._base_draws) else self._simulated((), draw)
+
     def _simulated(self, effects: Sequence[PlacedEffect], draw: int) -> NDArray[np.float64]:
-        capture = self.capture
-        frames = simulate(capture, effects, self._draws_of(draw))
-        assert capture.expected_dn is not None
-        expected = capture.expected_dn
-        if capture.expected_frames:
-            black = np.float32(capture.context.black_level_dn)
-            spread = np.sqrt(capture.noise.variance_dn2(expected - black) / capture.expected_frames)
-            rng = generator(self._seed, "gap", capture.id, draw, "expected")
-            expected = expected + rng.standard_normal(expected.shape, dtype=np.float32) * spread
-        return _values(measure(Sample(capture, frames, expected)))
+        """(K,) statistics of a draw with these effects, simulated once for residuals and replicates alike."""
+        key = repr([(effect.use, effect.config) for effect in effects]), draw
+        if key not in self._kept:
+            self._kept[key] = self._simulation(self._expectation, effects, draw, self._noise_share)
+        return self._kept[key]
+
+    def _simulation(
+        self, of: RealCapture, effects: Sequence[PlacedEffect], draw: int, noise_share: float
+    ) -> NDArray[np.float64]:
+        """(K,) statistics of frames of `of`, against the expectation where it stands."""
+        frames = simulate(of, effects, self._draws_of(draw))
+        expected = self._expectation.expected_dn
+        assert expected is not None
+        rng = generator(self._seed, "gap", self.capture.id, draw, "expected")
+        noise = expectation_noise(self.capture, rng, 2 * noise_share)
+        expected = expected if noise is None else expected + noise
+        return self._taken.values(measure(Sample(self.capture, frames, expected)))
+
+    def _measured(
+        self, expectation: RealCapture, noise_share: float | None = None, draw: int = 0
+    ) -> list[StatisticBlock]:
+        """The statistics of the real frames against an expectation."""
+        assert expectation.expected_dn is not None
+        rng = generator(self._seed, "gap", self.capture.id, draw, "real")
+        share = self._noise_share if noise_share is None else noise_share
+        pattern = expectation_noise(self.capture, rng, share)
+        return measure(Sample(self.capture, self.capture.real_dn, expectation.expected_dn, pattern))
+
+    @property
+    def _noise_share(self) -> float:
+        """Variance of the noise that the expectation is stated to hold, over that of a frame."""
+        return 1 / self.capture.expected_frames if self.capture.expected_frames else 0.0
 
     def _draws_of(self, draw: int) -> EpisodeDraws:
         return EpisodeDraws(self._seed, ("gap", self.capture.id, draw))
@@ -179,38 +356,7 @@ class ImageEvidence:
             for effect in effects
         )
 
-    def _level_direction(self) -> NDArray[np.float64] | None:
-        """How the numbers move when the light is stronger by one `level_uncertainty`."""
-        share = self.capture.level_uncertainty
-        if not share:
-            return None
-        assert self.capture.expected_dn is not None
-        black = np.float32(self.capture.context.black_level_dn)
-        brighter = replace(
-            self.capture, expected_dn=(self.capture.expected_dn - black) * np.float32(1 + share) + black
-        )
-        frames = simulate(brighter, (), self._draws_of(0))
-        moved = _values(measure(Sample(self.capture, frames, self.capture.expected_dn)))
-        return np.asarray((moved - self._draws[0]) / self.sigma)
 
-    def _without_level(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Whiten by the uncertain level: along its direction d the variance is 1 + d.d rather than 1."""
-        if self._level is None or not (size := float(self._level @ self._level)):
-            return z
-        along = float(self._level @ z) / size
-        return z - self._level * along * (1 - 1 / np.sqrt(1 + size))
-
-
-def _values(blocks: Sequence[StatisticBlock]) -> NDArray[np.float64]:
-    return np.concatenate([block.values for block in blocks]) if blocks else np.zeros(0)
-
-
-def _steadied(spread: NDArray[np.float64], blocks: Sequence[StatisticBlock]) -> NDArray[np.float64]:
-    """Standard deviations from few draws, none far below the middle one of its block."""
-    steady = []
-    start = 0
-    for block in blocks:
-        part = spread[start : start + len(block.values)]
-        start += len(part)
-        steady.append(np.maximum(part, 0.6 * np.median(part)) if len(part) else part)
-    return np.concatenate(steady) if steady else spread
+def _cost(z: NDArray[np.float64]) -> float:
+    """Sum of squares in which wild numbers count by their logarithm."""
+    return float(np.sum(np.log1p(z**2)))

@@ -9,7 +9,7 @@ from typing import Any
 
 from tacos_gap.ambiguity import NextCapture
 from tacos_gap.attribution import Attribution
-from tacos_gap.closure import closure
+from tacos_gap.closure import NegativeControl, closure
 from tacos_gap.locate import Place
 from tacos_gap.problem import Problem
 from tacos_gap.unknown import Unexplained
@@ -42,7 +42,9 @@ class Parameter:
 class Cause:
     """An effect that the captures support.
 
-    `settings` are those of the captured camera; those of `specimen` among them belong to it alone.
+    `probability` is that it is there and the explanation complete; `present` that it is there, whatever else
+    is: it goes by the captures that show it. `settings` are those of the captured camera; those of `specimen`
+    among them belong to it alone.
     """
 
     effect: str
@@ -56,13 +58,16 @@ class Cause:
     evidence: str
     settings: Mapping[str, Any]
     specimen: tuple[str, ...] = ()
+    present: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What was found; `as_data` gives ``diagnosis.json``.
 
-    `problem` and `attribution` hold all numbers behind it, for the report.
+    `detectable` holds the smallest value of each effect's main parameter that would have shown, `nuisances`
+    what each capture's expectation is off by and is no cause. `problem` and `attribution` hold all numbers
+    behind it, for the report.
     """
 
     verdict: str
@@ -75,11 +80,14 @@ class Diagnosis:
     unknown: Unexplained
     next_capture: NextCapture | None
     below_floor: tuple[str, ...]
-    negative_control: tuple[str, float] | None
+    negative_control: NegativeControl | None
     limitations: tuple[str, ...]
     problem: Problem
     attribution: Attribution
-    task: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    task: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    closure_interval: tuple[float, float] = (0.0, 0.0)
+    detectable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    nuisances: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """``diagnosis.json`` as plain data."""
@@ -91,6 +99,10 @@ class Diagnosis:
                 "floor": 1.0,
                 "unit": "floor",
                 "ci": [_round(end) for end in self.gap_interval],
+                "closure": {
+                    "value": _round(self.closure),
+                    "ci": [_round(end) for end in self.closure_interval],
+                },
             },
             "where": [
                 {
@@ -105,12 +117,23 @@ class Diagnosis:
             ],
             "causes": [_cause_as_data(cause) for cause in self.causes],
             "cause_set": list(self.cause_set),
+            "complete": {
+                "probability": _round(1 - self.unknown.probability),
+                "by_stage": {name: _round(1 - p) for name, p in self.unknown.by_stage.items()},
+                "by_capture": {name: _round(1 - p) for name, p in self.unknown.by_capture.items()},
+            },
             "unknown": {"probability": self.unknown.probability, "where": self.unknown.where},
+            "detectable": {effect: dict(limits) for effect, limits in self.detectable.items()},
+            "nuisances": {capture: dict(values) for capture, values in self.nuisances.items()},
             "next_capture": self.next_capture
             and {"kind": self.next_capture.kind, "why": self.next_capture.why},
             "below_floor": list(self.below_floor),
             "negative_control": self.negative_control
-            and {"effect": self.negative_control[0], "closure": _round(self.negative_control[1])},
+            and {
+                "parameters": self.negative_control.parameters,
+                "closure": _round(self.negative_control.closure),
+                "ci": [_round(end) for end in self.negative_control.interval],
+            },
             "task": {name: dict(values) for name, values in self.task.items()},
             "limitations": list(self.limitations),
         }
@@ -130,6 +153,7 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
     return {
         "effect": cause.effect,
         "probability": _round(cause.probability),
+        "present": _round(cause.present),
         "parameters": {
             name: {
                 **_valued(parameter),

@@ -1,12 +1,13 @@
-"""Parameters of a hypothesis: a damped quasi-Newton search on the residuals, and what they are worth.
+"""Parameters of a hypothesis: a quasi-Newton search in a trust region, and what they are worth.
 
 A simulation of all captures is what costs, so the Jacobian is taken once and then kept up with what the steps
-themselves show (Broyden 1965).
+themselves show (Broyden 1965); it is taken anew where a step fails with one that is no longer that of the
+place.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +15,24 @@ from numpy.typing import NDArray
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import ROBUST_SCALE, Hypothesis, Problem, robust, robust_derivative
 
-ITERATIONS = 5
+ITERATIONS = 10
 STEP = 0.25
 """Finite differences take this share of the step that matters of a parameter."""
 
-CONVERGED = 0.005
-"""Relative gain below which the search stops."""
+REACH = 4.0
+"""Steps that matter which the search moves at most at first; each such move that pays doubles it."""
+
+TRIES = 5
+"""Ever shorter moves that are tried before a search is given up."""
+
+WORTH_A_STEP = 0.05
+"""Gain in log score below which a search has converged [nat]."""
+
+WORTH_A_SKETCH = 0.005
+"""Relative gain of the sum of squares below which a first fit stops: most are rivals far from the truth."""
+
+DRAWS = 4
+"""Simulations whose mean stands for an explanation once its score is compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +53,8 @@ class Fitted:
         Log score on held-out conditions [nat]; higher is better.
     held_out
         (K,) residuals where each half is predicted with parameters fitted on the other [noise floor].
+    draws
+        How many simulations `z` is the mean of.
     """
 
     hypothesis: Hypothesis
@@ -48,6 +63,7 @@ class Fitted:
     steps: NDArray[np.float64]
     score: float
     held_out: NDArray[np.float64]
+    draws: int = 1
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -56,7 +72,7 @@ class Fitted:
 
 
 def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) -> Fitted | None:
-    """Fit all free parameters of a hypothesis together.
+    """Fit all free parameters of a hypothesis together, well enough to tell whether it is worth finishing.
 
     Returns
     -------
@@ -65,40 +81,74 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
     z = problem.residual(hypothesis)
     if z is None:
         return None
-    jacobian, steps = jacobian_of(problem, hypothesis, z)
-    damping = 1e-2
-    for _ in range(iterations):
-        if not len(steps):
-            break
-        moved = _improved(problem, hypothesis, z, jacobian, steps, damping)
-        if moved is None:
-            break
-        better, better_z, damping = moved
-        gain = 1 - _cost(better_z) / max(_cost(z), 1e-9)
-        step = (theta_of(better) - theta_of(hypothesis)) / steps
-        if (length := float(np.linalg.norm(step))) >= STEP:  # what a shorter one shows is rounding of codes
-            missed = robust(better_z) - robust(z) - jacobian @ step
-            jacobian = jacobian + np.outer(missed, step) / length**2
-        hypothesis, z = better, better_z
-        if gain < CONVERGED:
-            break
-    return _fitted(problem, hypothesis, z, jacobian, steps)
+    state = _State(hypothesis, z, *jacobian_of(problem, hypothesis, z))
+    return _searched(problem, problem, state, iterations, WORTH_A_SKETCH)
 
 
 def finished(problem: Problem, fitted: Fitted) -> Fitted:
-    """A fit led to its end: steps with the Jacobian taken anew, until they gain next to nothing."""
-    hypothesis, z = fitted.hypothesis, fitted.z
-    jacobian, steps = jacobian_of(problem, hypothesis, z)
-    for _ in range(ITERATIONS if len(steps) else 0):
-        moved = _improved(problem, hypothesis, z, jacobian, steps, damping=1e-4)
+    """A fit led to its end by the mean of several simulations, with the Jacobian of the place it ends at."""
+    averaged = problem.averaging(max(DRAWS, problem.draws))
+    state = _State(
+        fitted.hypothesis, _residual(averaged, fitted.hypothesis), *jacobian_at(problem, fitted.hypothesis)
+    )
+    ended = _searched(averaged, problem, state, ITERATIONS, 0.0)
+    jacobian, _ = jacobian_at(problem, ended.hypothesis)
+    return _fitted(averaged, ended.hypothesis, ended.z, jacobian, ended.steps)
+
+
+def settled(problem: Problem, fitted: Fitted) -> Fitted:
+    """A first fit by the mean of several simulations, from the Jacobian it came to."""
+    if fitted.draws >= DRAWS or not fitted.hypothesis:  # that of nothing is the mean of the null replicates
+        return fitted
+    averaged = problem.averaging(max(DRAWS, problem.draws))
+    z = _residual(averaged, fitted.hypothesis)
+    state = _State(fitted.hypothesis, z, fitted.jacobian, fitted.steps, is_exact=False)
+    return _searched(averaged, problem, state, 1, WORTH_A_SKETCH)
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Where a search stands, how far it may move, and whether its Jacobian is that of the place."""
+
+    hypothesis: Hypothesis
+    z: NDArray[np.float64]
+    jacobian: NDArray[np.float64]
+    steps: NDArray[np.float64]
+    damping: float = 1e-2
+    reach: float = REACH
+    is_exact: bool = True
+
+
+def _searched(problem: Problem, single: Problem, state: _State, iterations: int, sketch: float) -> Fitted:
+    """The search from a state on, until a step is worth next to nothing.
+
+    Jacobians come from the problem of `single` simulations: their differences share their noise.
+    """
+    for _ in range(iterations if len(state.steps) else 0):
+        moved = _improved(problem, state)
         if moved is None:
+            if state.is_exact or iterations == 1:
+                break
+            jacobian, _ = jacobian_at(single, state.hypothesis)
+            state = replace(state, jacobian=jacobian, damping=1e-2, reach=REACH, is_exact=True)
+            continue
+        gain = _cost(state.z) - _cost(moved.z)
+        state = moved
+        if 0.5 * problem.weight * gain < WORTH_A_STEP or gain < sketch * _cost(state.z):
             break
-        gain = 1 - _cost(moved[1]) / max(_cost(z), 1e-9)
-        hypothesis, z, _ = moved
-        jacobian, _ = jacobian_of(problem, hypothesis, z)
-        if gain < CONVERGED:
-            break
-    return _fitted(problem, hypothesis, z, jacobian, steps)
+    return _fitted(problem, state.hypothesis, state.z, state.jacobian, state.steps)
+
+
+def _residual(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64]:
+    """Residuals of a hypothesis that was simulated before, and so is one its effects allow."""
+    z = problem.residual(hypothesis)
+    assert z is not None
+    return z
+
+
+def jacobian_at(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`jacobian_of` where a hypothesis stands, by the same simulations as its neighbours."""
+    return jacobian_of(problem, hypothesis, _residual(problem, hypothesis))
 
 
 def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> Fitted:
@@ -106,7 +156,7 @@ def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> F
     factor = before / problem.scale
     z = fitted.z * factor
     jacobian = fitted.jacobian * (factor * robust_derivative(z) / robust_derivative(fitted.z))[:, None]
-    return _fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps)
+    return replace(_fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps), draws=fitted.draws)
 
 
 def _fitted(
@@ -118,7 +168,7 @@ def _fitted(
 ) -> Fitted:
     held_out = _held_out(problem, hypothesis, z, jacobian, steps)
     score = -0.5 * problem.weight * float(np.sum(robust(held_out) ** 2))
-    return Fitted(hypothesis, z, jacobian, steps, score, held_out)
+    return Fitted(hypothesis, z, jacobian, steps, score, held_out, problem.draws)
 
 
 def _cost(z: NDArray[np.float64]) -> float:
@@ -161,27 +211,28 @@ def jacobian_of(
     return (np.stack(columns, axis=1) if columns else np.zeros((len(z), 0))), steps
 
 
-def _improved(
-    problem: Problem,
-    hypothesis: Hypothesis,
-    z: NDArray[np.float64],
-    jacobian: NDArray[np.float64],
-    steps: NDArray[np.float64],
-    damping: float,
-) -> tuple[Hypothesis, NDArray[np.float64], float] | None:
+def _improved(problem: Problem, state: _State) -> _State | None:
     """A better point, trying ever shorter steps; None when there is none."""
-    theta = theta_of(hypothesis)
-    normal = jacobian.T @ jacobian
-    gradient = jacobian.T @ robust(z)
-    for _ in range(4):
+    theta, straight = theta_of(state.hypothesis), robust(state.z)
+    normal = state.jacobian.T @ state.jacobian
+    gradient = state.jacobian.T @ straight
+    damping, reach = state.damping, state.reach
+    for _ in range(TRIES):
         scaled = normal + damping * (np.diag(np.diag(normal)) + 1e-9 * np.eye(len(normal)))
         move = -np.linalg.lstsq(scaled, gradient, rcond=None)[0]
-        move *= min(1.0, 4.0 / max(float(np.abs(move).max()), 1e-9))  # at most four steps that matter
-        candidate = with_theta(hypothesis, theta + move * steps)
+        length = float(np.abs(move).max())
+        move *= min(1.0, reach / max(length, 1e-9))
+        candidate = with_theta(state.hypothesis, theta + move * state.steps)
         changed = problem.residual(candidate)
-        if changed is not None and _cost(changed) < _cost(z):
-            return candidate, changed, damping / 3
+        if changed is not None and _cost(changed) < _cost(state.z):
+            jacobian, is_exact = state.jacobian, state.is_exact
+            if (size := float(np.linalg.norm(move))) >= STEP:  # what a shorter one shows is rounding of codes
+                missed = robust(changed) - straight - jacobian @ move
+                jacobian, is_exact = jacobian + np.outer(missed, move) / size**2, False
+            farther = 2 * reach if length > reach else max(reach, 1.0)
+            return _State(candidate, changed, jacobian, state.steps, damping / 3, farther, is_exact)
         damping = max(damping * 10, 0.1)
+        reach = min(reach, length) / 3
     return None
 
 

@@ -1,7 +1,9 @@
 """How well the captures settle the parameters of an explanation.
 
-Two things move an estimate: noise, which the hypothesis' own replicates show, and formulas that are not quite
-the camera's, which show when captures disagree. The larger of the two counts.
+Three things move an estimate: the noise of the captures and of the simulations they are compared with,
+which the hypothesis' own replicates show; formulas that are not quite the camera's, which show where
+captures, or statistics of a capture, disagree by more than noise; and what little of a formula's error no
+capture shows. Their variances add.
 """
 
 from __future__ import annotations
@@ -12,10 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from tacos_gap.evidence import SPREAD_OF_ONE
-from tacos_gap.fit import Fitted, jacobian_of
+from tacos_gap.fit import Fitted, jacobian_at
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
 from tacos_gap.problem import Hypothesis, Problem, robust, robust_derivative
+from tacos_gap.unknown import block_index
+
+PRIOR = 0.1
+"""Precision of a parameter that nothing bears on: it stays within some steps that matter [1 / step^2]."""
+
+UNSEEN = 0.005
+"""Coherent share of what the explanation changed in a block that its formula may miss unseen."""
+
+FEWEST = 2.0
+"""Degrees of freedom of a spread between captures at least: with fewer its own luck would rule."""
 
 
 def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> NDArray[np.float64]:
@@ -35,52 +46,99 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
     Returns
     -------
     NDArray
-        (P,) in the parameters' units.
+        (P,) in the parameters' units; finite and above 0.
     """
     if not len(fitted.steps):
         return np.zeros(0)
     hypothesis = tuple(_all_free(term) for term in fitted.hypothesis)
-    jacobian, steps = jacobian_of(problem, hypothesis, fitted.z)
+    jacobian, steps = jacobian_at(problem, hypothesis)
     noise, replicates = noise_variance(problem, fitted, jacobian)
-    variance = np.maximum(noise, jackknife_variance(problem, fitted.z, jacobian))
-    quantile = float(stdtrit(replicates - 1, 0.5 + confidence / 2))
+    captures = [np.arange(slot.start, slot.stop) for slot in problem.slots if slot.stop > slot.start]
+    blocks = block_index(problem)
+    statistics = [np.flatnonzero(blocks == k) for k in range(int(blocks.max(initial=-1)) + 1)]
+    spreads = [spread_between(groups, fitted.z, jacobian) for groups in (captures, statistics)]
+    excess, freedom = _larger_excess(spreads, noise)
+    unseen = unseen_variance(fitted.z - problem.null, statistics, jacobian)
+    variance = noise + excess + unseen
+    own = np.maximum(noise**2 / (replicates - 1) + excess**2 / freedom, 1e-300)
+    quantile = stdtrit(np.clip((noise + excess) ** 2 / own, FEWEST, 1e6), 0.5 + confidence / 2)
     return np.asarray((quantile * np.sqrt(variance) * steps)[_kept(fitted.hypothesis, hypothesis)])
 
 
 def noise_variance(
     problem: Problem, fitted: Fitted, jacobian: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], int]:
-    """(P,) variance of the estimates over replicates of the hypothesis, and how many there are [step^2]."""
+    """(P,) variance of the estimates by noise, and how many replicates tell it [step^2].
+
+    That of the captures, as the replicates of the hypothesis show it, and of the mean of the simulations
+    they are compared with.
+    """
     residuals = problem.replicate_residuals(fitted.hypothesis)
     floor = residuals.replicates * (residuals.scale / problem.scale) * robust_derivative(fitted.z)
-    moves = floor @ _estimator(jacobian).T
-    return SPREAD_OF_ONE * (moves**2).sum(axis=0) / (len(floor) - 1), len(floor)
+    estimator, inverse = _estimator(jacobian)
+    moves = floor @ estimator.T
+    of_captures = (moves**2).sum(axis=0) / (len(floor) - 1)
+    return of_captures * (1 + 1 / fitted.draws) + PRIOR * np.sum(inverse**2, axis=1), len(floor)
 
 
-def jackknife_variance(
-    problem: Problem, z: NDArray[np.float64], jacobian: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """(P,) variance of the estimates by leaving out each capture in turn, to first order [step^2].
+def spread_between(
+    groups: list[NDArray[np.int64]], z: NDArray[np.float64], jacobian: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(P,) variance of the estimates by leaving out each group in turn, to first order, and its degrees of
+    freedom.
+
+    Groups count as far as they bear on a parameter: of ten captures of which two do there are two.
 
     References
     ----------
-    Efron & Tibshirani 1993, "An Introduction to the Bootstrap", Eq. 11.5.
+    Efron & Tibshirani 1993, "An Introduction to the Bootstrap", Eq. 11.5; Kish 1965, "Survey Sampling": the
+    effective number.
     """
-    slots = [slot for slot in problem.slots if slot.stop > slot.start]
-    moves = []
-    for slot in slots:
-        kept = np.ones(len(z), bool)
-        kept[slot.start : slot.stop] = False
-        moves.append(-_estimator(jacobian[kept]) @ robust(z[kept]))
+    estimator, _ = _estimator(jacobian)
+    everything = jacobian.T @ jacobian
+    gradient = jacobian.T @ robust(z)
+    moves, shares = [], []
+    for group in groups:
+        own = jacobian[group]
+        left = everything - own.T @ own + _ridge(everything)
+        moves.append(-np.linalg.lstsq(left, gradient - own.T @ robust(z[group]), rcond=None)[0])
+        shares.append(
+            np.maximum(np.sum(estimator[:, group] * own.T, axis=1), 0.0)
+        )  # of what is known of each
+    share = np.array(shares) / np.maximum(np.sum(shares, axis=0), 1e-300)
+    effective = 1 / np.maximum(np.sum(share**2, axis=0), 1 / len(groups))
     spread = np.array(moves) - np.mean(moves, axis=0)
-    return np.asarray((len(slots) - 1) / len(slots) * (spread**2).sum(axis=0))
+    variance = (effective - 1) / effective * (spread**2).sum(axis=0)
+    return np.asarray(variance), np.asarray(np.maximum(effective - 1, FEWEST))
 
 
-def _estimator(jacobian: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(P, K) least squares as a matrix; what no number bears on stays within some steps that matter."""
+def unseen_variance(
+    change: NDArray[np.float64], blocks: list[NDArray[np.int64]], jacobian: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(P,) variance of estimates where each block is wrong by a share of its (K,) change [step^2]."""
+    estimator, _ = _estimator(jacobian)
+    moves = np.array([estimator[:, block] @ change[block] for block in blocks])
+    return np.asarray(UNSEEN**2 * (moves**2).sum(axis=0))
+
+
+def _larger_excess(
+    spreads: list[tuple[NDArray[np.float64], NDArray[np.float64]]], noise: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(P,) what groups disagree by beyond noise, by the groups that show more, and its degrees of freedom."""
+    variance, freedom = (np.stack(part) for part in zip(*spreads, strict=True))
+    larger = np.argmax(variance, axis=0), np.arange(len(noise))
+    return np.maximum(variance[larger] - noise, 0.0), freedom[larger]
+
+
+def _estimator(jacobian: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(P, K) least squares as a matrix, and the (P, P) inverse of its normal equations."""
     normal = jacobian.T @ jacobian
-    ridge = 1e-9 * float(np.trace(normal)) / len(normal) + 0.1
-    return np.asarray(np.linalg.solve(normal + ridge * np.eye(len(normal)), jacobian.T))
+    inverse = np.linalg.pinv(normal + _ridge(normal), hermitian=True)
+    return np.asarray(inverse @ jacobian.T), np.asarray(inverse)
+
+
+def _ridge(normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray((1e-9 * float(np.trace(normal)) / len(normal) + PRIOR) * np.eye(len(normal)))
 
 
 def _all_free(term: HypothesisTerm) -> HypothesisTerm:

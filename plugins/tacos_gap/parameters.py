@@ -13,6 +13,12 @@ from tacos_framework.formation import PlacedEffect
 from tacos_framework.plugins.guarded import calling
 from tacos_gap.captures import RealCapture
 
+KNOT_STEP = 0.04
+"""Step that matters of a point of a curve [full scale]."""
+
+SUGGESTED_STEP = 0.1
+"""A change that matters, over the distance from neutral that captures suggest."""
+
 
 @dataclass(frozen=True)
 class HypothesisTerm:
@@ -68,17 +74,38 @@ class HypothesisTerm:
 
 
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Put the six free entries of a matrix, ``matrix.row.column``, together; its rows sum to 1."""
+    """Put what is fitted entry by entry together again.
+
+    Six free entries of a matrix are ``matrix.row.column``; its rows sum to 1. Free points of a curve from
+    (0, 0) to (1, 1) are ``knots.x``, x in thousandths.
+    """
     plain = {name: value for name, value in values.items() if "." not in name}
-    entries = {name: value for name, value in values.items() if "." in name}
-    if entries:
+    if any(name.startswith("matrix.") for name in values):
         matrix = np.zeros((3, 3))
-        for name, value in entries.items():
-            _, row, column = name.split(".")
-            matrix[int(row), int(column)] = value
+        for name, value in values.items():
+            if name.startswith("matrix."):
+                _, row, column = name.split(".")
+                matrix[int(row), int(column)] = value
         matrix[np.diag_indices(3)] = 1 - matrix.sum(axis=1)
         plain["matrix"] = tuple(tuple(float(v) for v in row) for row in matrix)
+    inner = [(_neutral_of(name, {}), value) for name, value in values.items() if name.startswith("knots.")]
+    if inner:
+        plain["knots"] = ((0.0, 0.0), *sorted(inner), (1.0, 1.0))
     return plain
+
+
+def _neutral_of(name: str, neutral: Mapping[str, Any]) -> float | None:
+    if name.startswith("matrix."):
+        return 0.0
+    if name.startswith("knots."):
+        return int(name.removeprefix("knots.")) / 1000
+    value = neutral.get(name)
+    return value if isinstance(value, float) else None
+
+
+def neutral_value(cls: type[Any], name: str) -> float | None:
+    """Where a free parameter of an effect does nothing; None where there is no such value by itself."""
+    return _neutral_of(name, cls.neutral)
 
 
 def initial_guesses_for(name: str, cls: type[Any], captures: Sequence[RealCapture]) -> list[HypothesisTerm]:
@@ -98,15 +125,15 @@ def initial_guesses_of(
     Those `suggested`, where given, else the ``initial_guesses`` of the class. Without them, each float with a
     neutral value is moved a little to either side of it.
     """
-    neutral = {k: v for k, v in cls.neutral.items() if isinstance(v, float)}
+    floats = {k: v for k, v in cls.neutral.items() if isinstance(v, float)}
     own = getattr(cls, "initial_guesses", None)
     if own is None:
-        own = [{key: value + side * step(cls, key)} for key, value in neutral.items() for side in (1, -1)]
+        own = [{key: value + side * step(cls, key)} for key, value in floats.items() for side in (1, -1)]
     guesses = [_flattened(guess) for guess in (own if suggested is None else suggested)]
-    scales = _scales([*guesses, *map(_flattened, own)], neutral)
+    scales = _scales(guesses, cls) | _scales([_flattened(guess) for guess in own], cls)
     for values in guesses:
         free = {
-            key: abs(value - neutral.get(key, 0.0)) or scales.get(key, 1.0)
+            key: _step(cls, key, value, scales.get(key, 1.0), suggested is not None)
             for key, value in values.items()
             if isinstance(value, float)
         }
@@ -115,12 +142,26 @@ def initial_guesses_of(
             yield term
 
 
-def _scales(guesses: Sequence[Mapping[str, Any]], neutral: Mapping[str, float]) -> dict[str, float]:
+def _step(cls: type[Any], name: str, value: float, scale: float, is_suggested: bool) -> float:
+    """A change that matters of a parameter that begins at a value.
+
+    A guess of a class is itself the least that matters, but for points of a curve, which have a short way to
+    go. What captures suggest may be many times that.
+    """
+    distance = abs(value - (neutral_value(cls, name) or 0.0))
+    if not distance:
+        return scale
+    if name.startswith("knots."):
+        return min(distance, KNOT_STEP)
+    return min(distance, max(scale, SUGGESTED_STEP * distance)) if is_suggested else distance
+
+
+def _scales(guesses: Sequence[Mapping[str, Any]], cls: type[Any]) -> dict[str, float]:
     """The least distance from neutral at which a guess stands, for those that begin at it: 0 degrees, say."""
     scales: dict[str, float] = {}
     for guess in guesses:
         for key, value in guess.items():
-            if isinstance(value, float) and (distance := abs(value - neutral.get(key, 0.0))):
+            if isinstance(value, float) and (distance := abs(value - (neutral_value(cls, key) or 0.0))):
                 scales[key] = min(distance, scales.get(key, distance))
     return scales
 
@@ -130,6 +171,8 @@ def _flattened(guess: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in guess.items():
         if key == "matrix":
             flat |= {f"matrix.{r}.{c}": float(value[r][c]) for r in range(3) for c in range(3) if r != c}
+        elif key == "knots" and value is not None:
+            flat |= {f"knots.{round(1000 * x)}": float(y) for x, y in value[1:-1]}
         else:
             flat[key] = value
     return flat

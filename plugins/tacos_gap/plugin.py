@@ -32,7 +32,7 @@ def tacos_commands() -> list[Command]:
     return [
         Command(
             "captures",
-            "folders of captures: simulate one, check one",
+            "captures of a real camera: what to photograph, import photographs, simulate or check a folder",
             commands.add_arguments,
             commands.captures,
         )

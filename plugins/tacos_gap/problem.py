@@ -13,11 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
-from tacos_gap.evidence import Evidence, Label, ReplicateResiduals
+from tacos_gap.evidence import Evidence, ImageEvidence, Label, ReplicateResiduals
 from tacos_gap.parameters import HypothesisTerm
 
 ROBUST_SCALE = 10.0
 """Residual from which on the robust one grows by the logarithm [noise floor]."""
+
+LEAST_FLOOR = 0.2
+"""Least noise floor, in units of which a negligible difference is 1: darks without a pedestal have none."""
 
 Hypothesis = tuple[HypothesisTerm, ...]
 
@@ -30,6 +33,11 @@ def robust(z: NDArray[np.float64]) -> NDArray[np.float64]:
 def robust_derivative(z: NDArray[np.float64]) -> NDArray[np.float64]:
     """How much robust residuals move per unit of residual: the derivative of `robust`."""
     return np.asarray(1 / np.sqrt(1 + (z / ROBUST_SCALE) ** 2))
+
+
+def floor_rms(replicates: NDArray[np.float64]) -> float:
+    """Root mean square of a noise floor's own (B, K) residuals, at least `LEAST_FLOOR` [noise floor]."""
+    return max(float(np.sqrt(np.mean(robust(replicates) ** 2))), LEAST_FLOOR) if replicates.size else 1.0
 
 
 def _side_by_side(replicates: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -124,6 +132,18 @@ class Problem:
         other.null_replicates = self.null_replicates * self.scale / scale
         return other
 
+    def renuisanced(self, hypothesis: Hypothesis) -> Problem:
+        """The evidence with nuisances estimated anew beside a hypothesis; itself where all of them stay."""
+        effects = placed(hypothesis)
+        evidence = [e.renuisanced(effects) if isinstance(e, ImageEvidence) else e for e in self.evidence]
+        if all(new is old for new, old in zip(evidence, self.evidence, strict=True)):
+            return self
+        other = copy(self)
+        other.evidence = evidence
+        other.null = np.concatenate([e.residual(()) for e in evidence]) / self.scale
+        other._kept, other._replicate_residuals = {}, {}
+        return other
+
     def averaging(self, draws: int) -> Problem:
         """The same evidence, each hypothesis by the mean of several simulations."""
         other = copy(self)
@@ -136,13 +156,14 @@ class Problem:
     def weight(self) -> float:
         """How many independent numbers one of these is worth, as they vary together (Satterthwaite)."""
         squares = (robust(self.null_replicates) ** 2).sum(axis=1)
-        spread = float(squares.var(ddof=1))
-        return float(np.clip(2 * squares.mean() / max(spread, 1e-9), 0.02, 1.0))
+        least = LEAST_FLOOR**2 * len(self.labels)  # of numbers with hardly a noise floor, as if independent
+        mean, spread = squares.mean() + least, squares.var(ddof=1) + 2 * LEAST_FLOOR**2 * least
+        return float(np.clip(2 * mean / max(spread, 1e-9), 0.02, 1.0))
 
     @cached_property
     def noise_floor_rms(self) -> float:
         """Root mean square of the noise floor's own residuals."""
-        return float(np.sqrt(np.mean(robust(self.null_replicates) ** 2)))
+        return floor_rms(self.null_replicates)
 
     def gap(self, z: NDArray[np.float64], part: NDArray[np.bool_] | None = None) -> float:
         """Root mean square residual, in units of that of the noise floor [noise floor]."""

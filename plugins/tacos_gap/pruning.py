@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_gap.fit import Fitted, fit
+from tacos_gap.fit import Fitted, fit, settled
+from tacos_gap.parameters import neutral_value
 from tacos_gap.problem import Hypothesis, Problem, robust
 
 REFITTED = 2
@@ -16,8 +17,9 @@ REFITTED = 2
 def pruned(problem: Problem, fitted: Fitted, least: float) -> Fitted:
     """A fit without the parameters that are worth less than `least` each on held-out conditions [nat]."""
     while True:
-        fewer = [fit(problem, hypothesis) for hypothesis in _with_one_less(fitted)[:REFITTED]]
-        kept = [f for f in fewer if f is not None and f.score > fitted.score - least]
+        begun = [fit(problem, hypothesis) for hypothesis in _with_one_less(fitted)[:REFITTED]]
+        fewer = [settled(problem, f) for f in begun if f is not None]
+        kept = [f for f in fewer if f.score > fitted.score - least]
         if not kept:
             return fitted
         fitted = max(kept, key=lambda f: f.score)
@@ -31,9 +33,9 @@ def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
     for position, term in enumerate(fitted.hypothesis):
         for name in term.free:
             k, column = column, column + 1
-            neutral = term.cls.neutral.get(name)
-            movable = [n for n in term.free if isinstance(term.cls.neutral.get(n), float)]
-            if not isinstance(neutral, float) or len(movable) < 2:
+            neutral = neutral_value(term.cls, name)
+            movable = [n for n in term.free if neutral_value(term.cls, n) is not None]
+            if neutral is None or len(movable) < 2 or "." in name:  # an entry of a whole stays free with it
                 continue
             others = np.delete(fitted.jacobian, k, axis=1)
             moved = straight + fitted.jacobian[:, k] * (neutral - term.values[name]) / fitted.steps[k]

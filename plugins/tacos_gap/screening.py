@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.boards import BoardEvidence
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.fit import theta_of
-from tacos_gap.parameters import HypothesisTerm, initial_guesses_for
+from tacos_gap.parameters import HypothesisTerm, initial_guesses_for, neutral_value
 from tacos_gap.problem import Problem, robust, robust_derivative
 
 SHARES = (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
@@ -53,7 +54,7 @@ class ScreeningScore:
 
 def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> ScreeningDirections:
     """Simulate each effect at each of its initial guesses; `each` is a map that may work in parallel."""
-    captures = [each.capture for each in problem.evidence if isinstance(each, ImageEvidence)]
+    captures = [each.capture for each in problem.evidence if isinstance(each, (ImageEvidence, BoardEvidence))]
     terms = [term for name, cls in effects.items() for term in initial_guesses_for(name, cls, captures)]
     found: dict[str, list[ScreeningDirection]] = {}
     for term, z in zip(terms, each(lambda term: problem.residual((term,)), terms), strict=True):
@@ -143,11 +144,9 @@ def _scaled(term: HypothesisTerm, scale: float) -> HypothesisTerm:
     """A term with its free parameters moved to `scale` times their distance from neutral."""
     if not term.free or scale == 1.0:
         return term
-    neutral = {key: float(value) for key, value in term.cls.neutral.items() if isinstance(value, float)}
-    theta = theta_of((term,))
     moved = []
-    for key, value in zip(term.free, theta, strict=True):
-        at = 0.0 if key.startswith("matrix.") else neutral.get(key)
+    for key, value in zip(term.free, theta_of((term,)), strict=True):
+        at = neutral_value(term.cls, key)
         moved.append(value if at is None else at + scale * (value - at))
     changed = term.with_free(moved)
     return changed if changed.placed() is not None else term

@@ -91,7 +91,7 @@ EFFECTS = {
     ),
     "auto-exposure": (
         "auto_exposure:AutoExposure",
-        "Metering: exposes to a target mean within limits, with a lag.",
+        "Metering: exposes to a target mean or evens out changes, within limits, with a lag.",
     ),
     "conversion-gain-error": (
         "conversion_gain_error:ConversionGainError",
@@ -104,6 +104,10 @@ EFFECTS = {
     "dsnu": (
         "dsnu:Dsnu",
         "Photosites and columns with offsets of their own, a pattern fixed to the sensor.",
+    ),
+    "defect-lines": (
+        "defect_lines:DefectLines",
+        "Single rows and columns that are offset or dead, in every frame.",
     ),
     "dark-current": (
         "dark_current:DarkCurrent",
@@ -144,6 +148,10 @@ EFFECTS = {
     "white-balance": (
         "white_balance:WhiteBalance",
         "Gains on red and blue.",
+    ),
+    "auto-white-balance": (
+        "auto_white_balance:AutoWhiteBalance",
+        "Gains on red and blue that are still settling as an episode begins.",
     ),
     "colour-matrix": (
         "colour_matrix:ColourMatrix",

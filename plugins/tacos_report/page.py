@@ -94,6 +94,14 @@ class SideBySide:
 
 
 @dataclass(frozen=True)
+class ContactSheet:
+    """Small pictures in as many columns as there is room for."""
+
+    pictures: tuple[PagePicture, ...]
+    kind: Literal["contact-sheet"] = "contact-sheet"
+
+
+@dataclass(frozen=True)
 class Folded:
     """A table that opens when its summary is clicked: for rows that few want to see."""
 
@@ -102,7 +110,9 @@ class Folded:
     kind: Literal["folded"] = "folded"
 
 
-Block = Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide | Folded
+Block = (
+    Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide | ContactSheet | Folded
+)
 
 
 @dataclass(frozen=True)

@@ -54,6 +54,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "validate-cameras",
+            "tacos_validation.cameras_validated.validate:ValidateCameras",
+            summary="Whether a simulator ranks real cameras as reality does, before and after a diagnosis.",
+        ),
+        Component(
+            "procedure",
             "validate-task",
             "tacos_validation.task_validation.validate:ValidateTask",
             summary="The paper's second check: whether a simulator ranks cameras as a reference does.",

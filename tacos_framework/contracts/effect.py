@@ -34,6 +34,8 @@ class Effect(Protocol):
     ``source(*, geometry, context, frames) -> (columns, rows) | None``
         Where each pixel of the image looks in the image without the effect, (H, W) or (frames, H, W) [px];
         None where the effect is off. Light, depth and ids then come from there, so that truth stays true.
+    ``source_at(x_px, y_px, *, geometry) -> (x_px, y_px)``
+        Optional beside it: the same for any points, exactly and without a map.
     ``moved_inverse_depth(near, columns, rows, *, geometry) -> near``
         Optional beside it, for a camera that stands elsewhere: the inverse depth of what is seen, from that
         fetched from those places [1/m].

@@ -18,57 +18,50 @@ class ObservedCapture(Protocol):
     @property
     def kind(self) -> str:
         """dark, flat, bracket, edge, board, chart, scene or sequence."""
-        ...
 
     @property
     def group(self) -> str | None:
         """Captures of one group vary only in their exposure time."""
-        ...
 
     @property
     def real_dn(self) -> NDArray[np.float32]:
         """(N, H, W, C) files [DN]."""
-        ...
 
     @property
     def expected_dn(self) -> NDArray[np.float32] | None:
         """(1 or N, H, W, C) noise-free expectation with the pedestal; None where there is none [DN]."""
-        ...
 
     @property
     def valid(self) -> NDArray[np.bool_]:
         """(H, W), False where the expectation says nothing."""
-        ...
 
     @property
     def geometry(self) -> ImageGeometry:
         """Where the pixels lie."""
-        ...
 
     @property
     def context(self) -> ImageContext:
         """What else is known."""
-        ...
 
     @property
     def frames(self) -> int:
         """Number of real frames."""
-        ...
 
     @property
     def is_structured(self) -> bool:
         """Whether it shows edges or texture, rather than an even field."""
-        ...
 
     @property
     def edge_angle_deg(self) -> float | None:
         """Angle of a straight edge; None without one [deg]."""
-        ...
 
     @property
     def patches(self) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
         """(P, 4) x, y, width, height of chart patches [px], and (P, 3) expected linear RGB [DN]."""
-        ...
+
+    @property
+    def corners(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """(K, 3) points of a board [mm] and (K, 2) where they are seen [px]; None where there is none."""
 
 
 Captures = Sequence[ObservedCapture]

@@ -176,6 +176,7 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
 OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
     "effect": (
         Call("source", (), ("geometry", "context", "frames")),
+        Call("source_at", ("x_px", "y_px"), ("geometry",)),
         Call("moved_inverse_depth", ("near", "columns", "rows"), ("geometry",)),
         Call("moments", ("mean_dn", "variance_dn2"), ("geometry", "context")),
         Call("guesses_from", ("captures",)),

@@ -10,6 +10,8 @@ import pytest
 from tacos_framework.contracts import LookAlike, ShownBy
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext
+from tacos_plugins.effects.auto_exposure import AutoExposure
+from tacos_plugins.effects.auto_white_balance import AutoWhiteBalance
 from tacos_plugins.effects.colour_matrix import ColourMatrix
 from tacos_plugins.effects.flicker import Flicker
 from tacos_plugins.effects.motion_blur import MotionBlur
@@ -85,6 +87,22 @@ def test_motion_is_guessed_along_the_gradients_that_are_lost():
     guesses = list(MotionBlur.guesses_from([seen(smeared, expected, kind="scene")]))
     assert [guess["angle_deg"] % 180 for guess in guesses] == [0.0, 0.0]
     assert list(MotionBlur.guesses_from([seen(expected, expected, kind="scene")])) == []
+
+
+def test_exposure_and_white_balance_that_settle_are_guessed_from_a_sequence():
+    left = np.exp(-np.arange(6) / 2)[:, None]
+    expected = np.full((6, 20, 20, 3), 100.0)
+    settles = expected * np.concatenate([1.3**left, 1.0**left, 0.8**left], axis=1)[:, None, None, :]
+    (guess,) = AutoWhiteBalance.guesses_from([seen(settles, expected, kind="sequence", black_level_dn=0.0)])
+    assert guess["red_first"] == pytest.approx(1.3, rel=0.01)
+    assert guess["blue_first"] == pytest.approx(0.8, rel=0.01)
+    assert guess["lag_frames"] == pytest.approx(2.0, rel=0.07)
+    brighter = expected * (1.5 ** np.arange(6))[:, None, None, None] / 8
+    evened = brighter / (1.5 ** (0.6 * np.arange(6)))[:, None, None, None]
+    first = next(iter(AutoExposure.guesses_from([seen(evened, brighter, kind="sequence")])))
+    assert first["strength"] == pytest.approx(0.6, rel=0.01)
+    assert not list(AutoExposure.guesses_from([seen(expected, expected, kind="sequence")]))
+    assert not list(AutoExposure.guesses_from([seen(evened, brighter, kind="flat")]))
 
 
 def test_a_series_needs_three_times_in_one_group():

@@ -114,6 +114,18 @@ def test_metering_weighs_colours_by_luminance():
     assert exposed[0, 0, 0, 1] * 0.7152 * math.pi * 0.03 / 16 * 1e3 == pytest.approx(1.0)
 
 
+def test_metering_against_the_first_frame_evens_out_a_share_of_a_change():
+    _, factors = metered([2.0, 8.0, 1.0], strength=0.5)
+    np.testing.assert_allclose(factors, [1.0, 0.5, 2**0.5])
+    _, factors = metered([2.0, 8.0], strength=1.0, shortest=0.5)
+    np.testing.assert_allclose(factors, [1.0, 0.5])
+
+
+def test_a_camera_that_has_not_settled_comes_to_its_exposure():
+    _, factors = metered([2.0] * 5, first=4.0, lag_frames=2.0)
+    np.testing.assert_allclose(np.log2(factors), 2 * np.exp(-np.arange(5) / 2))
+
+
 def test_metering_refuses_what_it_cannot_do():
     with pytest.raises(ContextMissing, match="f-number"):
         run(AutoExposure, FLAT, target_mlx_s=10.0)

@@ -137,6 +137,7 @@ CASES: dict[tuple[str, str], Case] = {
     ("dark-current", "hot_rate_dn_s"): Case(
         15_000 * K, level_and_spatial_variance, {"hot_share": 0.05}, electrons=30.0, frames=2, size=(960, 960)
     ),
+    ("defect-lines", "offset_dn"): Case(800 * K, level, {"column_share": 0.1}, electrons=100.0, frames=3),
     ("saturation", "level_dn"): Case(2000.0 + 2500 * K, level, electrons=3500.0, excess=False),
     ("black-level", "offset_dn"): Case(600.0, level, electrons=100.0),
     ("quantisation", "step_dn"): Case(512.0, temporal_variance, noise_dn=350.0, frames=60),

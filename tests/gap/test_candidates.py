@@ -116,7 +116,7 @@ def read_noise(plugins: Plugins) -> type[Any]:
 def test_every_installed_effect_is_considered_that_can_be_built_and_guessed(plugins):
     found = candidates(plugins, ("jpeg",))
     assert {"dimming", "vignetting"} <= set(found.effects)
-    assert not {"jpeg", "demanding", "controlling", "auto-exposure"} & set(found.effects)
+    assert not {"jpeg", "demanding", "controlling"} & set(found.effects)
     (said,) = found.limitations
     assert said.startswith("effect.demanding is not considered, since it fails.")
     assert "share" in said

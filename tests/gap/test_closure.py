@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from itertools import combinations, permutations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_gap.closure import shapley
+from tacos_gap.closure import closure, closures_of, negative_control, shapley
+from tacos_gap.fit import Fitted, finished, fit
+from tacos_gap.problem import Problem
+from tests.gap.test_fit import problem, start
 
 NAMES = ("blur", "noise", "tone", "tint")
 
@@ -94,3 +98,36 @@ def test_effects_that_do_the_same_share_alike_and_one_that_does_nothing_gets_not
 def test_more_effects_than_can_be_enumerated_are_refused():
     with pytest.raises(ValueError, match="7 effects take too many subsets; at most 6"):
         shapley(tuple("abcdefg"), lambda _: 0.0)
+
+
+def explained(height: float, bend: float = 0.0, count: int = 4) -> tuple[Problem, Fitted]:
+    of = problem(height, bend, count)
+    begun = fit(of, start())
+    assert begun is not None
+    return of, finished(of, begun)
+
+
+def test_one_closure_for_all_who_ask_and_an_interval_that_holds_it():
+    of, found = explained(9.0, 1.0)
+    closures = closures_of(of, found, np.random.default_rng(0))
+    assert closures.together.value == pytest.approx(closure(of.gap(of.null), of.gap(found.held_out)))
+    assert closures.fair["bump"].value == pytest.approx(closures.together.value, abs=1e-6)
+    low, high = closures.together.interval
+    assert low <= closures.together.value <= high
+    assert high - low < 0.3
+
+
+def test_flexibility_alone_closes_next_to_nothing_where_the_explanation_closes_nearly_all():
+    of, found = explained(9.0, 1.0, count=6)
+    control = negative_control(of, found, np.random.default_rng(0))
+    assert control is not None
+    assert control.parameters == 2
+    assert abs(control.closure) < 0.05
+    assert closures_of(of, found, np.random.default_rng(0)).together.value > 0.8
+
+
+def test_without_parameters_there_is_nothing_to_control():
+    of = problem(3.0, 0.0)
+    null = fit(of, ())
+    assert null is not None
+    assert negative_control(of, null, np.random.default_rng(0)) is None

@@ -101,10 +101,19 @@ def test_task_scores_of_the_patched_simulation_are_nearer_to_the_real_ones(
     assert "radius_um" in report
     assert "radius_px" in report
     inliers = data["task"]["features.inliers"]
-    assert set(inliers) == {"real", "sim_before", "sim_after"}
+    assert set(inliers) == {"real", "sim_before", "sim_after", "ci", "captures"}
     assert abs(inliers["sim_after"] - inliers["real"]) < abs(inliers["sim_before"] - inliers["real"])
-    assert "What it does to the task" in report
+    assert "What it does to tasks" in report
     assert "Contrast of detail over spatial frequency" in report
+
+
+def test_exposure_that_settles_over_a_sequence_is_found(plugins: Plugins, tmp_path: Path) -> None:
+    steady = [capture("dark", 0.0), capture("flat", 90.0), capture("sequence", patchwork(), frames=6)]
+    real = taken(steady, [effect(plugins, "auto-exposure", first=0.7, lag_frames=1.5)])
+    real[1] = taken([steady[1]], [])[0]  # a flat is taken once all has settled
+    data, _ = diagnosed(real, {"auto-exposure", "exposure-error", "read-noise"}, plugins, tmp_path)
+    assert [cause["effect"] for cause in data["causes"]] == ["auto-exposure"]
+    assert data["causes"][0]["parameters"]["first"]["value"] < 0.9
 
 
 def test_no_gap_is_said_and_nothing_patched(plugins: Plugins, tmp_path: Path) -> None:
@@ -162,6 +171,7 @@ def test_an_empty_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtur
         ({"study": "headset_quik"}, "there is no such recipe"),
         ({"study": "diagnose"}, "diagnose is no study"),
         ({"study": "headset_quick", "change": {"compare.cameras": ["flea9"]}}, "flea9"),
+        ({"task": "bench"}, "bench is no study"),
     ],
 )
 def test_wrong_settings_are_refused_before_any_work(
@@ -170,6 +180,19 @@ def test_wrong_settings_are_refused_before_any_work(
     recipe = ProcedureRecipe("procedure.diagnose", {"captures": str(tmp_path / "none"), **settings})
     with pytest.raises(UserError, match=said):
         run(recipe, out=tmp_path / "out", plugins=plugins)
+
+
+def test_all_that_is_wrong_is_said_as_the_recipe_is_checked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "captures.yaml").write_text("tacos_captures: 1\ncamera: {width_px: 0}\ncaptures: []\n")
+    sets = [f"captures={tmp_path}", "without=[vigneting]", "study=headset_quik", "task=bench"]
+    status = run_main(["diagnose", "--check", *(word for each in sets for word in ("--set", each))])
+    assert status == 2
+    said = capsys.readouterr().err
+    for part in ("captures.yaml:2", "vigneting", "headset_quik", "bench is no study"):
+        assert part in said
+    assert "Traceback" not in said
 
 
 class TestDiagnose(ProcedureConformance):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from tacos_framework.settings import Settings, setting
 from tacos_gap.evidence import Label, ReplicateResiduals
 from tacos_gap.fit import finished, fit, jacobian_of, rescored
-from tacos_gap.intervals import half_widths
+from tacos_gap.intervals import FEWEST, half_widths, spread_between
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
 
@@ -215,3 +216,58 @@ def test_captures_of_a_kind_alternate_between_folds_and_single_ones_are_split():
     folds = of.fold.reshape(3, -1)
     assert folds[0].all() != folds[1].all()
     assert 0 < folds[2].mean() < 1
+
+
+def test_a_truth_that_lies_twenty_steps_away_is_reached():
+    of = problem(20.0, 0.0)
+    begun = (HypothesisTerm("bump", Bump, {"height": 0.5, "bend": 0.0}, {"height": 0.5}),)
+    found = fit(of, begun)
+    assert found is not None
+    assert found.hypothesis[0].values["height"] == pytest.approx(20.0, abs=0.5)
+
+
+def test_intervals_are_finite_where_nothing_bears_on_a_parameter():
+    of = problem(6.0, 0.0)
+    begun = fit(of, start(0.0, 0.0))
+    assert begun is not None
+    flat = replace(begun, jacobian=np.zeros_like(begun.jacobian))
+    reach = half_widths(of, flat)
+    assert np.isfinite(reach).all()
+    assert (reach > 0).all()
+
+
+def test_captures_that_do_not_bear_on_a_parameter_are_not_counted_among_those_that_agree_on_it():
+    """Two captures that tell, beside eight whose slopes are nothing: two degrees of agreement, not nine."""
+    rng = np.random.default_rng(2)
+    jacobian = np.concatenate([np.ones((20, 1)), np.zeros((80, 1))])
+    groups = [np.arange(start, start + 10) for start in range(0, 100, 10)]
+    many, of_many = spread_between(groups, rng.normal(size=100), np.ones((100, 1)))
+    few, of_few = spread_between(groups, rng.normal(size=100), jacobian)
+    assert of_many[0] == pytest.approx(9.0, rel=0.01)
+    assert of_few[0] == FEWEST
+    assert few[0] > many[0]
+
+
+class Misshapen(Curve):
+    """A camera whose bump is not the formula's: by a coherent tenth, another in each capture."""
+
+    def __init__(self, height: float, seed: int):
+        own = height * (1 + 0.1 * np.random.default_rng(seed + 10_000).normal())
+        super().__init__(own, 0.0, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("captures", [4, 8])
+def test_intervals_hold_where_formulas_are_not_the_cameras_and_are_no_wider_than_that_takes(captures):
+    held, widths = [], []
+    for seed in range(200):
+        of = Problem([Misshapen(20.0, 100 * seed + k) for k in range(captures)])
+        begun = fit(of, (HypothesisTerm("bump", Bump, {"height": 18.0, "bend": 0.0}, {"height": 1.0}),))
+        assert begun is not None
+        found = finished(of, begun)
+        reach = half_widths(of, found)[0]
+        held.append(abs(found.hypothesis[0].values["height"] - 20.0) < reach)
+        widths.append(reach)
+    assert 0.82 < np.mean(held) < 0.97
+    # a tenth of 20 over the root of the captures, by the quantile of Student with few of them
+    assert np.median(widths) < 3.0 * 2.0 / np.sqrt(captures)

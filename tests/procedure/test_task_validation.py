@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.stats import kendalltau
 
 from tacos_framework.components import Component
 from tacos_framework.errors import UserError
@@ -18,6 +19,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Silent
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig, View
 from tacos_validation.task_validation.agreement import (
+    kendall,
     level_agreement,
     over_seeds,
     rank_agreement,
@@ -239,3 +241,11 @@ def test_the_rasterizer_and_the_path_tracer_rank_two_cameras_alike(tmp_path):
     assert result["exposures"][0]["order"]["simulator"] == ["flea3", "basler_dart"]
     assert result["exposures"][0]["overall"]["tau"]["mean"] == 1.0
     assert all(0.95 < ratio < 1.05 for ratio in result["luminance_ratio"].values())
+
+
+def test_kendall_is_scipys_tau_b_with_ties() -> None:
+    rng = np.random.default_rng(3)
+    first, second = rng.integers(0, 4, (2, 50, 5)).astype(float)
+    wanted = [kendalltau(a, b)[0] for a, b in zip(first, second, strict=True)]
+    told = np.isfinite(wanted)
+    assert kendall(first, second)[told] == pytest.approx(np.array(wanted)[told])

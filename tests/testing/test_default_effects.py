@@ -10,11 +10,13 @@ import numpy as np
 
 from tacos_framework.testing import EffectConformance
 from tacos_plugins.effects.auto_exposure import AutoExposure
+from tacos_plugins.effects.auto_white_balance import AutoWhiteBalance
 from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.colour_matrix import ColourMatrix
 from tacos_plugins.effects.conversion_gain_error import ConversionGainError
 from tacos_plugins.effects.crosstalk import Crosstalk
 from tacos_plugins.effects.dark_current import DarkCurrent
+from tacos_plugins.effects.defect_lines import DefectLines
 from tacos_plugins.effects.defocus import Defocus
 from tacos_plugins.effects.demosaic import Demosaic
 from tacos_plugins.effects.denoise import Denoise
@@ -144,6 +146,16 @@ class TestAutoExposure(EffectConformance):
     config = {"target_mlx_s": 15.0, "lag_frames": 2.0}
 
 
+class TestAutoExposureAgainstTheFirstFrame(EffectConformance):
+    component = AutoExposure
+    config = {"strength": 0.5, "first": 1.5, "lag_frames": 2.0}
+
+
+class TestAutoWhiteBalance(EffectConformance):
+    component = AutoWhiteBalance
+    config = {"red_first": 1.3, "blue_first": 0.8, "lag_frames": 2.0}
+
+
 class TestBlackLevel(EffectConformance):
     component = BlackLevel
     config = {"offset_dn": 3.0}
@@ -196,6 +208,11 @@ class TestDenoise(EffectConformance):
         rng = np.random.default_rng(2)
         noisy = [np.clip(np.rint(rng.normal(i, 3.0)), 0, 255).astype(np.uint8) for i in frames.images]
         return replace(frames, images=tuple(noisy))
+
+
+class TestDefectLines(EffectConformance):
+    component = DefectLines
+    config = {"column_share": 0.1, "row_share": 0.05, "offset_dn": 8.0}
 
 
 class TestDsnu(EffectConformance):

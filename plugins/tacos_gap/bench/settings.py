@@ -106,6 +106,12 @@ class BenchSettings(Settings):
 
     rig: Use = setting(help="The rig; all its variables are given here, and its first camera is used.")
     renderer: Use = setting(help="What renders the scenes.")
+    reality: Use | None = setting(
+        None,
+        help="What renders them in place of reality, e.g. {use: renderer.mitsuba, samples: 64}: the "
+        "simulator then lacks what its renderer leaves out of the light. Scenes without lamps, as even "
+        "fields, stay as they are; by default the renderer.",
+    )
     sensor: Use = setting(help="The sensor model.")
     f_number: float = setting(2.8, help="Focal length over aperture.", gt=0)
     gain_db: float = setting(0.0, help="Gain.", unit="dB")

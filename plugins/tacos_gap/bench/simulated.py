@@ -40,6 +40,8 @@ class Expected:
     ----------
     light
         What was rendered, dimmed to the level.
+    factor
+        By which the lamp was dimmed to that level [1].
     signal_dn
         (1 or N, H, W, C) noise-free values of the file with the pedestal, not clipped [DN].
     black_level_dn, white_level_dn
@@ -47,6 +49,7 @@ class Expected:
     """
 
     light: Rendered
+    factor: float
     signal_dn: NDArray[np.float32]
     black_level_dn: float
     white_level_dn: float
@@ -78,6 +81,7 @@ class CaptureBench:
         self._camera = build_rig(settings.rig, plugins).cameras[0]
         self._rig = Rig((self._camera,))
         self._renderer = build(settings.renderer, "renderer", plugins)
+        self._reality = settings.reality and build(settings.reality, "renderer", plugins)
         self._sensor = PlacedSensor(settings.sensor.use, NODE, build(settings.sensor, "sensor", plugins))
         parts = [part_of(use, "effect", plugins) for use in settings.effects]
         self._effects = [PlacedEffect(part.use, part.use, part.cls, part.config) for part in parts]
@@ -91,7 +95,8 @@ class CaptureBench:
     def capture(self, shot: BenchShot) -> RealCapture:
         """What a camera with the effects gives for a shot, beside what is expected."""
         expected = self.expected(shot)
-        light = expected.light if shot.kind == "sequence" else repeated(expected.light, shot.frames)
+        light = self._real_light(shot, expected)
+        light = light if shot.kind == "sequence" else repeated(light, shot.frames)
         draws = EpisodeDraws(self._seed, ("bench", shot.id))
         formation = ImageFormation(self._exposure(shot), self._effects)
         batch = formation.expose(formation.light(light, draws), self._sensor, draws)
@@ -126,7 +131,7 @@ class CaptureBench:
             factor = shot.level * (white - black) / brightest
         _, dark_dn = response_of(sensor, above.shape[-1])
         samples = above * np.float32(factor) + (black + dark_dn).astype(np.float32)
-        return Expected(dimmed(light, factor), samples, black, white)
+        return Expected(dimmed(light, factor), factor, samples, black, white)
 
     # one shot ---------------------------------------------------------------------------------------------
 
@@ -149,18 +154,25 @@ class CaptureBench:
         if shot.scene is None:
             size = (1, self._camera.height_px, self._camera.width_px, 3)
             return without_world(self._camera, np.zeros(size, np.float32))
-        frames = shot.frames if shot.kind == "sequence" else 1
-        key = f"{shot.scene!r} {frames} {shot.exposure_ms if 'exposure' in self._renderer_asks_for else 0}"
+        timed = "exposure" in _asked_for_by(self._renderer)
+        key = f"{shot.scene!r} {self._rendered_frames(shot)} {shot.exposure_ms if timed else 0}"
         if key not in self._rendered:
-            self._rendered = {key: self._render(shot, frames)}
+            self._rendered = {key: self._render(shot, self._renderer)}
         return self._rendered[key]
 
-    @property
-    def _renderer_asks_for(self) -> tuple[str, ...]:
-        return tuple(signature_of(type(self._renderer), "renderer").supplied)
+    def _real_light(self, shot: BenchShot, expected: Expected) -> Rendered:
+        """The scene under the same lamp as reality has it; what no lamp lights looks alike to all."""
+        if shot.scene is None or self._reality is None or not expected.light.episode.world.lights:
+            return expected.light
+        return dimmed(self._render(shot, self._reality), expected.factor)
 
-    def _render(self, shot: BenchShot, frames: int) -> Rendered:
+    @staticmethod
+    def _rendered_frames(shot: BenchShot) -> int:
+        return shot.frames if shot.kind == "sequence" else 1
+
+    def _render(self, shot: BenchShot, renderer: Any) -> Rendered:
         assert shot.scene is not None
+        frames = self._rendered_frames(shot)
         use = shot.scene
         if shot.kind == "sequence":
             use = Use(use=use.use, **{**use.settings, "frames": frames})
@@ -173,8 +185,8 @@ class CaptureBench:
                 Fault(shot.id, f"{use.use} gives {len(episode)} frames", f"at least {frames}, as asked")
             )
         offered = {"rig": self._rig, "exposure": self._exposure(shot)}
-        wanted = {name: value for name, value in offered.items() if name in self._renderer_asks_for}
-        rendered: Rendered = self._renderer.capture(episode[:frames], **wanted)
+        wanted = {name: value for name, value in offered.items() if name in _asked_for_by(renderer)}
+        rendered: Rendered = renderer.capture(episode[:frames], **wanted)
         return rendered
 
     def _context(self, shot: BenchShot, expected: Expected) -> ImageContext:
@@ -216,6 +228,11 @@ class CaptureBench:
     def _scene_config(self, shot: BenchShot) -> Any:
         assert shot.scene is not None
         return part_of(shot.scene, "scene", self._plugins).config
+
+
+def _asked_for_by(renderer: Any) -> tuple[str, ...]:
+    """What of rig and exposure a renderer is to be given."""
+    return tuple(signature_of(type(renderer), "renderer").supplied)
 
 
 def _known(sensor: SensorAt, light_cd_m2: NDArray[np.float32]) -> NDArray[np.float32]:

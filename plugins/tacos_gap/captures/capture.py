@@ -38,10 +38,42 @@ class Noise:
 
 @dataclass(frozen=True)
 class Board:
-    """A chessboard: inner corners (columns, rows) and the side of its squares."""
+    """A flat target; views of equal boards are views of one and the same.
+
+    Parameters
+    ----------
+    inner_corners
+        Columns and rows of inner corners, or of circles.
+    square_mm
+        Side of its squares, or distance from circle to circle; of rows of asymmetric circles half of it is
+        the distance between rows [mm].
+    pattern
+        chessboard, charuco, circles or asymmetric_circles.
+    marker_mm, dictionary
+        Side of the markers of a ChArUco board [mm], and OpenCV's name of their dictionary.
+    """
 
     inner_corners: tuple[int, int]
     square_mm: float
+    pattern: str = "chessboard"
+    marker_mm: float = 0.0
+    dictionary: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Objects:
+    """Which object each pixel of a still shows.
+
+    Parameters
+    ----------
+    ids
+        (H, W) int32 index into `classes`; 0 is the background.
+    classes
+        What each object is, the background first.
+    """
+
+    ids: NDArray[np.int32]
+    classes: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +106,12 @@ class RealCapture:
         (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
     row_time_us
         Readout from row to row that is in `expected_dn` already [us].
+    unstated
+        What of the lens nobody stated: focal_length, principal_point.
+    corners
+        (K, 3) points of the board [mm] and (K, 2) where they are seen [px]; None until they were found.
+    objects
+        What a still shows, for tasks that find things; None where nobody labelled it.
     """
 
     id: str
@@ -94,6 +132,9 @@ class RealCapture:
     row_time_us: float = 0.0
     sensor: PlacedSensor | None = None
     notes: tuple[str, ...] = ()
+    unstated: frozenset[str] = frozenset()
+    corners: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    objects: Objects | None = None
 
     @property
     def frames(self) -> int:

@@ -10,14 +10,21 @@ from tacos_framework.settings import Settings, setting
 
 Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]
 Size = Annotated[int, Field(ge=1, le=100_000)]
-NonNegative = Annotated[float, Field(ge=0)]
+NonNegative = Annotated[float, Field(ge=0, le=1e9)]
+Level = Annotated[float, Field(ge=-1e9, le=1e9)]
+Place = Annotated[float, Field(ge=-1e6, le=1e6)]
+Corners = Annotated[int, Field(ge=3, le=1000)]
+"""Bounds far beyond any camera, within which nothing overflows."""
+
+DICTIONARIES = r"^DICT_((4X4|5X5|6X6|7X7)_(50|100|250|1000)|ARUCO_ORIGINAL|APRILTAG_(16h5|25h9|36h10|36h11))$"
+"""Names of OpenCV's marker dictionaries."""
 
 
 class CropEntry(Settings):
     """Where the files sit on the sensor."""
 
-    x: int = setting(0, help="Sensor column of the files' first column.", unit="px", ge=0)
-    y: int = setting(0, help="Sensor row of the files' first row.", unit="px", ge=0)
+    x: int = setting(0, help="Sensor column of the files' first column.", unit="px", ge=0, le=100_000)
+    y: int = setting(0, help="Sensor row of the files' first row.", unit="px", ge=0, le=100_000)
     full_width_px: Size = setting(help="Width of the sensor.", unit="px")
     full_height_px: Size = setting(help="Height of the sensor.", unit="px")
 
@@ -27,16 +34,18 @@ class CaptureCamera(Settings):
 
     width_px: Size = setting(help="Width of the files.", unit="px")
     height_px: Size = setting(help="Height of the files.", unit="px")
-    pixel_um: float = setting(3.0, help="Pitch of the pixels.", unit="um", gt=0)
-    focal_length_mm: float = setting(4.0, help="Focal length.", unit="mm", gt=0)
-    principal_point_px: tuple[float, float] | None = setting(
+    pixel_um: float = setting(3.0, help="Pitch of the pixels.", unit="um", gt=0, le=1e4)
+    focal_length_mm: float | None = setting(
+        None, help="Focal length; from the boards if absent, 4 mm without any.", unit="mm", gt=0, le=1e5
+    )
+    principal_point_px: tuple[Place, Place] | None = setting(
         None, help="Principal point in the files; their centre (or the sensor's) if absent.", unit="px"
     )
     crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
-    f_number: float | None = setting(None, help="Focal length over aperture.", gt=0)
+    f_number: float | None = setting(None, help="Focal length over aperture.", gt=0, le=1e4)
     bit_depth: int = setting(8, help="Bits of a sample.", unit="bit", ge=1, le=16)
     white_level_dn: float | None = setting(
-        None, help="Largest value of the files; 2**bit_depth - 1 if absent.", unit="DN", gt=0
+        None, help="Largest value of the files; 2**bit_depth - 1 if absent.", unit="DN", gt=0, le=65535
     )
     black_level_dn: float = setting(0.0, help="Pedestal in the files.", unit="DN", ge=0)
     channels: Literal[1, 3] = setting(1, help="1 for mono or a mosaic, 3 for RGB.")
@@ -67,16 +76,34 @@ class NoiseEntry(Settings):
     thermal_dn2: NonNegative | tuple[NonNegative, NonNegative, NonNegative] = setting(
         help="Variance at no signal; one, or one per channel.", unit="DN^2"
     )
-    gain_db: float = setting(0.0, help="The gain it holds at.", unit="dB")
+    gain_db: float = setting(0.0, help="The gain it holds at.", unit="dB", ge=-200, le=200)
 
 
 class BoardEntry(Settings):
-    """A chessboard."""
+    """A flat target with a known pattern."""
 
-    inner_corners: tuple[Annotated[int, Field(ge=3)], Annotated[int, Field(ge=3)]] = setting(
-        help="Inner corners along its rows and columns."
+    pattern: Literal["chessboard", "charuco", "circles", "asymmetric_circles"] = setting(
+        "chessboard", help="Its pattern, as OpenCV names them. Of a charuco parts may be seen."
     )
-    square_mm: float = setting(help="Side of its squares.", unit="mm", gt=0)
+    inner_corners: tuple[Corners, Corners] = setting(
+        help="Inner corners along its rows and columns, or circles."
+    )
+    square_mm: float = setting(
+        help="Side of its squares, or from circle to circle (asymmetric: along a row).",
+        unit="mm",
+        gt=0,
+        le=1e5,
+    )
+    marker_mm: float | None = setting(None, help="Side of the markers of a charuco.", unit="mm", gt=0)
+    dictionary: Annotated[str, Field(pattern=DICTIONARIES)] = setting(
+        "DICT_4X4_50", help="OpenCV's dictionary of the markers of a charuco."
+    )
+
+    @model_validator(mode="after")
+    def _markers_fit(self) -> BoardEntry:
+        if self.pattern == "charuco" and not (self.marker_mm and self.marker_mm < self.square_mm):
+            raise ValueError("a charuco needs marker_mm, below square_mm")
+        return self
 
 
 class EdgeEntry(Settings):
@@ -91,18 +118,30 @@ class ChartEntry(Settings):
     patches: str = setting(help="CSV with id, x, y, width, height [px], r, g, b [linear DN].")
 
 
+class ObjectsEntry(Settings):
+    """What a still shows, for tasks that find things."""
+
+    ids: str = setting(
+        help="Image or .npy of whole numbers: the object each pixel shows, 0 for the background, 1 for the "
+        "first of `classes`."
+    )
+    classes: tuple[str, ...] = setting(
+        help="What each object is, as tasks call it, e.g. chair.", min_length=1
+    )
+
+
 class CaptureEntry(Settings):
     """One capture: frames taken with the same settings, or the frames of a sequence."""
 
     id: str = setting(help="Its name.", min_length=1, max_length=200)
     kind: Kind = setting(help="What it shows.")
     real: str | tuple[str, ...] = setting(help="Files of the frames, or a glob.", min_length=1)
-    simulated: float | str | tuple[str, ...] | None = setting(
+    simulated: Level | str | tuple[str, ...] | None = setting(
         None, help="Expected file values without noise: a file, one per frame, or a number.", unit="DN"
     )
     scene: str | None = setting(None, help="A recipe that renders the expected values.")
-    exposure_ms: float | None = setting(None, help="Exposure time.", unit="ms", gt=0)
-    gain_db: float = setting(0.0, help="Gain.", unit="dB")
+    exposure_ms: float | None = setting(None, help="Exposure time.", unit="ms", gt=0, le=1e9)
+    gain_db: float = setting(0.0, help="Gain.", unit="dB", ge=-200, le=200)
     group: str | None = setting(None, help="Captures of one group differ in exposure_ms only.")
     level_uncertainty: float = setting(
         0.0,
@@ -119,12 +158,15 @@ class CaptureEntry(Settings):
     edge: EdgeEntry | None = setting(None, help="The edge; without it, edges of any direction.")
     chart: ChartEntry | None = setting(None, help="The patches of a chart.")
     depth: str | None = setting(None, help="Depth along the optical axis, .npy.", unit="m")
-    velocity_px_s: tuple[float, float] | str | None = setting(
+    objects: ObjectsEntry | None = setting(None, help="Labelled objects, for tasks that find things.")
+    velocity_px_s: tuple[Level, Level] | str | None = setting(
         None, help="Motion in the image, or a .npy of (height, width, 2).", unit="px/s"
     )
-    frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0)
-    row_time_us: float = setting(0.0, help="Readout from row to row the simulator has.", unit="us", ge=0)
-    row_time_reference: float = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
+    frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0, le=1e9)
+    row_time_us: float = setting(
+        0.0, help="Readout from row to row the simulator has.", unit="us", ge=0, le=1e9
+    )
+    row_time_reference: Place = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
 
 
 class FolderEntry(Settings):

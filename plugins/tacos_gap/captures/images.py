@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 from tacos_framework.errors import Fault, UserError
 
 _PNG_BEGIN, _PNG_END = b"\x89PNG", b"IEND"
+
+_LARGEST_DN = 1e9
+"""Beyond any file or expectation; what is larger overflows somewhere, not here."""
 
 RAW_SUFFIXES = frozenset({".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".rw2", ".orf"})
 
@@ -51,14 +55,19 @@ def read_image(path: Path, where: str) -> NDArray[Any]:
         )
     if image.dtype.kind == "f" and not np.isfinite(image).all():
         raise UserError(Fault(where, f"{path.name} holds NaN or infinite values", "finite numbers"))
+    if max(abs(float(image.min())), abs(float(image.max()))) > _LARGEST_DN:
+        raise UserError(Fault(where, f"{path.name} holds values beyond {_LARGEST_DN:g}", "digital numbers"))
     return image
 
 
 def read_array(path: Path, where: str) -> NDArray[Any]:
-    """An array of numbers from ``.npy``; never one that runs code."""
+    """An array of numbers from ``.npy``; never one that runs code.
+
+    Its header is a Python literal: a broken one raises what Python's own parser does, or asks for any memory.
+    """
     try:
         array: NDArray[Any] = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+    except (OSError, ValueError, EOFError, TokenError, SyntaxError, MemoryError, OverflowError) as error:
         raise UserError(
             Fault(where, f"{path.name} is no array: {error}", "a .npy file of numbers")
         ) from error

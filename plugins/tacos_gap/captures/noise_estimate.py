@@ -90,7 +90,9 @@ def _line(signal: NDArray[np.float32], variance: NDArray[np.float32], robust: bo
     y = np.array([middle(variance[which == b]) for b in filled])
     if len(x) < 2 or np.ptp(x) < 5:
         return 0.0, float(max(y.mean(), 0.01)) if len(y) else 1.0
-    slope, intercept = np.polyfit(x, y, 1, w=1 / np.maximum(y, 0.01))
+    weight = 1 / np.maximum(y, 0.01)
+    line = np.stack([x, np.ones_like(x)], axis=1) * weight[:, None]
+    (slope, intercept), *_ = np.linalg.lstsq(line, y * weight, rcond=None)
     slope = max(float(slope), 0.0)
     return slope, float(max(intercept if slope else y.mean(), 0.01))
 

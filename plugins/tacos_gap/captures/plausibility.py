@@ -113,7 +113,7 @@ def limitations_of(capture: RealCapture) -> Iterator[str]:
 
 def order_faults(captures: Sequence[RealCapture], where_of: Mapping[str, str]) -> Iterator[Fault]:
     """Faults of exposure series that grow darker with time: exposures that were mixed up."""
-    for name, members in _groups(captures).items():
+    for name, members in exposure_groups(captures).items():
         series = sorted(members, key=lambda capture: capture.context.exposure_s)
         levels = [float(np.median(capture.real_dn)) for capture in series]
         for (a, below), (b, above) in pairwise(zip(series, levels, strict=True)):
@@ -129,7 +129,8 @@ def order_faults(captures: Sequence[RealCapture], where_of: Mapping[str, str]) -
                 )
 
 
-def _groups(captures: Iterable[RealCapture]) -> dict[str, list[RealCapture]]:
+def exposure_groups(captures: Iterable[RealCapture]) -> dict[str, list[RealCapture]]:
+    """Captures that differ in their stated exposure times only, by the name of their group."""
     groups: dict[str, list[RealCapture]] = {}
     for capture in captures:
         if capture.group is not None and capture.kind != "dark" and capture.exposure_stated:

@@ -12,8 +12,16 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import Document, read_yaml
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.captures.capture import Board, CaptureFolder, Noise, RealCapture
-from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry, FolderEntry, NoiseEntry
+from tacos_gap.captures.capture import Board, CaptureFolder, Noise, Objects, RealCapture
+from tacos_gap.captures.doubts import doubt_of_files, doubts
+from tacos_gap.captures.entries import (
+    BoardEntry,
+    CaptureCamera,
+    CaptureEntry,
+    CropEntry,
+    FolderEntry,
+    NoiseEntry,
+)
 from tacos_gap.captures.files import CaptureFiles
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
@@ -21,6 +29,9 @@ from tacos_gap.captures.plausibility import faults_of, limitations_of, order_fau
 FILE = "captures.yaml"
 MAX_FRAMES = 6
 """Frames of one capture that are used; more add little and cost time."""
+
+FOCAL_LENGTH_MM = 4.0
+"""Stands for a focal length that nobody stated, until boards tell it."""
 
 Render = Callable[[Path, str], NDArray[np.float32]]
 """Renders the expected values of a capture, (1 or N, H, W, C) [DN], from a recipe and the capture's id."""
@@ -64,8 +75,13 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     faults = [*reader.files.faults, *order_faults(captures, reader.where_of)]
     if faults:
         raise UserError(faults)
+    from tacos_gap.targets.expectation import with_own_expectations  # targets build on captures
+
     limits = (*reader.limitations, *(text for capture in captures for text in limitations_of(capture)))
-    return CaptureFolder(path.parent, tuple(captures), limits)
+    usable, left_out = with_own_expectations(captures)
+    if not usable:
+        raise UserError([Fault(reader.where_of[text.partition(": ")[0]], text) for text in left_out])
+    return CaptureFolder(path.parent, usable, (*limits, *doubts(captures), *left_out))
 
 
 class _Reader:
@@ -88,6 +104,11 @@ class _Reader:
         except ValueError as error:
             self.files.fault(("camera", "crop"), str(error), "files that lie on the sensor")
         self._check_noise()
+        if entry.camera.focal_length_mm is None and all(each.kind != "board" for each in entry.captures):
+            self.limitations.append(
+                f"focal_length_mm is not stated, and there are no boards to tell it: {FOCAL_LENGTH_MM:g} mm "
+                f"is assumed. Nothing is said about it."
+            )
 
     def capture(self, i: int) -> RealCapture | None:
         """A capture; None after its faults were kept."""
@@ -106,6 +127,7 @@ class _Reader:
                 f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
             )
         real = files.stack(i, "real", paths[:MAX_FRAMES], shape)
+        self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
         expected = self._expected(i, entry, shape, len(paths), usable=real is not None)
         mask = files.array(i, "mask", entry.mask, shape)
         depth = files.array(i, "depth", entry.depth, shape, infinite=True)
@@ -114,6 +136,7 @@ class _Reader:
                 ("captures", i, "depth"), f"{entry.depth} holds depths of 0 or below", "metres above 0"
             )
         velocity = self._velocity(i, entry, shape)
+        objects = self._objects(i, entry, shape)
         patches = files.patches(i, entry.chart.patches, shape) if entry.chart else None
         noise = self._noise(i, entry)
         if len(files.faults) > before or real is None:
@@ -146,10 +169,12 @@ class _Reader:
             group=entry.group,
             level_uncertainty=entry.level_uncertainty,
             expected_frames=entry.simulated_frames or 0,
-            board=Board(entry.board.inner_corners, entry.board.square_mm) if entry.board else None,
+            board=_board(entry.board) if entry.board else None,
             edge_angle_deg=entry.edge.angle_deg if entry.edge else None,
             patches=patches,
             row_time_us=entry.row_time_us,
+            unstated=_unstated(camera),
+            objects=objects,
         )
         for key, what, wanted, remedy in faults_of(capture):
             files.fault(("captures", i, key), what, wanted, remedy)
@@ -167,12 +192,6 @@ class _Reader:
             )
         if entry.simulated is not None and entry.scene is not None:
             fault(("captures", i, "scene"), f"{entry.id!r} has both simulated and scene", "one of the two")
-        if entry.kind not in ("dark", "board", "edge") and entry.simulated is None and entry.scene is None:
-            fault(
-                ("captures", i),
-                f"{entry.id!r} has no simulated",
-                "the expected values: a file or a number; or scene, a recipe that renders them",
-            )
 
     # what is expected -------------------------------------------------------------------------------------
 
@@ -237,6 +256,22 @@ class _Reader:
             return self.files.array(i, "velocity_px_s", given, (*shape, 2))
         return None if given is None else np.array(given, np.float64)
 
+    def _objects(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> Objects | None:
+        if entry.objects is None:
+            return None
+        if entry.kind == "sequence":
+            self.files.fault(("captures", i, "objects"), "a sequence has objects", "objects of a still")
+            return None
+        found = self.files.array(i, "objects", entry.objects.ids, shape)
+        if found is None:
+            return None
+        ids, most = found.reshape(*shape, -1)[..., 0], len(entry.objects.classes)
+        if (ids != np.rint(ids)).any() or ids.min() < 0 or ids.max() > most:
+            what = f"{entry.objects.ids} holds ids from {ids.min():g} to {ids.max():g}"
+            self.files.fault(("captures", i, "objects"), what, f"whole numbers from 0 to {most}, as classes")
+            return None
+        return Objects(ids.astype(np.int32), ("background", *entry.objects.classes))
+
     # noise ------------------------------------------------------------------------------------------------
 
     @property
@@ -280,6 +315,21 @@ def _per_channel(value: float | tuple[float, ...]) -> tuple[float, ...]:
     return tuple(value) if isinstance(value, tuple) else (value,)
 
 
+def _board(entry: BoardEntry) -> Board:
+    if entry.pattern != "charuco":
+        return Board(entry.inner_corners, entry.square_mm, entry.pattern)
+    return Board(
+        entry.inner_corners, entry.square_mm, entry.pattern, entry.marker_mm or 0.0, entry.dictionary
+    )
+
+
+def _unstated(camera: CaptureCamera) -> frozenset[str]:
+    """What of the lens is nobody's claim: a centre that goes without saying is one, beside a focal length."""
+    if camera.focal_length_mm is not None:
+        return frozenset()
+    return frozenset({"focal_length", *(() if camera.principal_point_px else ("principal_point",))})
+
+
 def _geometry(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometry:
     """Where the files of a capture lie on the sensor; those of the camera itself for None."""
     width = (entry and entry.width_px) or camera.width_px
@@ -295,7 +345,7 @@ def _geometry(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometr
     return ImageGeometry(
         width_px=width,
         height_px=height,
-        focal_length_px=camera.focal_length_mm * 1e3 / camera.pixel_um,
+        focal_length_px=(camera.focal_length_mm or FOCAL_LENGTH_MM) * 1e3 / camera.pixel_um,
         centre_px=centre,
         pixel_um=camera.pixel_um,
         offset_px=(crop.x, crop.y),

@@ -13,9 +13,11 @@ def captures_page() -> str:
         "# Folders of captures",
         NOTICE,
         "What a diagnosis reads: a folder with `captures.yaml`, images of a real camera, and what a "
-        "simulator expects of each. [Photograph captures](../how-to/photograph_captures.md) says how to take "
-        "them, `tacos captures simulate bench --out DIR` makes a folder to look at, and "
-        "`tacos captures check DIR` checks one.",
+        "simulator expects of each where there is one. "
+        "[Photograph captures](../how-to/photograph_captures.md) says how to take them, "
+        "`tacos captures import PHOTOS --out DIR` makes a folder of photographs, "
+        "`tacos captures simulate bench --out DIR` one to look at, and `tacos captures check DIR` checks "
+        "one.",
         _CAPTURES_RULES,
         "## Keys",
         settings_table(FolderEntry),
@@ -34,7 +36,10 @@ _CAPTURES_RULES = f"""\
 - `simulated` is linear, in digital numbers with the pedestal, without noise, not clipped: (height, width) or
   (height, width, channels), one for all frames or one per frame, or a number where it is the same everywhere.
   Any simulator may have made it. Where a capture names a `scene` instead, ours renders it: a bench recipe,
-  whose capture of the same `id` is taken. Dark frames expect the pedestal, boards need no expectation.
+  whose capture of the same `id` is taken.
+- Without either, dark frames expect the pedestal, boards the pose that fits best, and walls (`flat`),
+  brackets, edges and ColorCheckers what their own pictures tell of the target. A `scene` or `sequence` is
+  left out.
 - `chart.patches` is a table with the columns `id`, `x`, `y`, `width`, `height` [px] and `r`, `g`, `b` [linear
   DN].
 - Pixels count from 0, and (0, 0) is the centre of the first.

@@ -86,7 +86,11 @@ def _camera_entry(capture: RealCapture, described: Mapping[str, Any]) -> dict[st
         "width_px": geometry.width_px,
         "height_px": geometry.height_px,
         "crop": {"x": x, "y": y, **described["full"]},
-        "principal_point_px": [float(c) for c in geometry.centre_px],
+        **(
+            {}
+            if "principal_point" in capture.unstated
+            else {"principal_point_px": [float(c) for c in geometry.centre_px]}
+        ),
         **{key: value for key, value in shared.items() if value is not None},
     }
 
@@ -100,7 +104,9 @@ def _camera_of(capture: RealCapture) -> dict[str, Any]:
         "full": {"full_width_px": geometry.full_width_px, "full_height_px": geometry.full_height_px},
         "centre": [c + o for c, o in zip(geometry.centre_px, geometry.offset_px, strict=True)],
         "pixel_um": float(geometry.pixel_um),
-        "focal_length_mm": geometry.focal_length_px * geometry.pixel_um / 1e3,
+        "focal_length_mm": (
+            None if "focal_length" in capture.unstated else geometry.focal_length_px * geometry.pixel_um / 1e3
+        ),
         "f_number": context.f_number,
         "bit_depth": bits,
         "white_level_dn": None if white == 2**bits - 1 else white,
@@ -160,12 +166,19 @@ def _entry(folder: Path, name: str, capture: RealCapture, camera: Mapping[str, A
     if crop != camera["crop"]:
         entry["crop"] = crop
     if capture.board is not None:
-        corners = list(capture.board.inner_corners)
-        entry["board"] = {"inner_corners": corners, "square_mm": capture.board.square_mm}
+        board = capture.board
+        entry["board"] = {"inner_corners": list(board.inner_corners), "square_mm": board.square_mm}
+        if board.pattern != "chessboard":
+            entry["board"]["pattern"] = board.pattern
+        if board.pattern == "charuco":
+            entry["board"] |= {"marker_mm": board.marker_mm, "dictionary": board.dictionary}
     if capture.edge_angle_deg is not None:
         entry["edge"] = {"angle_deg": capture.edge_angle_deg}
     if capture.patches is not None:
         entry["chart"] = {"patches": _patches(folder, name, *capture.patches)}
+    if capture.objects is not None:
+        ids = _array(folder, f"{name}/objects.npy", capture.objects.ids)
+        entry["objects"] = {"ids": ids, "classes": list(capture.objects.classes[1:])}
     return entry | _scene_of(folder, name, capture)
 
 

@@ -7,12 +7,14 @@ import shlex
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from pydantic import JsonValue
 
 from tacos_framework.contracts import Executor
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.formation import PlacedSensor
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
@@ -22,13 +24,17 @@ from tacos_framework.values import ContextMissing
 from tacos_gap.bench import recipe_renderer
 from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
+from tacos_gap.decision import Question, decide
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.findings import Diagnosis, Parameter
 from tacos_gap.problem import placed
-from tacos_gap.procedures.decision import Question, decide
-from tacos_gap.procedures.task_scores import task_scores
+from tacos_gap.procedures.checking import check_all, check_captures
+from tacos_gap.procedures.telling import Telling
+from tacos_gap.report import task_words
 from tacos_gap.report.page import Circumstances, page
 from tacos_gap.sensing import NODE, with_sensor
+from tacos_gap.tasks import RecipeTask, default_tasks, score_tasks, task_gap, tasks_of
+from tacos_gap.tasks.recipe_tasks import frozen_plan
 from tacos_gap.transfer import Photographed, patch, patched
 from tacos_plugins.building import build
 from tacos_report.page import write_page
@@ -38,8 +44,9 @@ class Diagnose:
     """Compares real captures with what a simulator expects, and names the effects it leaves out.
 
     Writes ``diagnosis.json`` (what was found), ``patched.yaml`` (the causes, as effects to add to a recipe by
-    ``--with``) and ``report.html``. With `study` it also says whether that study would rank its cameras
-    otherwise once the causes are simulated.
+    ``--with``) and ``report.html``. Tasks are scored on the real frames and on simulated ones, without and
+    with the causes: those of `task` or `study`, by default ORB features. With `study` it also says whether
+    that study would choose another camera once the causes are simulated.
     """
 
     class Config(Settings):
@@ -55,7 +62,13 @@ class Diagnose:
         workers: int = setting(2, help="Threads.", ge=1)
         study: str = setting(
             "",
-            help="A study (path or name) whose cameras are ranked without and with the causes.",
+            help="A study (path or name) whose cameras are ranked without and with the causes; tasks that "
+            "learn keep the weights they have.",
+            is_path=True,
+        )
+        task: str = setting(
+            "",
+            help="A recipe (path or name) whose tasks are scored on the captures; by default the study.",
             is_path=True,
         )
         change: dict[str, JsonValue] = setting(
@@ -71,13 +84,24 @@ class Diagnose:
     def __init__(self, config: Config) -> None:
         self.config = config
 
+    def check(self, *, plugins: Plugins) -> None:
+        """Look for faults in everything the settings name: effects, sensor, captures, study and task."""
+        question = self._question()
+        check_all(
+            lambda: candidates(plugins, self.config.without),
+            lambda: self._sensor(plugins),
+            lambda: check_captures(self.config.captures),
+            *([partial(question.check, plugins)] if question is not None else []),
+            *([partial(self._tasks, plugins)] if self.config.task else []),
+        )
+
     def run(
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress
     ) -> Mapping[str, Any]:
         """Diagnose, and write what was found."""
         began = time.monotonic()
         considered = candidates(plugins, self.config.without)
-        question = self._question(plugins)
+        question, tasks = self._question(), self._tasks(plugins)
         sensor = self._sensor(plugins)
         progress.phase("Reading captures", None)
         folder = read_captures(self.config.captures, recipe_renderer(plugins))
@@ -85,12 +109,15 @@ class Diagnose:
             folder = replace(folder, captures=with_sensor(folder.captures, sensor))
         progress.step(f"{len(folder.captures)} captures")
         progress.phase("Looking for causes", None)
-        diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=progress.step)
+        with Telling(progress) as tell:
+            diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=tell)
         causes = placed(diagnosis.attribution.best.hypothesis)
-        progress.phase("Scoring a task", None)
-        scores = task_scores(folder.captures, causes, plugins, seed)
-        diagnosis = replace(diagnosis, task=scores)
-        progress.step(", ".join(scores) or "no captures it could be scored on")
+        progress.phase("Scoring tasks", None)
+        scored = score_tasks(folder.captures, causes, tasks, seed)
+        scores = {name: score.as_data() for name, score in task_gap(scored).items()}
+        limits = (*diagnosis.limitations, *scored.left_out)
+        diagnosis = replace(diagnosis, task=scores, limitations=limits)
+        progress.step(", ".join(scores) or "no captures they could be scored on")
         data = diagnosis.as_data()
         added = patched(diagnosis.causes, Photographed.of(folder.captures))
         _write(out, data, added)
@@ -111,18 +138,27 @@ class Diagnose:
             seconds=time.monotonic() - began,
             without=self.config.without,
             decision=decision,
+            considered=considered.effects,
         )
         write_page(out / "report.html", page(diagnosis, folder, run))
         return {"diagnosis": data, "summary": summary(diagnosis, decision)}
 
-    def _question(self, plugins: Plugins) -> Question | None:
-        """The study to decide on, its recipe checked before any work."""
-        if not self.config.study:
-            return None
+    def _question(self) -> Question | None:
+        """The study to decide on."""
         config = self.config
-        question = Question(config.study, config.change, config.evaluations, config.design)
-        question.plan(plugins)
-        return question
+        if not config.study:
+            return None
+        return Question(config.study, config.change, config.evaluations, config.design)
+
+    def _tasks(self, plugins: Plugins) -> tuple[RecipeTask, ...]:
+        """The tasks to score: of the recipe that is named for them, else of the study, else ORB features."""
+        if not (named := self.config.task or self.config.study):
+            return default_tasks(plugins)
+        change = self.config.change if named == self.config.study else {}
+        tasks = tasks_of(frozen_plan(named, change, plugins, where="task" if self.config.task else "study"))
+        if not tasks:
+            raise UserError(Fault("task", f"{named} has no task", "a recipe with tasks"))
+        return tasks
 
     def _sensor(self, plugins: Plugins) -> PlacedSensor | None:
         use = self.config.sensor
@@ -161,17 +197,20 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     lines = [said[diagnosis.verdict]]
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
-        lines.append(f"  {cause.effect} ({cause.probability:.0%}): {values}")
-        lines.append(f"      closes {cause.closure:.0%} of the gap on what it was not fitted to")
+        low, high = cause.closure_interval
+        lines.append(f"  {cause.effect} ({cause.present:.0%}): {values}")
+        lines.append(
+            f"      closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}) "
+            "on what it was not fitted to"
+        )
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
     if more:
         lines.append(f"  cannot be told from: {', '.join(more)}")
+    if len(diagnosis.causes) > 1:
+        low, high = diagnosis.closure_interval
+        lines.append(f"Together they close {diagnosis.closure:.0%} of the gap ({low:.0%} to {high:.0%}).")
     lines.append(f"Gap: {diagnosis.gap_before:.1f} before, {diagnosis.gap_after:.1f} after, noise floor 1.")
-    for score, found in diagnosis.task.items():
-        lines.append(
-            f"{score}: {found['real']:.4g} on real frames, {found['sim_before']:.4g} on simulated ones, "
-            f"{found['sim_after']:.4g} with the causes."
-        )
+    lines += [task_words.sentence(name, found) for name, found in diagnosis.task.items()]
     if decision:
         lines.append(str(decision["sentence"]))
     if diagnosis.next_capture:

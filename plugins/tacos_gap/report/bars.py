@@ -8,7 +8,6 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tacos_gap.causes import slot_probabilities
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_gap.report.words import share
@@ -25,7 +24,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
     rows: list[tuple[str, float, str]] = []  # name, probability, colour
     for cause in diagnosis.causes:
         rows.append((cause.effect, cause.probability, AFTER))
-        places = slot_probabilities(diagnosis.attribution.slots.get(cause.effect, {}))
+        places = diagnosis.attribution.probabilities(cause.effect)
         rivals = sorted((n for n in places if n not in ("", cause.effect)), key=lambda n: -places[n])
         near = [n for n in rivals if places[n] >= _LEAST_SHOWN]
         alike = [n for n in cause.confused_with if n not in near]
@@ -59,7 +58,7 @@ def probabilities(diagnosis: Diagnosis) -> str:
 def closures(diagnosis: Diagnosis) -> str:
     """SVG of bars: all causes, each one's share, alone and in its place, and the negative control."""
     best = diagnosis.causes
-    together = sum(cause.shapley for cause in best)
+    together = diagnosis.closure
     rows: list[tuple[str, float, str]] = []
     if len(best) > 1:
         rows.append(("all together", together, AFTER))
@@ -70,11 +69,8 @@ def closures(diagnosis: Diagnosis) -> str:
         else:
             rows.append((cause.effect, cause.closure, AFTER))
     if diagnosis.negative_control is not None:
-        rows.append(
-            (f"negative control: {diagnosis.negative_control[0]} alone", diagnosis.negative_control[1], DOT)
-        )
-    interval = best[0].closure_interval
-    return _bars("closures", rows, interval)
+        rows.append(("negative control", diagnosis.negative_control.closure, DOT))
+    return _bars("closures", rows, diagnosis.closure_interval)
 
 
 def _bars(name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[float, float]) -> str:
@@ -106,22 +102,27 @@ def _bars(name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[flo
     return draw(name, (9.2, 0.8 + 0.36 * len(rows)), f"Closure: {said}.", paint)
 
 
-def task_scores(task: Mapping[str, Mapping[str, float]]) -> str:
+def task_scores(task: Mapping[str, Mapping[str, Any]]) -> str:
     """SVG of a panel per score of a task: on real frames, on simulated ones before and after."""
     order = [
         ("real", "real", INK),
         ("sim_before", "simulated", BEFORE),
         ("sim_after", "with the causes", AFTER),
     ]
+    keys = {label: key for key, label, _ in order}
 
     def paint(figure: Figure) -> None:
-        panels = figure.subplots(1, len(task), squeeze=False)[0]
+        panels = figure.subplots(len(task), 1, squeeze=False)[:, 0]
         for axes, (name, values) in zip(panels, task.items(), strict=True):
             rows = [(label, values[key], colour) for key, label, colour in order if key in values]
-            for place, (_, value, colour) in enumerate(rows):
+            for place, (label, value, colour) in enumerate(rows):
                 axes.barh(place, value, color=colour, height=0.6)
+                end = value
+                if ends := (values.get("ci") or {}).get(keys[label]):
+                    axes.plot(ends, [place, place], color=MUTED, linewidth=1.4)
+                    end = max(value, ends[1])
                 axes.annotate(
-                    number(value), (value, place), (5, 0), textcoords="offset points", va="center", color=INK
+                    number(value), (end, place), (5, 0), textcoords="offset points", va="center", color=INK
                 )
             axes.axvline(values.get("real", 0.0), color=MUTED, linewidth=0.9, linestyle=(0, (3, 3)))
             axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
@@ -131,7 +132,7 @@ def task_scores(task: Mapping[str, Mapping[str, float]]) -> str:
             light_grid(axes, "x")
 
     said = "; ".join(f"{name} {dict(values)}" for name, values in task.items())
-    return draw("task-scores", (4.6 * max(len(task), 1.4), 1.7), f"Scores of a task: {said}.", paint)
+    return draw("task-scores", (7.0, 1.35 * len(task)), f"Scores of tasks: {said}.", paint)
 
 
 def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
@@ -140,7 +141,8 @@ def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
     Parameters
     ----------
     cameras
-        ``camera``, and its fitness ``without`` and ``with``; None where it failed.
+        ``camera``, and its fitness ``without`` and ``with``; None where it failed. ``ci`` holds the interval
+        of either.
     """
 
     def paint(figure: Figure) -> None:
@@ -150,9 +152,12 @@ def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
             axes.plot(known, [place] * len(known), color=RULE, linewidth=2.5)
             for key, mark, colour, up in (("without", "s", BEFORE, 9), ("with", "D", AFTER, -14)):
                 if row[key] is not None:
-                    axes.plot([row[key]], [place], mark, color=colour, markersize=7)
+                    level = place + (-0.09 if key == "without" else 0.09)
+                    if ends := row.get("ci", {}).get(key):
+                        axes.plot(ends, [level, level], color=colour, linewidth=1.2)
+                    axes.plot([row[key]], [level], mark, color=colour, markersize=7)
                     axes.annotate(
-                        number(row[key]), (row[key], place), (0, up), textcoords="offset points",
+                        number(row[key]), (row[key], level), (0, up), textcoords="offset points",
                         ha="center", color=MUTED, fontsize=8.5,
                     )  # fmt: skip
         axes.set_yticks(range(len(cameras)), [str(row["camera"]) for row in cameras])

@@ -41,6 +41,12 @@ class ComparedFrames:
         Real less before and after, in blue and vermilion.
     reach_dn
         The difference drawn in full colour [DN].
+    stretched
+        Whether the levels are stretched apart.
+    rms_dn
+        Root mean square of what is drawn as differences, before and after [DN].
+    noise_dn
+        The same of two simulations that differ in their noise alone: what a perfect one would leave [DN].
     """
 
     capture: str
@@ -50,6 +56,8 @@ class ComparedFrames:
     differences: Sequence[NDArray[np.uint8]]
     reach_dn: float
     stretched: bool
+    rms_dn: Sequence[float]
+    noise_dn: float
 
 
 def to_show(
@@ -72,9 +80,10 @@ def compare(capture: RealCapture, effects: Sequence[PlacedEffect], seed: int) ->
     stacks = [capture.real_dn, simulate(capture, (), draws)]
     if effects:
         stacks.append(simulate(capture, effects, draws))
+    again = simulate(capture, effects, EpisodeDraws(seed, ("report", capture.id, "again")))
     means = [stack.mean(axis=0) for stack in stacks]
-    differences = [np.where(capture.valid[..., None], means[0] - mean, 0.0) for mean in means[1:]]
-    smooth = [_smoothed(d.mean(axis=-1)) for d in differences]
+    smooth = [_difference(capture, means[0], mean) for mean in means[1:]]
+    by_noise = _difference(capture, means[-1], again.mean(axis=0))
     reach_dn = max(float(np.percentile(np.abs(smooth[0]), 99)), 2.0)
     low, high, stretched = _range(capture)
     whole = [_display(stack[0], low, high) for stack in stacks]
@@ -87,7 +96,20 @@ def compare(capture: RealCapture, effects: Sequence[PlacedEffect], seed: int) ->
         [_reduced(_coloured(d, reach_dn)) for d in smooth],
         reach_dn,
         stretched,
+        [_rms(capture, difference) for difference in smooth],
+        _rms(capture, by_noise),
     )
+
+
+def _difference(
+    capture: RealCapture, first: NDArray[np.float32], second: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """(H, W) one mean frame less another, smoothed a little; 0 where nothing is expected [DN]."""
+    return _smoothed(np.where(capture.valid[..., None], first - second, 0.0).mean(axis=-1))
+
+
+def _rms(capture: RealCapture, difference: NDArray[np.float32]) -> float:
+    return float(np.sqrt(np.mean(difference[capture.valid] ** 2))) if capture.valid.any() else 0.0
 
 
 def _range(capture: RealCapture) -> tuple[float, float, bool]:

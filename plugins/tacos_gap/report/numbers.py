@@ -8,14 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.boards import CORNER_PX, MARGIN_PX
+from tacos_gap.boards import BoardEvidence
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence, Label
 from tacos_gap.findings import Diagnosis
 from tacos_gap.problem import Problem
-
-CORNER_UNIT_PX = float(np.hypot(CORNER_PX, MARGIN_PX))
-"""One noise-floor unit of a board's corner [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +131,6 @@ def _measured(problem: Problem) -> tuple[NDArray[np.float64], NDArray[np.float64
         if isinstance(evidence, ImageEvidence):
             real[slot.start : slot.stop] = evidence.real
             sigma[slot.start : slot.stop] = evidence.sigma
-        else:
-            sigma[slot.start : slot.stop] = CORNER_UNIT_PX
+        elif isinstance(evidence, BoardEvidence):
+            sigma[slot.start : slot.stop] = evidence.sigma_px
     return real, sigma * problem.scale

@@ -9,16 +9,18 @@ from typing import Any
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.problem import placed
-from tacos_gap.report import bars, words
+from tacos_gap.report import bars, task_words, words
 from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
 from tacos_gap.report.frames import ComparedFrames, compare, to_show
 from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
 from tacos_gap.report.overview import overview
+from tacos_gap.report.photographed import not_told, nuisance_rows, photographed
 from tacos_gap.report.views import over
 from tacos_report.page import (
     Block,
     Code,
     Drawing,
+    Folded,
     Heading,
     Page,
     PagePicture,
@@ -33,6 +35,9 @@ from tacos_report.story import design_words
 
 SIMULATIONS = ("real", "simulated", "simulated with the causes")
 DIFFERENCES = ("real less simulated", "real less simulated with the causes")
+MOST_SCORES = 3
+"""Scores of tasks that are drawn."""
+
 MOST_DRAWINGS = 5
 """Drawings of statistics that are significant, beside the map."""
 
@@ -55,6 +60,8 @@ class Circumstances:
         Effects that were not considered.
     decision
         What becomes of a study; empty where none was asked for.
+    considered
+        The classes of all effects that could be causes, by name.
     """
 
     seed: int
@@ -63,6 +70,7 @@ class Circumstances:
     seconds: float
     without: tuple[str, ...] = ()
     decision: Mapping[str, Any] = field(default_factory=dict)
+    considered: Mapping[str, type[Any]] = field(default_factory=dict)
 
 
 def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Page:
@@ -74,14 +82,16 @@ def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Pag
     artist = Artist(diagnosis.problem, folder.captures, effects, run.seed, after=after)
     gaps = capture_gaps(diagnosis)
     shown = [compare(c, effects, run.seed) for c in to_show(folder.captures, gaps)]
+    explained = diagnosis.verdict == "explained"
     sections = [
+        Section("What was photographed", tuple(photographed(folder.captures))),
+        *([Section("Real and simulated", tuple(_frames(shown, explained=explained)))] if shown else []),
         Section("Where the gap lies", tuple(_where(diagnosis, numbers, artist))),
         *([Section("What causes it", tuple(_causes(diagnosis, artist)))] if diagnosis.causes else []),
-        *([Section("Real and simulated", tuple(_frames(shown)))] if shown else []),
         Section("How far it shrinks", tuple(_closure(diagnosis))),
-        *([Section("What it does to the task", tuple(_task(diagnosis)))] if diagnosis.task else []),
+        *([Section("What it does to tasks", tuple(_task(diagnosis)))] if diagnosis.task else []),
         *([Section("Does the decision change", tuple(_decision(run.decision)))] if run.decision else []),
-        Section("What these captures cannot tell", tuple(_limits(diagnosis))),
+        Section("What these captures cannot tell", tuple(_limits(diagnosis, folder.captures, run))),
         *([Section("Use the better simulator", tuple(_patch(diagnosis, run)))] if diagnosis.causes else []),
         Section("To repeat it", tuple(_repeat(diagnosis, folder.captures, gaps, run))),
     ]
@@ -144,6 +154,7 @@ def _causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
     for cause in diagnosis.causes:
         name = words.effect_words(cause.effect)
         yield Heading(name[:1].upper() + name[1:])
+        yield Paragraph(words.cause_sentence(cause))
         wide, narrow = _decided(diagnosis, cause, artist)
         if wide is not None:
             yield wide
@@ -173,7 +184,7 @@ def _decided(diagnosis: Diagnosis, cause: Cause, artist: Artist) -> tuple[Drawin
     return None, own.drawing(name, numbers)
 
 
-def _frames(shown: Sequence[ComparedFrames]) -> Iterator[Block]:
+def _frames(shown: Sequence[ComparedFrames], *, explained: bool) -> Iterator[Block]:
     for pair in shown:
         yield Heading(f"{pair.capture}, {pair.kind}")
         yield SideBySide(_pictures(pair.whole, SIMULATIONS))
@@ -187,7 +198,8 @@ def _frames(shown: Sequence[ComparedFrames]) -> Iterator[Block]:
         note = " Levels are stretched: the frames are nearly even." if pair.stretched else ""
         yield Paragraph(
             "Differences are means over the frames; blue is darker than simulated, vermilion brighter, in "
-            f"full colour at {number(pair.reach_dn, 2)} DN, on one scale.{note}"
+            f"full colour at {number(pair.reach_dn, 2)} DN, on one scale.{note} "
+            f"{words.picture_remainder(pair.rms_dn, pair.noise_dn, explained=explained)}"
         )
 
 
@@ -202,7 +214,8 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
     negative_control = ""
     if diagnosis.negative_control is not None:
         negative_control = (
-            " The negative control is an effect of another stage, fitted alone: what flexibility would buy."
+            " The negative control has as many parameters, which change numbers at random: what flexibility "
+            "alone would buy."
         )
     if diagnosis.causes:
         yield Drawing(
@@ -210,21 +223,30 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
             f"The line on the first bar is its 90 % interval.{negative_control}",
         )
     yield Paragraph(words.remainder(diagnosis))
+    if nuisances := nuisance_rows(diagnosis.nuisances):
+        heads = ("capture", "its expectation was off by")
+        yield Folded("What was allowed for and is nobody's error", Table(heads, nuisances))
 
 
 def _task(diagnosis: Diagnosis) -> Iterator[Block]:
+    first = dict(list(diagnosis.task.items())[:MOST_SCORES])
     yield Drawing(
-        bars.task_scores(diagnosis.task),
-        "ORB features matched from frame to frame of the captures that show something, and the same on their "
-        "simulations. A simulator whose frames score like the real ones can be trusted with this task.",
+        bars.task_scores(first),
+        "Tasks on the captures that show something: on the real frames, on simulated ones, and with the "
+        "causes; lines are 90 % intervals over the noise. A simulator whose frames score like the real ones "
+        "can be trusted with the task.",
     )
+    for name, found in first.items():
+        yield Paragraph(task_words.sentence(name, found))
+    heads = ("score", "real", "simulated", "with the causes")
+    yield Folded("All scores", Table(heads, task_words.rows(diagnosis.task)))
 
 
 def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:
     yield Drawing(
         bars.decision(decision["cameras"]),
         f"Cameras of {decision['study']}, on the same unseen scenes in either simulation. What a camera "
-        "leaves free is optimised in each, in few evaluations.",
+        f"leaves free is optimised in each, in few evaluations.{_frozen(decision)}",
     )
     yield Paragraph(str(decision["sentence"]))
     designed = decision["designed"]
@@ -235,7 +257,13 @@ def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:
         )
 
 
-def _limits(diagnosis: Diagnosis) -> Iterator[Block]:
+def _frozen(decision: Mapping[str, Any]) -> str:
+    """Which tasks learn, and did not here."""
+    frozen = list(decision.get("frozen", ()))
+    return f" {words.listed(frozen)}: weights as they were trained before." if frozen else ""
+
+
+def _limits(diagnosis: Diagnosis, captures: Sequence[RealCapture], run: Circumstances) -> Iterator[Block]:
     if diagnosis.next_capture is not None:
         capture = diagnosis.next_capture
         yield Paragraph(f"Capture next: {capture.kind}. {capture.why[:1].upper()}{capture.why[1:]}.")
@@ -244,6 +272,7 @@ def _limits(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Paragraph("Nothing of what was found is open.")
     for sentence in said:
         yield Paragraph(sentence)
+    yield from not_told(captures, run.considered, diagnosis)
 
 
 def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
@@ -254,6 +283,11 @@ def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
         yield Paragraph(own)
 
 
+def _explained(capture: str, unknown: Mapping[str, float]) -> str:
+    """The probability that nothing unknown is at work in a capture."""
+    return words.share(1 - unknown[capture]) if capture in unknown else ""
+
+
 def _repeat(
     diagnosis: Diagnosis,
     captures: Sequence[RealCapture],
@@ -261,6 +295,7 @@ def _repeat(
     run: Circumstances,
 ) -> Iterator[Block]:
     yield Code(run.command)
+    explained = diagnosis.unknown.by_capture
     rows = []
     for capture in captures:
         before, after = gaps.get(capture.id, (None, None))
@@ -273,9 +308,14 @@ def _repeat(
                 f"{width} × {height}",
                 "not compared" if before is None else number(before, 2),
                 "" if after is None else number(after, 2),
+                *(
+                    [words.share(1 - explained[capture.id]) if capture.id in explained else ""]
+                    * bool(explained)
+                ),
             )
         )
-    yield Table(("capture", "kind", "frames", "size [px]", "gap before", "after"), tuple(rows))
+    heads = ("capture", "kind", "frames", "size [px]", "gap before", "after")
+    yield Table((*heads, *(["fully explained"] if explained else [])), tuple(rows))
     facts = [f"Seed {run.seed}", f"{len(diagnosis.problem.labels)} numbers compared"]
     facts.append(f"{diagnosis.problem.evaluations} simulations of all captures")
     facts.append(duration(run.seconds))

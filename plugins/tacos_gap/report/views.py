@@ -102,12 +102,15 @@ _VIEWS = {
     "channel_correlation": StatisticView("Correlation of noise between channels", "correlation [1]"),
     "noise_lattice": StatisticView("Noise on the lattice of the colour filters", "over its mean [1]", np.exp),
     "noise_tails": StatisticView("Tails of the noise", "kurtosis [1]", np.exp),
-    "hot_pixels": StatisticView("Hot pixels", "count", np.expm1),
+    "hot_pixels": StatisticView("Hot pixels", "times what is negligible", np.expm1),
     "clipped": StatisticView("Clipped pixels", "share [%]", _percent),
     "top_level": StatisticView("The largest values", "share [%]", _percent),
     "code_comb": StatisticView("Empty codes", "strength [1]"),
     "colour_matrix": StatisticView("How channels mix", "entry of the matrix [1]"),
     "patches": StatisticView("Patches of the chart", "real less expected [DN]"),
+    "level_over_time": StatisticView(
+        "Brightness over time", "off the mean of the sequence [%]", _percent, "A drift is a control at work."
+    ),
     "frame_to_frame": StatisticView("Brightness from frame to frame", "standard deviation [%]", _percent),
 }
 

@@ -50,7 +50,7 @@ def headline(diagnosis: Diagnosis) -> str:
         return f"There is a gap{place}, and no effect of the catalogue explains it."
     names = [effect_words(cause.effect) for cause in diagnosis.causes]
     others = [effect_words(name) for name in alternatives(diagnosis)]
-    closed = share(together(diagnosis.causes))
+    closed = share(diagnosis.closure)
     one = len(names) == 1
     if diagnosis.verdict == "unknown":
         nearest = f"{listed(names)} {'comes' if one else 'come'} nearest"
@@ -67,9 +67,51 @@ def headline(diagnosis: Diagnosis) -> str:
     return f"{said} part of the gap: {removes}. The rest fits no effect here."
 
 
-def together(causes: Sequence[Cause]) -> float:
-    """What all causes together close, held out: the sum of their fair shares."""
-    return sum(cause.shapley for cause in causes)
+def cause_sentence(cause: Cause) -> str:
+    """What a cause is, how sure, how large, and what it explains, in a sentence."""
+    name = effect_words(cause.effect)
+    said = [
+        f"{key} {_row(key, parameter)[1]}{_unit_after(parameter)}{_interval_after(key, parameter)}"
+        for key, parameter in cause.parameters.items()
+        if not isinstance(parameter.value, list)
+    ]
+    sure = share(cause.present)
+    sized = f", {listed(said)}" if said else ""
+    return (
+        f"The simulator lacks {name}{sized}: it is there with a probability of {sure}, and adding it alone "
+        f"closes {share(cause.closure_alone)} of the gap."
+    )
+
+
+def _unit_after(parameter: Parameter) -> str:
+    unit = _UNITS.get(parameter.unit, unit_sign(parameter.unit))
+    return f" {unit}" if unit else ""
+
+
+def _interval_after(name: str, parameter: Parameter) -> str:
+    return "" if parameter.interval is None else f" ({_row(name, parameter)[2]})"
+
+
+def picture_remainder(rms_dn: Sequence[float], noise_dn: float, *, explained: bool = True) -> str:
+    """What pictures still differ by, and how much of that noise alone would leave.
+
+    Examples
+    --------
+    >>> picture_remainder([6.02], 1.25)[:44]
+    'The means differ by 6 DN (root mean square);'
+    """
+    with_causes = f", and by {number(rms_dn[1], 2)} DN with the causes" if len(rms_dn) > 1 else ""
+    text = f"The means differ by {number(rms_dn[0], 2)} DN (root mean square){with_causes}; "
+    text += f"{number(noise_dn, 2)} DN are noise of the frames themselves, which no simulation removes."
+    beyond = max(rms_dn[-1] ** 2 - noise_dn**2, 0.0) ** 0.5
+    if len(rms_dn) > 1 and beyond > noise_dn and not explained:
+        text += f" The {number(beyond, 2)} DN beyond it hold what no effect here explains."
+    elif len(rms_dn) > 1 and beyond > noise_dn:
+        text += (
+            f" The {number(beyond, 2)} DN beyond it are what the numbers of this page leave out: places off "
+            "by parts of a pixel, maps of single specimens, light that differs a little."
+        )
+    return text
 
 
 def alternatives(diagnosis: Diagnosis) -> list[str]:

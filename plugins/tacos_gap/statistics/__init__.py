@@ -14,7 +14,9 @@ from tacos_gap.statistics.compression import compression_statistics
 from tacos_gap.statistics.displacement import displacement_statistics
 from tacos_gap.statistics.field import field_statistics
 from tacos_gap.statistics.fixed_pattern import fixed_pattern_statistics
+from tacos_gap.statistics.hot_pixels import hot_pixel_statistics
 from tacos_gap.statistics.levels import level_statistics
+from tacos_gap.statistics.lines import line_statistics
 from tacos_gap.statistics.noise import noise_statistics
 from tacos_gap.statistics.rows import row_statistics
 from tacos_gap.statistics.sharpness import sharpness_statistics
@@ -26,7 +28,9 @@ FAMILIES: tuple[Family, ...] = (
     field_statistics,
     noise_statistics,
     fixed_pattern_statistics,
+    hot_pixel_statistics,
     row_statistics,
+    line_statistics,
     code_statistics,
     sharpness_statistics,
     displacement_statistics,

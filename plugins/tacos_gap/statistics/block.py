@@ -12,6 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
+from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
+
+ROUNDING_DN2 = 1 / 12
+"""Variance of rounding: noise far below it shows by the accident of which pixels stand between two codes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,14 +57,24 @@ class Sample:
         (N, H, W, C) the frames [DN].
     expected_dn
         (1 or N, H, W, C) what they are compared with [DN].
+    pattern_dn
+        (1 or N, H, W, C) what is added to the frames, codes and codecs aside, because `expected_dn` holds
+        noise of its own (see `tacos_gap.nuisances.noisy_expectation`) [DN].
     """
 
     def __init__(
-        self, capture: RealCapture, frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]
+        self,
+        capture: RealCapture,
+        frames_dn: NDArray[np.float32],
+        expected_dn: NDArray[np.float32],
+        pattern_dn: NDArray[np.float32] | None = None,
     ):
         self.capture = capture
         self.as_taken = frames_dn
         self.frames = without_hot_pixels(frames_dn, expected_dn) if capture.kind == "dark" else frames_dn
+        self.files = self.frames
+        if pattern_dn is not None:
+            self.frames = self.frames + pattern_dn
         self.expected = expected_dn
 
     @cached_property
@@ -77,6 +91,11 @@ class Sample:
     def residual(self) -> NDArray[np.float32]:
         """(H, W, C) mean of the frames less the expectation [DN]."""
         return self.mean - self.reference
+
+    @cached_property
+    def residual_as_taken(self) -> NDArray[np.float32]:
+        """(H, W, C) `residual` with the hot pixels of the dark [DN]."""
+        return np.asarray(self.as_taken.mean(axis=0)) - self.reference
 
     @cached_property
     def signal(self) -> NDArray[np.float32]:
@@ -126,17 +145,18 @@ def expected_signal(capture: RealCapture) -> NDArray[np.float32]:
     return _SIGNALS[capture]
 
 
-HOT_DN = 2.0
 _HOT_SPREADS = 6.0
-"""A pixel is hot that stands above the middle one by both, the latter in robust standard deviations."""
+"""A pixel is hot that stands above the middle one by so many robust standard deviations and a rounding."""
 
 
 def without_hot_pixels(
     frames_dn: NDArray[np.float32], expected_dn: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Dark frames whose hot pixels show what is expected, so that a handful do not rule every statistic."""
+    """Dark frames whose hot pixels show what is expected, so that a handful do not rule every statistic.
+
+    Bright pieces of rows and columns stay: they are patterns, not single pixels.
+    """
     steady = frames_dn.min(axis=0) - expected_dn[0]
-    middle = np.median(steady)
-    spread = 1.4826 * float(np.median(np.abs(steady - middle)))
-    hot = steady - middle > max(HOT_DN, _HOT_SPREADS * spread)
+    _, spread = middle_and_spread(frames_dn[0] - expected_dn[0])
+    hot = isolated(steady - np.median(steady) > ROUNDING_DN + _HOT_SPREADS * spread)
     return np.where(hot[None], expected_dn, frames_dn) if hot.any() else frames_dn

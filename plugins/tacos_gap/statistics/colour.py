@@ -15,19 +15,21 @@ _LEAST_SPREAD = 0.01
 """Spread of colours, over full scale, below which a matrix cannot be told."""
 
 
+_FEWEST = 70
+"""Fewest pixels that a matrix is measured in."""
+
+
 def colour_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """The least-squares matrix from expected to real linear colours; mean residuals of chart patches."""
     if len(sample.channels) != 3 or sample.capture.kind == "dark":
         return
     black = np.float32(sample.capture.context.black_level_dn)
     white = np.float32(sample.capture.context.white_level_dn - black)
-    used = _used(sample.capture)
-    if len(used) < 500 // 7:
-        return
-    expected = (sample.reference.reshape(-1, 3)[used] - black) / white
-    real = (sample.mean.reshape(-1, 3)[used] - black) / white
-    if np.linalg.eigvalsh(np.cov(expected.T))[0] > _LEAST_SPREAD**2:
-        matrix = np.linalg.solve(expected.T @ expected, expected.T @ real).T
+    if has_colours(sample.capture):
+        used = _used(sample.capture)
+        expected = (sample.reference.reshape(-1, 3)[used] - black) / white
+        real = (sample.mean.reshape(-1, 3)[used] - black) / white
+        matrix = np.linalg.lstsq(expected, real, rcond=None)[0].T
         at = [{"from": "RGB"[column], "to": "RGB"[row]} for row in range(3) for column in range(3)]
         yield StatisticBlock("colour_matrix", "isp", matrix.ravel(), at, 0.005)
     if sample.capture.patches is not None:
@@ -35,6 +37,17 @@ def colour_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         values = [sample.residual[y : y + h, x : x + w].mean(axis=(0, 1)) for x, y, w, h in boxes]
         places = [{"patch": int(k), "channel": c} for k in range(len(boxes)) for c in "RGB"]
         yield StatisticBlock("patches", "isp", np.concatenate(values).astype(float), places, 0.3)
+
+
+def has_colours(capture: RealCapture) -> bool:
+    """Whether enough pixels of colours different enough are expected to stay below saturation."""
+    used = _used(capture)
+    if len(used) < _FEWEST:
+        return False
+    context = capture.context
+    colours = expected_signal(capture).reshape(-1, 3)[used].astype(np.float64)
+    colours /= context.white_level_dn - context.black_level_dn
+    return bool(np.linalg.eigvalsh(np.cov(colours.T))[0] > _LEAST_SPREAD**2)
 
 
 _USED: WeakKeyDictionary[RealCapture, NDArray[np.int64]] = WeakKeyDictionary()

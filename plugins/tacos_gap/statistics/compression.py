@@ -7,15 +7,18 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dctn
+from scipy.stats import trim_mean
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
 
 BLOCK_PX = 8
+_OUTLIERS = 0.1
+"""Share of lines left out at either end: one bad column is no codec."""
 
 
 def compression_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Steps at borders of 8 x 8 blocks over steps elsewhere, and vanished coefficients of blocks in place."""
-    frame = sample.frames[0][..., 1 if len(sample.channels) == 3 else 0]
+    frame = sample.files[0][..., 1 if len(sample.channels) == 3 else 0]
     residual = frame - (
         sample.expected[0][..., 1] if len(sample.channels) == 3 else sample.expected[0][..., 0]
     )
@@ -33,7 +36,8 @@ def compression_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 def _border_steps(residual: NDArray[np.float32]) -> float:
     steps = np.abs(np.diff(residual, axis=1)).mean(axis=0)
     border = np.arange(len(steps)) % BLOCK_PX == BLOCK_PX - 1
-    return float(np.log((steps[border].mean() + 0.05) / (steps[~border].mean() + 0.05)))
+    at_borders, elsewhere = (trim_mean(part, _OUTLIERS) for part in (steps[border], steps[~border]))
+    return float(np.log((at_borders + 0.05) / (elsewhere + 0.05)))
 
 
 def _vanished(frame: NDArray[np.float32], offset: int) -> NDArray[np.float64]:

@@ -18,6 +18,9 @@ AMPLITUDE_PX = 0.03
 """Equivalence margin: smaller displacements are negligible [px]."""
 
 _LEAST_PIXELS = 40
+_LEAST_SIDE_PX = 32
+"""Side of an image below which no flow is looked for."""
+
 _TEXTURED = 0.02
 """Gradient that makes a pixel count, over the range of the image per pixel."""
 
@@ -25,11 +28,9 @@ _TEXTURED = 0.02
 def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Median displacement in tiles with texture, and that of red and blue against green [px]."""
     capture = sample.capture
-    if not capture.is_structured:
+    if not (capture.is_structured and has_texture(capture)):
         return
     spots = _spots(capture)
-    if not spots.parts:
-        return
     colour = len(sample.channels) == 3
     green = _flow(sample, 1 if colour else 0)
     at = spots.at
@@ -45,6 +46,11 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
                 values = spots.medians(apart[..., axis])
                 places = [{**a, "axis": direction, "channels": name} for a in at]
                 yield StatisticBlock("colour_displacement", "optics", values, places, AMPLITUDE_PX)
+
+
+def has_texture(capture: RealCapture) -> bool:
+    """Whether a structured capture is large enough and has tiles with texture."""
+    return min(capture.valid.shape) >= _LEAST_SIDE_PX and bool(_spots(capture).parts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""What repeats from frame to frame and is not in the scene: patterns of the sensor, hot pixels."""
+"""What repeats from frame to frame and is not in the scene: patterns of the sensor."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
-from tacos_gap.statistics.grid import levels, smooth_areas
-
-HOT_DN = 4.0
-"""A pixel this far above its surroundings in the dark is hot [DN]."""
+from tacos_gap.statistics.grid import has_even_areas, levels, smooth_areas
 
 _WINDOW_PX = 7
 _RELATIVE = 0.0015
@@ -20,17 +17,14 @@ _LEAST_OF_A_LINE = 16  # pixels
 
 
 def fixed_pattern_statistics(sample: Sample) -> Iterator[StatisticBlock]:
-    """Covariance of independent halves of the frames after a high-pass; shares of hot pixels in the dark."""
-    if sample.repeats and sample.capture.kind in ("dark", "flat", "bracket"):
+    """Covariance of independent halves of the frames after a high-pass: of pixels, of columns, of rows."""
+    repeated = sample.repeats and sample.capture.kind in ("dark", "flat", "bracket")
+    if repeated and has_even_areas(sample.capture):
         yield from _covariance(sample)
-    if sample.capture.kind == "dark":
-        yield _hot_pixels(sample)
 
 
 def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
     even = smooth_areas(sample.capture) & sample.valid
-    if even.sum() < 2000:
-        return
     first = _fine(sample.frames[0::2].mean(axis=0) - sample.reference)
     second = _fine(sample.frames[1::2].mean(axis=0) - sample.reference)
     count = [even.sum(axis=axis) for axis in (0, 1)]
@@ -51,10 +45,12 @@ def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
         for axis, name in ((0, "column_pattern"), (1, "row_pattern")):
             filled = count[axis] > _LEAST_OF_A_LINE
             a, b = (half.sum(axis=axis)[filled] / count[axis][filled] for half in (one, two))
+            if not filled.any():
+                continue
+            value = np.array([float(np.mean(a * b))])
             amplitude = (0.3 * _OFFSET_DN) ** 2 + (0.2 * _RELATIVE * signal.mean()) ** 2
-            yield StatisticBlock(
-                name, "pixel", np.array([float(np.mean(a * b))]), [{"channel": label}], amplitude
-            )
+            luck = np.abs(value) * np.sqrt(2 / np.count_nonzero(filled))
+            yield StatisticBlock(name, "pixel", value, [{"channel": label}], np.hypot(amplitude, luck))
 
 
 def _fine(image: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -62,14 +58,3 @@ def _fine(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
     blurred = cv2.blur(image, (_WINDOW_PX, _WINDOW_PX)).reshape(image.shape)
     return np.asarray(image - blurred, np.float32)
-
-
-def _hot_pixels(sample: Sample) -> StatisticBlock:
-    """Counts above two thresholds in the darkest frame, so that noise seldom counts, as logarithms."""
-    steady = sample.as_taken.min(axis=0)
-    noise_dn = float(np.sqrt(max(max(sample.capture.noise.thermal_dn2), 1 / 12)))
-    above = steady - sample.reference - max(np.median(sample.residual), 0)
-    thresholds = (HOT_DN + 5 * noise_dn, 4 * (HOT_DN + 5 * noise_dn))
-    counts = np.array([float((above[sample.valid] > t).sum()) for t in thresholds])
-    at = [{"above_dn": round(t, 1)} for t in thresholds]
-    return StatisticBlock("hot_pixels", "pixel", np.log1p(counts), at, 0.5)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from tacos_gap.captures import RealCapture
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
-RINGS = (0.0, 0.35, 0.6, 0.8, 1.5)
-"""Borders of rings around the principal point, as radius over half the diagonal."""
+RINGS = (0.0, 0.35, 0.6, 0.8, np.inf)
+"""Borders of rings around the principal point, which may lie off the file: radius over half the diagonal."""
 
 LEVELS = 6
 SMALLEST_BIN = 200  # pixels
@@ -98,7 +98,7 @@ def rings(capture: RealCapture) -> Bins:
 
     def make() -> Bins:
         index = np.searchsorted(RINGS, capture.geometry.radius, side="right") - 1
-        index = np.where(capture.valid, np.clip(index, 0, len(RINGS) - 2), -1)
+        index = np.where(capture.valid, index, -1)
         at = [{"radius": [inner, min(outer, 1.0)]} for inner, outer in pairwise(RINGS)]
         return _compact(index, at)
 
@@ -126,6 +126,18 @@ def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = 
         return _compact(np.where(use, index, -1), at)
 
     return _kept(capture, ("levels", channel, flat is None), make)
+
+
+LEAST_SIDE_PX = 16
+"""Side of an image below which nothing is measured in it: rows, tiles and neighbours need room."""
+
+LEAST_EVEN = 2000
+"""Pixels without edges that it takes to measure noise and fixed patterns."""
+
+
+def has_even_areas(capture: RealCapture) -> bool:
+    """Whether enough of the expectation is free of edges to see fixed patterns, or noise in one frame."""
+    return int(np.count_nonzero(smooth_areas(capture) & capture.valid)) >= LEAST_EVEN
 
 
 _SMOOTH: WeakKeyDictionary[RealCapture, NDArray[np.bool_]] = WeakKeyDictionary()

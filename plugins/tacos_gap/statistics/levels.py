@@ -13,6 +13,12 @@ OFFSET_DN = 0.06
 RELATIVE = 0.004
 """Equivalence margin of mean levels around the expectation: an absolute and a relative part."""
 
+FEWEST_IN_A_ROW = 3
+"""Frames of a sequence that tell a drift from two frames that differ."""
+
+OVER_TIME = 0.003
+"""Equivalence margin of a frame's level against the mean of its sequence, relative."""
+
 
 def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Mean of real less expected in bins of the expected level, per channel [DN]."""
@@ -28,7 +34,20 @@ def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
             [{**at, "channel": name} for at in bins.at],
             np.hypot(OFFSET_DN, RELATIVE * signal),
         )
+    if sample.capture.kind == "sequence" and len(sample.frames) >= FEWEST_IN_A_ROW:
+        yield from _over_time(sample)
     if sample.repeats or len(sample.frames) > 1:
         overall = sample.frames.mean(axis=(1, 2, 3))
         scale = max(float(sample.signal.mean()), 1.0)
         yield StatisticBlock("frame_to_frame", "exposure", np.array([np.std(overall) / scale]), [{}], 0.003)
+
+
+def _over_time(sample: Sample) -> Iterator[StatisticBlock]:
+    """Level of each frame of a sequence over its expectation, less the mean of all of them [1]."""
+    valid = sample.capture.valid
+    for channel, name in enumerate(sample.channels):
+        residual = sample.frames[..., channel] - sample.expected[..., channel]
+        scale = max(float(np.abs(sample.signal[..., channel][valid]).mean()), 1.0)
+        off = residual[:, valid].mean(axis=1) / scale
+        at = [{"frame": i, "channel": name} for i in range(len(off))]
+        yield StatisticBlock("level_over_time", "exposure", off - off.mean(), at, OVER_TIME)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import Sample, StatisticBlock
-from tacos_gap.statistics.grid import levels, smooth_areas
+from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
+from tacos_gap.statistics.grid import has_even_areas, levels, smooth_areas
 
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, -1), (0, 4), (4, 0))
 """Neighbours, as rows and columns away [px]."""
@@ -24,9 +24,9 @@ def noise_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         yield from _photon_transfer(sample, sample.variance, "photon_transfer", None, 0.02)
         yield _tails(planes, sample.valid)
     else:
-        even = smooth_areas(sample.capture) & sample.valid
-        if even.sum() < 2000:
+        if not has_even_areas(sample.capture):
             return
+        even = smooth_areas(sample.capture) & sample.valid
         noise = (sample.frames[0] - sample.expected[0]) * even[:, :, None]
         yield from _photon_transfer(sample, _high_pass(noise) ** 2, "spatial_noise", even, 0.03)
         planes = np.ascontiguousarray(np.moveaxis(noise, -1, 0))[:, None]
@@ -59,16 +59,18 @@ def _photon_transfer(
 
 
 def _tails(planes: NDArray[np.float32], valid: NDArray[np.bool_]) -> StatisticBlock:
+    """Kurtosis of the noise with normal noise as large as rounding added, without which little has tails."""
     square = np.square(planes if valid.all() else planes[:, :, valid])
-    variance = max(float(square.mean()), 0.05)
-    kurtosis = max(float(np.vdot(square, square)) / square.size / variance**2, 0.1)
+    second, fourth = float(square.mean()), float(np.vdot(square, square)) / square.size
+    added = ROUNDING_DN2
+    kurtosis = (fourth + 6 * added * second + 3 * added**2) / (second + added) ** 2
     return StatisticBlock("noise_tails", "readout", np.array([np.log(kurtosis)]), [{}], 0.03)
 
 
 def _correlation(sample: Sample, planes: NDArray[np.float32]) -> Iterator[StatisticBlock]:
     step = 2 if sample.capture.context.cfa else 1
     for plane, label in zip(planes, sample.channels, strict=True):
-        variance = max(float(np.vdot(plane, plane)) / plane.size, 0.02)
+        variance = max(float(np.vdot(plane, plane)) / plane.size, ROUNDING_DN2)
         values = [_lagged(plane, rows * step, columns * step) / variance for rows, columns in LAGS]
         at = [{"lag_px": [columns * step, rows * step], "channel": label} for rows, columns in LAGS]
         yield StatisticBlock("noise_autocorrelation", "pixel", np.array(values), at, 0.004)
@@ -97,7 +99,7 @@ def _lattice(sample: Sample, planes: NDArray[np.float32]) -> Iterator[StatisticB
         height, width = (size // 2 * 2 for size in plane.shape[1:])
         even = plane[:, :height, :width].reshape(-1, 2, width // 2, 2)
         phases = np.einsum("nrwc,nrwc->rc", even, even).ravel() / (even.size / 4)
-        logs = np.log(phases + 0.01)
+        logs = np.log(np.maximum(phases, ROUNDING_DN2))
         value = logs - logs.mean()
         at = [{"lattice": [c, r], "channel": label} for r in (0, 1) for c in (0, 1)]
         yield StatisticBlock("noise_lattice", "isp", value, at, 0.02)

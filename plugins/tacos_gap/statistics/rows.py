@@ -7,10 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
 
 WAVES = 24
 """Periods of a wave over the rows that are looked at: the height over 1, 2, ..."""
+
+_LEAST_RATIO = 0.2
+"""Added to the ratio, which falls towards 0 where noise is too small to pass the rounding."""
 
 
 def row_statistics(sample: Sample) -> Iterator[StatisticBlock]:
@@ -20,7 +23,7 @@ def row_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     even = sample.repeats or sample.capture.kind in ("dark", "flat")
     if even:
         level = row_means.mean(axis=1)
-        variance = max(float(np.vdot(noise, noise)) / noise.size - float(np.mean(level**2)), 0.02)
+        variance = max(float(np.vdot(noise, noise)) / noise.size - float(np.mean(level**2)), ROUNDING_DN2)
         yield _shared(row_means, variance / noise.shape[2], "row_noise")
         yield _shared(_column_means(noise), variance / noise.shape[1], "column_noise")
     if sample.capture.kind != "dark" and (even or len(sample.frames) > 1):
@@ -47,7 +50,7 @@ def _shared(lines: NDArray[np.float32], independent: float, name: str) -> Statis
     """Log variance of neighbouring lines' differences, over what independent pixels would give."""
     steps = np.diff(lines, axis=1) / np.sqrt(2)
     ratio = float(np.mean(steps**2)) / independent
-    return StatisticBlock(name, "readout", np.array([np.log(ratio + 0.05)]), [{}], 0.05)
+    return StatisticBlock(name, "readout", np.array([np.log(ratio + _LEAST_RATIO)]), [{}], 0.05)
 
 
 def _waves(sample: Sample, noise: NDArray[np.float32], row_means: NDArray[np.float32]) -> StatisticBlock:

@@ -18,8 +18,8 @@ BANDS = (0.03, 0.08, 0.16, 0.28, 0.42)
 """Borders of the bands of spatial frequency [cycles/px]."""
 
 DIRECTIONS = 4
-ZONES = (0.0, 0.45, 0.75, 1.5)
-"""Borders of the zones, as radius over half the diagonal."""
+ZONES = (0.0, 0.45, 0.75, np.inf)
+"""Borders of the zones, as radius over half the diagonal; a crop may lie wholly off the principal point."""
 
 _LEAST_SHARE = 1e-7
 """Detail fainter than this share of full scale squared is lost in noise."""
@@ -37,6 +37,11 @@ def sharpness_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     power = _power(sample.mean[..., green], layout)
     values = np.log((power + layout.least) / (layout.expected + layout.least))
     yield StatisticBlock("detail", "optics", values[layout.kept], layout.at, 0.03)
+
+
+def has_detail(capture: RealCapture) -> bool:
+    """Whether a structured capture has a tile with detail."""
+    return _layout(capture) is not None
 
 
 @dataclass(frozen=True, eq=False)

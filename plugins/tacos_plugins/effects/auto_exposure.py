@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,9 +12,12 @@ from pydantic import model_validator
 
 from tacos_framework.camera.colour import luminance
 from tacos_framework.camera.exposure import exposure_per_luminance
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling, settling_of
+from tacos_plugins.effects.shown_by import SEQUENCE
 
 
 class AutoExposure:
@@ -24,6 +27,10 @@ class AutoExposure:
     target as far as the limits allow. With a lag it follows exponentially, in stops, from frame to frame of
     an episode; at the first it is settled. The light is scaled ahead of the noise, so the noise is that of
     the other exposure time; motion blur stays as it is, and so does the gain.
+
+    Without a target it is metered against the first frame of the episode: `strength` is the share of a
+    change, in stops, that is evened out. That needs no absolute level, so a diagnosis can find it in
+    sequences. `first` is for a camera that has not settled as the episode begins.
 
     Examples
     --------
@@ -41,11 +48,20 @@ class AutoExposure:
 
         target_mlx_s: float | None = setting(
             None,
-            help="Mean focal-plane exposure to aim for; off if not given. A white wall fills an 8-bit image "
-            "of the default sensor to 200 of 255 at 30.",
+            help="Mean focal-plane exposure to aim for; without it `strength` counts. A white wall fills an "
+            "8-bit image of the default sensor to 200 of 255 at 30.",
             unit="mlx s",
             gt=0,
             le=1e6,
+        )
+        strength: float = setting(
+            0.0,
+            help="Without a target: share of a change since the first frame that is evened out, in stops.",
+            ge=0,
+            le=1,
+        )
+        first: float = setting(
+            1.0, help="Exposure of the first frame, over the one it settles at.", gt=0, le=1e3
         )
         shortest: float = setting(
             1 / 64, help="Least exposure, over the scenario's exposure time.", gt=0, le=1e6
@@ -69,11 +85,31 @@ class AutoExposure:
 
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 40
-    neutral: ClassVar[Mapping[str, Any]] = {"target_mlx_s": None}
+    neutral: ClassVar[Mapping[str, Any]] = {
+        "target_mlx_s": None,
+        "strength": 0.0,
+        "first": 1.0,
+        "lag_frames": 0.0,
+    }
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    shown_by: ClassVar[Sequence[ShownBy]] = (SEQUENCE,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @staticmethod
+    def guesses_from(captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """Where the level of a sequence drifts against what is expected."""
+        for capture in sequences(captures):
+            real, expected = (means.mean(axis=1) for means in means_dn(capture))
+            drift, change = (np.log(means / means[0]) for means in (real / expected, expected))
+            if np.ptp(drift) <= LEAST_CHANGE:
+                continue
+            if np.ptp(change) > LEAST_CHANGE:
+                slope = -float(drift @ change) / float(change @ change)
+                yield {"strength": min(max(slope, 0.05), 1.0)}
+            first, lag_frames = settling_of(real / expected)
+            yield {"first": first, "lag_frames": lag_frames}
 
     def on_array(
         self,
@@ -83,23 +119,31 @@ class AutoExposure:
         context: ImageContext,
         rng: np.random.Generator,
     ) -> NDArray[np.floating]:
-        """Light in cd/m2, exposed by its metering; needs the context's f-number."""
-        if self.config.target_mlx_s is None:
+        """Light, exposed by its metering; a target needs it in cd/m2, and the context's f-number."""
+        config = self.config
+        if config.target_mlx_s is None and config.strength == 0 and config.first == 1:
             return signal
         return signal * self.factors(signal, context).astype(signal.dtype)[:, None, None, None]
 
     def factors(self, light_cd_m2: NDArray[np.floating], context: ImageContext) -> NDArray[np.float64]:
         """(N,) what the exposure of each frame is multiplied by; goes on from the frame before [1]."""
-        assert self.config.target_mlx_s is not None
-        f_number = context.known_f_number("effect.auto-exposure")
         mean = light_cd_m2.mean(axis=(1, 2), dtype=np.float64)
-        brightness = luminance(mean) if mean.shape[-1] == 3 else mean[:, 0]
-        exposure_mlx_s = 1e3 * brightness * exposure_per_luminance(context.exposure_s, f_number)
-        wanted = self.config.target_mlx_s / np.maximum(exposure_mlx_s, 1e-12)
-        limited = np.clip(wanted, self.config.shortest, self.config.longest)
+        brightness = np.maximum(luminance(mean) if mean.shape[-1] == 3 else mean[:, 0], 1e-12)
+        limited = np.clip(self._wanted(brightness, context), self.config.shortest, self.config.longest)
         followed = followed_from(context.memory.get("factor"), limited, self.config.lag_frames)
         context.memory["factor"] = float(followed[-1])
-        return followed
+        start = int(context.memory.get("frames", 0))
+        context.memory["frames"] = start + len(followed)
+        return followed * settling(self.config.first, self.config.lag_frames, start, len(followed))
+
+    def _wanted(self, brightness: NDArray[np.float64], context: ImageContext) -> NDArray[np.float64]:
+        """(N,) factors that metering asks for [1]."""
+        if self.config.target_mlx_s is None:
+            reference = context.memory.setdefault("brightness", float(brightness[0]))
+            return np.asarray((reference / brightness) ** self.config.strength)
+        f_number = context.known_f_number("effect.auto-exposure")
+        exposure_mlx_s = 1e3 * brightness * exposure_per_luminance(context.exposure_s, f_number)
+        return np.asarray(self.config.target_mlx_s / np.maximum(exposure_mlx_s, 1e-12))
 
 
 def followed_from(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -12,12 +12,27 @@ from numpy.typing import NDArray
 from scipy.stats import poisson
 
 from tacos_framework.contracts import ShownBy, Stage
+from tacos_framework.contracts.observed import Captures
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.darks import SteadyDark, steady_darks
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
+
+_MOST_HIDDEN = 3.0
+"""Logarithm of how many more hot pixels there may be than are seen."""
+
+
+_LEAST_RISE_DN = 0.25
+
+
+def _rate(first: SteadyDark, last: SteadyDark) -> float | None:
+    """Rise of the mean level per second, hot pixels aside; None where it is too small to be seen."""
+    rise_dn = last.level_dn - first.level_dn
+    time_s = last.capture.context.exposure_s - first.capture.context.exposure_s
+    return rise_dn / time_s if time_s > 0 and rise_dn > _LEAST_RISE_DN else None
 
 
 class DarkCurrent:
@@ -73,6 +88,24 @@ class DarkCurrent:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """How fast the dark rises from the shortest to the longest exposure, and hot pixels of the longest.
+
+        Of exponentially distributed values those above a threshold exceed it by their mean.
+        """
+        darks = steady_darks(captures)
+        if len(darks) > 1 and (rate_dn_s := _rate(darks[0], darks[-1])) is not None:
+            yield {"rate_dn_s": rate_dn_s}
+        for dark in darks[-1:]:
+            hot_dn = dark.hot_dn
+            if hot_dn.size:
+                mean_dn = float(hot_dn.mean()) - dark.lowest_dn
+                hidden = math.exp(min(dark.lowest_dn / mean_dn, _MOST_HIDDEN))
+                share = min(hidden * hot_dn.size / dark.above_dn.size, 0.5)
+                rate_dn_s = mean_dn / dark.capture.context.exposure_s
+                yield {"rate_dn_s": 0.0, "hot_share": share, "hot_rate_dn_s": rate_dn_s}
 
     def on_array(
         self,

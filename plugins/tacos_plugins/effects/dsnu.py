@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import LookAlike, ShownBy, Stage
+from tacos_framework.contracts.observed import Captures
 from tacos_framework.settings import physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
+from tacos_plugins.effects.darks import steady_darks
 from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARK, REPEATED_FLAT
+
+_BRIGHT_COLUMN = 0.25
+"""Share of a column's pixels that makes it a bright one."""
+
+
+_SPECIMENS = 16
+"""Sensors of which the one is taken whose bright columns are set off best: none then stands between two codes
+by accident, as those of the real one do not."""
+
+
+def _edge(count: int, pattern: NDArray[np.float32]) -> tuple[float, float]:
+    """A positive level that so many numbers of a pattern exceed, halfway to the next, and the step there."""
+    largest = np.sort(pattern, axis=None)[::-1]
+    place = min(count, largest.size - 1)
+    above, below = float(largest[place - 1]), float(largest[place])
+    return max((above + below) / 2, 0.1), above - below
 
 
 class Dsnu:
@@ -76,6 +94,26 @@ class Dsnu:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """Spreads at which as many columns, and photosites, are bright as in a dark that is cut off at 0.
+
+        Where the dark is not cut off, a fit finds the spreads from anywhere.
+        """
+        for dark in steady_darks(captures)[-1:]:
+            if not dark.is_cut_off:
+                continue
+            geometry, channels = dark.capture.geometry, dark.above_dn.shape[-1]
+            columns = int(np.count_nonzero(dark.bright.mean(axis=(0, 2)) > _BRIGHT_COLUMN))
+            if columns:
+                patterns = [column_pattern("dsnu-columns", seed, geometry) for seed in range(_SPECIMENS)]
+                edges = [_edge(columns, pattern) for pattern in patterns]
+                seed = int(np.argmax([width / level for level, width in edges]))
+                yield {"column_sigma_dn": dark.lowest_dn / edges[seed][0], "map_seed": seed}
+            if dark.hot_dn.size:
+                pattern = pixel_pattern("dsnu", PatternSettings(), geometry, channels)
+                yield {"sigma_dn": dark.lowest_dn / _edge(dark.hot_dn.size, pattern)[0]}
 
     def on_array(
         self,

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import Places
 from tacos_framework.contracts import LookAlike, ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, of_kind
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
+from tacos_plugins.effects.board_calibration import calibrated
 from tacos_plugins.effects.shown_by import BOARDS
 
 
@@ -61,6 +64,14 @@ class FocalLengthError:
     def __init__(self, config: Config) -> None:
         self.config = config
 
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """What OpenCV calibrates from boards, with a lens that distorts, and with one that does not."""
+        for terms in (0, 2):
+            if found := calibrated(captures, terms=terms, free=("focal_length", "principal_point")):
+                scale = found.focal_px / of_kind(captures, "board")[0].geometry.focal_length_px
+                yield {"scale": scale, "dx_px": found.moved_px[0], "dy_px": found.moved_px[1]}
+
     @property
     def _off(self) -> bool:
         return (self.config.scale, self.config.dx_px, self.config.dy_px) == (1.0, 0.0, 0.0)
@@ -70,7 +81,13 @@ class FocalLengthError:
         if self._off:
             return None
         cx, cy = geometry.centre_px
-        x = cx + (geometry.x_px - self.config.dx_px) / self.config.scale
-        y = cy + (geometry.y_px - self.config.dy_px) / self.config.scale
-        x, y = np.broadcast_arrays(x, y)
-        return x, y
+        x, y = np.broadcast_arrays(geometry.x_px + cx, geometry.y_px + cy)
+        return self.source_at(x, y, geometry=geometry)
+
+    def source_at(
+        self, x_px: NDArray[np.float64], y_px: NDArray[np.float64], *, geometry: ImageGeometry
+    ) -> Places:
+        """Where in the believed image points of the real one look [px]."""
+        cx, cy = geometry.centre_px
+        c = self.config
+        return cx + (x_px - cx - c.dx_px) / c.scale, cy + (y_px - cy - c.dy_px) / c.scale

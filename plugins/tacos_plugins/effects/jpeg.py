@@ -47,14 +47,12 @@ class Jpeg:
     neutral: ClassVar[Mapping[str, Any]] = {"quality": 100}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"quality": 97, "subsampling": "4:2:0"},
-        {"quality": 93, "subsampling": "4:2:0"},
-        {"quality": 88, "subsampling": "4:2:0"},
-        {"quality": 80, "subsampling": "4:2:0"},
+        {"quality": 92, "subsampling": "4:2:0"},
+        {"quality": 84, "subsampling": "4:2:0"},
         {"quality": 70, "subsampling": "4:2:0"},
         {"quality": 50, "subsampling": "4:2:0"},
         {"quality": 30, "subsampling": "4:2:0"},
-        {"quality": 99, "subsampling": "4:4:4"},
-        {"quality": 96, "subsampling": "4:4:4"},
+        {"quality": 98, "subsampling": "4:4:4"},
         {"quality": 88, "subsampling": "4:4:4"},
         {"quality": 70, "subsampling": "4:4:4"},
     )

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import model_validator
 
 from tacos_framework.camera.motion import Places
 from tacos_framework.contracts import LookAlike, ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, ObservedCapture
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
+from tacos_plugins.effects.board_calibration import calibrated
 from tacos_plugins.effects.lens_models import BrownConrady, Fisheye
 from tacos_plugins.effects.shown_by import BOARDS
 
@@ -79,6 +82,16 @@ class LensDistortion:
     def __init__(self, config: Config) -> None:
         self.config = config
 
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The lenses of either model that OpenCV calibrates from boards, over the believed focal length."""
+        for terms in (1, 2, 3):
+            found = calibrated(captures, terms=terms)
+            if found and all(_images_all(BrownConrady(*found.radial), capture) for capture in captures):
+                yield dict(zip(("k1", "k2", "k3")[:terms], found.radial, strict=False))
+        if found := calibrated(captures, terms=3, fisheye=True):
+            yield {"model": "fisheye", **dict(zip(("k1", "k2", "k3"), found.radial, strict=True))}
+
     @property
     def _off(self) -> bool:
         return self.config.model == "brown" and not any(self._lens)
@@ -94,11 +107,34 @@ class LensDistortion:
         """Where in the pinhole's image each pixel looks, (H, W) columns and rows; None where off [px]."""
         return None if self._off else _source(self._lens, geometry)
 
+    def source_at(
+        self, x_px: NDArray[np.float64], y_px: NDArray[np.float64], *, geometry: ImageGeometry
+    ) -> Places:
+        """Where in the pinhole's image points of the image look [px]."""
+        return (x_px, y_px) if self._off else _source_at(self._lens, x_px, y_px, geometry)
+
+
+def _images_all(lens: BrownConrady, capture: ObservedCapture) -> bool:
+    """Whether a lens reaches the points of a capture's board: powers may turn back before."""
+    if capture.corners is None:
+        return True
+    offsets = (capture.corners[1] - capture.geometry.centre_px) / capture.geometry.focal_length_px
+    return lens.reaches(float(np.hypot(*offsets.T).max()))
+
 
 @lru_cache(maxsize=2)  # of a design's frames all look alike
 def _source(lens: BrownConrady | Fisheye, geometry: ImageGeometry) -> Places:
+    cx, cy = geometry.centre_px
+    return _source_at(lens, geometry.x_px + cx, geometry.y_px + cy, geometry)
+
+
+def _source_at(
+    lens: BrownConrady | Fisheye,
+    x_px: NDArray[np.float64],
+    y_px: NDArray[np.float64],
+    geometry: ImageGeometry,
+) -> Places:
     f = geometry.focal_length_px
     cx, cy = geometry.centre_px
-    x, y = np.broadcast_arrays(geometry.x_px / f, geometry.y_px / f)
-    x, y = lens.undistorted(x, y)
+    x, y = lens.undistorted((x_px - cx) / f, (y_px - cy) / f)
     return x * f + cx, y * f + cy

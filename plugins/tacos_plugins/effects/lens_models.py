@@ -74,6 +74,16 @@ class BrownConrady(NamedTuple):
             u, v = self._newton(u, v, target_x, target_y)
         return u, v
 
+    def reaches(self, radius: float) -> bool:
+        """Whether anything is imaged as far out as that, before the image folds over.
+
+        Examples
+        --------
+        >>> BrownConrady(k1=-0.3).reaches(0.5), BrownConrady(k1=-0.3).reaches(0.8)
+        (True, False)
+        """
+        return bool(self._table(radius)[1][-1] >= radius)
+
     def _table(self, needed: float) -> Points:
         """Undistorted radii, rising from 0, and where they are imaged: to `needed`, or to the fold."""
         radial = self._replace(p1=0.0, p2=0.0)

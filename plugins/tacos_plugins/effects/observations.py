@@ -72,6 +72,11 @@ def any_of_kind(*kinds: str) -> Callable[[Captures], bool]:
     return lambda captures: bool(of_kind(captures, *kinds))
 
 
+def none_of_kind(*kinds: str) -> Callable[[Captures], bool]:
+    """Whether there is no capture of some kinds."""
+    return lambda captures: not of_kind(captures, *kinds)
+
+
 def repeated(*kinds: str) -> Callable[[Captures], bool]:
     """Whether a capture of some kinds has two frames or more."""
     return lambda captures: any(capture.frames > 1 for capture in of_kind(captures, *kinds))

@@ -15,9 +15,11 @@ from tacos_plugins.effects.observations import (
     two_dark_exposures,
     views_of_a_board,
 )
+from tacos_plugins.effects.settling import FEWEST_FRAMES, a_drift_could_show
 
 DARK = ShownBy(any_of_kind("dark"), "kind dark: frames with the cap on")
 DARKS_OF_TWO_TIMES = ShownBy(two_dark_exposures, "kind dark at a second, ten times longer exposure")
+EVEN_FIELD = ShownBy(any_of_kind("dark", "flat", "bracket"), "kind dark or flat: an even field")
 FLAT = ShownBy(any_of_kind("flat", "bracket"), "kind flat: frames of an even surface")
 REPEATED_FLAT = ShownBy(
     repeated("dark", "flat", "bracket"), "two or more frames of a flat, with the same settings"
@@ -33,4 +35,5 @@ BOARDS = ShownBy(
 )
 COLOURS = ShownBy(colours_or_mono, "kind chart: a colour chart with its patches")
 MOTION = ShownBy(known_motion, "kind sequence: something that moves at a known velocity_px_s")
+SEQUENCE = ShownBy(a_drift_could_show, f"kind sequence: {FEWEST_FRAMES} or more frames in a row")
 LAMPS = ShownBy(repeated("flat", "sequence"), "two or more frames under the lamps in question")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -12,6 +12,7 @@ from pydantic import model_validator
 from scipy.interpolate import PchipInterpolator
 
 from tacos_framework.contracts import LookAlike, ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, lit
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
@@ -19,6 +20,16 @@ from tacos_plugins.effects.pointwise import Moments, moments_behind
 from tacos_plugins.effects.shown_by import BRACKET
 
 _STEPS = 4096  # of the table that stands for the cubic
+
+_KNOTS = (0.03, 0.08, 0.18, 0.35, 0.55, 0.78)
+"""Signals at which a curve is guessed, closer where curves of cameras are steep."""
+
+_BENT = 0.05
+"""Departure of a guessed exponent from 1 below which captures suggest none."""
+
+_FEWEST_KNOTS = 3
+_NEAREST = 15  # levels whose middle one is the code of a knot
+_LEVELS_OF_EACH = 300
 
 
 class ToneCurve:
@@ -85,6 +96,23 @@ class ToneCurve:
     def __init__(self, config: Config) -> None:
         self.config = config
 
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The exponent, and the curve, along which the levels of all captures lie that reach far enough."""
+        expected, found = levels_of(captures)
+        used = (expected > 0.005) & (expected < 1) & (found > 0.01) & (found < 0.97)
+        if used.sum() > _NEAREST and np.ptp(np.log(expected[used])) > 1:
+            gamma = float(np.polyfit(np.log(expected[used]), np.log(found[used]), 1)[0])
+            if abs(gamma - 1) > _BENT:
+                yield {"gamma": float(np.clip(gamma, 0.2, 5.0))}
+        ends = np.quantile(expected, (0.02, 0.98)) if len(expected) else (0.0, 0.0)
+        places = [x for x in _KNOTS if ends[0] <= x <= ends[1]]
+        if len(places) < _FEWEST_KNOTS:
+            return
+        codes = [float(np.median(found[np.argsort(np.abs(expected - x))[:_NEAREST]])) for x in places]
+        rising = np.clip(np.maximum.accumulate(codes), 0.0, 1.0).round(4).tolist()
+        yield {"knots": ((0.0, 0.0), *zip(places, rising, strict=True), (1.0, 1.0))}
+
     @property
     def _bends(self) -> bool:
         return self.config.gamma != 1 or self.config.knots is not None
@@ -134,3 +162,26 @@ class ToneCurve:
         if not self._bends:
             return mean_dn, variance_dn2
         return moments_behind(lambda x: self._bent(x, context), mean_dn, variance_dn2)
+
+
+def levels_of(captures: Captures) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Levels that captures are expected to have and those they have, above the pedestal over full scale.
+
+    A few hundred of each capture, of pixels whose neighbourhood is the more even half.
+    """
+    expected, found = [], []
+    for capture in lit(captures):
+        if capture.expected_dn is None or not capture.valid.any():
+            continue
+        black = capture.context.black_level_dn
+        full_scale_dn = capture.context.white_level_dn - black
+        should = (capture.expected_dn.mean(axis=(0, 3)) - black) / full_scale_dn
+        does = (capture.real_dn.mean(axis=(0, 3)) - black) / full_scale_dn
+        steps = np.hypot(*np.gradient(should)) if min(should.shape) > 1 else np.zeros_like(should)
+        even = capture.valid & (steps <= np.quantile(steps[capture.valid], 0.5))
+        stride = max(int(even.sum()) // _LEVELS_OF_EACH, 1)
+        expected.append(should[even][::stride])
+        found.append(does[even][::stride])
+    if not expected:
+        return np.zeros(0), np.zeros(0)
+    return np.concatenate(expected).astype(np.float64), np.concatenate(found).astype(np.float64)

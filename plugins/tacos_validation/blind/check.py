@@ -2,51 +2,50 @@
 
 from __future__ import annotations
 
-import json
 import multiprocessing
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_gap.candidates import candidates
 from tacos_report.page import write_page
+from tacos_report.quantities import duration
 from tacos_validation.blind.cases import Case
+from tacos_validation.blind.figure import Figure
 from tacos_validation.blind.generators.specifications import (
     CAPTURES,
     KEPT_BACK,
-    CaseSpecification,
     Commitment,
-    commit,
-    make_and_commit,
     reveal,
 )
+from tacos_validation.blind.making import MADE, TRUTHS, Batch, Wanted, made_ahead, name_of
 from tacos_validation.blind.pages import page
-from tacos_validation.blind.real_cases import RealCase, real_cases
-from tacos_validation.blind.scoring import Figure, baselines, figures
+from tacos_validation.blind.real_cases import real_cases
+from tacos_validation.blind.real_folders import RealCase, real_folders
+from tacos_validation.blind.records import CASES, append, read_cases
+from tacos_validation.blind.scoring import baselines, figures
 from tacos_validation.blind.solving import Diagnosing, FreshGaps, Worker
 from tacos_validation.blind.tiers import Counts, case_specifications
 
 COMPARED = ("T0", "T1", "T2")
 """Tiers on which simpler ways are tried too."""
 
-CASES, COMMITMENTS = "cases.jsonl", "commitments.jsonl"
-
 
 class GapBlindCheck:
     """Makes cases with withheld effects, diagnoses them, opens the truth, and keeps score.
 
-    Cases go batch by batch: a batch is made in processes of the generator, which writes each truth with a
-    salt and hands back its SHA-256; the digests are written to ``commitments.jsonl`` before the diagnosis of
-    the batch begins, in the executor's processes. The truth is opened, and held against its digest, when all
-    answers of the batch are there. Every case ends in ``cases.jsonl``. A broken run goes on with
-    ``--resume``.
+    Cases go batch by batch: a batch is made in processes of the generator, while the one before is solved.
+    They write each truth with a salt and hand back its SHA-256; the digests are written to
+    ``commitments.jsonl`` before the diagnosis of the batch begins, in the executor's processes. The truth is
+    opened, and held against its digest, when all answers of the batch are there. Every case ends in
+    ``cases.jsonl``. A broken run goes on with ``--resume``.
     """
 
     class Config(Settings):
@@ -57,10 +56,20 @@ class GapBlindCheck:
         height_px: int = setting(180, help="Height of the captures.", unit="px", ge=48)
         captures: str = setting("charts", help="Captures of cases with all of them: charts, or smallest.")
         real: str = setting(
-            "", help="Folder with real captures of known truth (T5); left out if empty.", is_path=True
+            "",
+            help="Folder of folders of real captures with a truth.json (T5); left out if empty.",
+            is_path=True,
+        )
+        real_data: str = setting(
+            "",
+            help="Folder of public pictures from which real cases are made (T5); left out if empty.",
+            is_path=True,
         )
         baselines: bool = setting(True, help="Whether simpler ways are tried on the same cases.")
-        batch: int = setting(12, help="Cases made, and kept on disk, at a time.", ge=1)
+        case_limit_s: float | None = setting(
+            600.0, help="Longest processor time for a diagnosis; past it there is no answer.", unit="s", gt=0
+        )
+        batch: int = setting(12, help="Cases solved before their truth is opened.", ge=1)
         makers: int = setting(1, help="Processes that make cases.", ge=1)
         keep: bool = setting(False, help="Whether captures are kept; some 5 MB a case.")
 
@@ -73,109 +82,75 @@ class GapBlindCheck:
         """Check; leaves ``report.html``, ``cases.jsonl`` and ``commitments.jsonl``."""
         config = self.config
         notes: list[str] = []
-        wanted = case_specifications(
-            config.counts, seed, (config.width_px, config.height_px), config.captures
-        )
-        cases = list(_read_cases(out / CASES)) if resume else []
+        size = (config.width_px, config.height_px)
+        cases = list(read_cases(out / CASES)) if resume else []
         done = {case.name for case in cases}
-        wanted = [spec for spec in wanted if spec.case not in done]
-        real = [case for case in self._real(notes) if case.name not in done]
-        worker = Worker(candidates(plugins).effects)
-        progress.phase("Diagnosing withheld effects", len(wanted) + len(real))
+        effects = candidates(plugins).effects
+        specifications = case_specifications(config.counts, seed, size, config.captures)
+        every: list[Wanted] = [*specifications, *self._real(notes, tuple(effects))]
+        wanted = [each for each in every if name_of(each) not in done]
+        worker = Worker(effects, config.case_limit_s)
+        progress.phase("Diagnosing withheld effects", len(wanted))
+        began, solved = time.monotonic(), 0
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(config.makers, mp_context=context) as makers:
-            timed = [spec for spec in wanted if spec.tier == "speed"]
-            others = [spec for spec in wanted if spec.tier != "speed"]
-            for batch in (  # what is timed goes alone
-                *_batches(timed, 1),
-                *_batches(others, config.batch),
-                *_batches(real, config.batch),
-            ):
-                commitments = self._make(batch, out, makers)
+            for batch, commitments in made_ahead(wanted, config.batch, out, makers):
                 found = self._solve(batch, commitments, out, worker, executor)
-                _append(out / CASES, [case.as_data() for case in found])
+                append(out / CASES, [case.as_data() for case in found])
+                solved += len(found)
+                left_s = (time.monotonic() - began) / solved * (len(wanted) - solved)
                 for case in found:
-                    progress.step(_line(case))
+                    progress.step(f"{_line(case)}; about {duration(left_s)} left")
                 cases += found
                 if not config.keep:
-                    shutil.rmtree(out / "made")
+                    _clear(batch, out)
         scored = figures(cases)
         write_page(out / "report.html", page(cases, scored, notes))
         return _result(cases, scored, notes)
 
-    def _real(self, notes: list[str]) -> list[RealCase]:
-        if not self.config.real:
-            notes.append("T5 is left out: no folder of real captures was given.")
-            return []
-        folder = Path(self.config.real)
-        if not folder.is_dir():
-            notes.append(f"T5 is left out: the folder of real captures, {folder.name}, is not there.")
-            return []
-        return list(real_cases(folder))
-
-    def _make(
-        self, batch: Sequence[CaseSpecification | RealCase], out: Path, makers: ProcessPoolExecutor
-    ) -> list[Commitment]:
-        """Make a batch and commit to its truth before anything else is done with it."""
-        made, truths = out / "made", out / "truths"
-        pending = []
-        for each in batch:
-            if isinstance(each, CaseSpecification):
-                pending.append(makers.submit(make_and_commit, each, made, truths))
-        commitments = [future.result() for future in pending]
-        for each in batch:
-            if isinstance(each, RealCase):
-                each.write(made / each.name)
-                commitments.append(commit(each.name, _real_truth(each), truths / f"{each.name}.json"))
-        _append(
-            out / COMMITMENTS,
-            [{"case": commitment.case, "sha256": commitment.digest} for commitment in commitments],
-        )
-        return commitments
+    def _real(self, notes: list[str], effects: Sequence[str]) -> list[RealCase]:
+        """All real cases, of both folders."""
+        found: list[RealCase] = []
+        for key, folder in (("real", self.config.real), ("real_data", self.config.real_data)):
+            if folder and not Path(folder).is_dir():
+                notes.append(f"The folder of {key}, {Path(folder).name}, is not there.")
+            elif folder and key == "real":
+                found += real_folders(Path(folder), effects)
+            elif folder:
+                found += real_cases(Path(folder))
+        if not found:
+            notes.append("T5 is left out: there are no captures of real cameras.")
+        return found
 
     def _solve(
-        self,
-        batch: Sequence[CaseSpecification | RealCase],
-        commitments: Sequence[Commitment],
-        out: Path,
-        worker: Worker,
-        executor: Executor,
+        self, batch: Batch, commitments: Sequence[Commitment], out: Path, worker: Worker, executor: Executor
     ) -> list[Case]:
         """Answers first, all of them; then the truth; then how the answers fare on fresh captures."""
-        made = out / "made"
-        removed = {each.case: each.removed for each in batch if isinstance(each, CaseSpecification)}
-        timed = {each.case for each in batch if isinstance(each, CaseSpecification) and each.tier == "speed"}
-        compared = {
-            each.case for each in batch if isinstance(each, CaseSpecification) and each.tier in COMPARED
-        }
-        jobs = [
-            Diagnosing(
-                s.case,
-                made / s.case / CAPTURES,
-                removed.get(s.case, ()),
-                self.config.baselines and s.case in compared,
-                threads=2 if s.case in timed else 1,
-            )
-            for s in commitments
-        ]
-        answers = dict(zip([s.case for s in commitments], executor.map(worker, jobs), strict=True))
-        truths = {s.case: reveal(s, out / "truths" / f"{s.case}.json") for s in commitments}
+        jobs = [self._diagnosing(each, out / MADE) for each in batch]
+        answers = dict(zip([job.case for job in jobs], executor.map(worker, jobs), strict=True))
+        truths = {s.case: reveal(s, out / TRUTHS / f"{s.case}.json") for s in commitments}
         fresh = [
             job
-            for s in commitments
-            if (job := _fresh_gaps_job(s.case, made / s.case / KEPT_BACK, answers[s.case], truths[s.case]))
+            for case, truth in truths.items()
+            if (job := _fresh_gaps_job(case, out / MADE / case / KEPT_BACK, answers[case], truth))
         ]
         fresh_gaps = dict(zip([job.case for job in fresh], executor.map(worker, fresh), strict=True))
         return [
-            Case(
-                s.case,
-                truths[s.case]["specification"]["tier"],
-                truths[s.case],
-                answers[s.case],
-                fresh_gaps.get(s.case),
-            )
-            for s in commitments
+            Case(case, truth["specification"]["tier"], truth, answers[case], fresh_gaps.get(case))
+            for case, truth in truths.items()
         ]
+
+    def _diagnosing(self, each: Wanted, made: Path) -> Diagnosing:
+        name = name_of(each)
+        if isinstance(each, RealCase):
+            return Diagnosing(name, made / name / CAPTURES, baselines=False)
+        return Diagnosing(
+            name,
+            made / name / CAPTURES,
+            each.removed,
+            self.config.baselines and each.tier in COMPARED,
+            threads=2 if each.tier == "speed" else 1,
+        )
 
 
 def _fresh_gaps_job(
@@ -189,51 +164,12 @@ def _fresh_gaps_job(
     return FreshGaps(case, folder, answer["patch"], settings)
 
 
-def _real_truth(case: RealCase) -> dict[str, Any]:
-    first = case.expects.get("first", ())
-    return {
-        "specification": {"tier": "T5", "captures": "real", "severity": None, "notes": {}, "variants": {}},
-        "withheld": [{"effect": name, "parameters": {}, "units": None} for name in first[:1]],
-        "expects": {key: list(value) for key, value in case.expects.items()},
-    }
-
-
-def _batches(items: Sequence[Any], size: int) -> Iterator[list[Any]]:
-    for start in range(0, len(items), size):
-        yield list(items[start : start + size])
-
-
-def _append(file: Path, lines: Sequence[Mapping[str, Any]]) -> None:
-    with file.open("a", encoding="utf-8") as stream:
-        for line in lines:
-            stream.write(json.dumps(line, ensure_ascii=False) + "\n")
-
-
-def _read_cases(file: Path) -> Iterator[Case]:
-    """Cases of a broken run; a last line that was cut off counts for nothing.
-
-    Raises
-    ------
-    UserError
-        When another version wrote them.
-    """
-    if not file.is_file():
-        return
-    for line in file.read_text("utf-8").splitlines():
-        try:
-            data = json.loads(line)
-        except json.JSONDecodeError:
-            return
-        if "fresh_gaps" not in data:
-            raise UserError(
-                Fault(
-                    str(file),
-                    "an older version of tacos-framework wrote these cases",
-                    "cases of this version",
-                    "Go on with that version, or start anew without --resume.",
-                )
-            )
-        yield Case.of(data)
+def _clear(batch: Batch, out: Path) -> None:
+    """Remove the captures of a batch, and the folder of captures with the last."""
+    for each in batch:
+        shutil.rmtree(out / MADE / name_of(each))
+    if not any((out / MADE).iterdir()):
+        (out / MADE).rmdir()
 
 
 def _line(case: Case) -> str:

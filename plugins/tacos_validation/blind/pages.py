@@ -5,24 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-from matplotlib.colors import LinearSegmentedColormap
-from matplotlib.figure import Figure as Canvas
-
-from tacos_report.figures.canvas import draw, light_grid
-from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings
-from tacos_report.palette import INK, MUTED, PAPER, camera_colour
+from tacos_report.page import Block, Page, Paragraph, Section, SideBySide, Table, Warnings
 from tacos_validation.blind.cases import Case
-from tacos_validation.blind.scoring import Figure, baselines, ladder
-
-OTHERWISE = ("no_gap", "unknown", "partly_explained", "error")
+from tacos_validation.blind.drawings import (
+    confusions,
+    interval_coverage,
+    reliability_diagrams,
+    severities,
+)
+from tacos_validation.blind.figure import Figure
+from tacos_validation.blind.judgement import sureness
+from tacos_validation.blind.scoring import baselines, by_nuisance, ladder
 
 
 def page(cases: Sequence[Case], figures: Sequence[Figure], notes: Sequence[str]) -> Page:
     """The page: confusion first, then the goals, the ladder, simpler ways, and every failure."""
     goals = [figure for figure in figures if figure.met is not None]
     met = sum(bool(figure.met) for figure in goals)
-    warnings = (Section("Notes", (Warnings("What to know", tuple(notes)),)),) if notes else ()
+    sections = (
+        Section("What was withheld, and what was named first", tuple(confusions(cases))),
+        Section("Figures and goals", (_goals(figures),)),
+        Section("Does its certainty hold?", tuple(_calibration(cases))),
+        Section("Severity", (severities(cases),) if ladder(cases) else ()),
+        Section("Nuisances", tuple(_nuisances(cases))),
+        Section("Real cameras", tuple(_real(cases))),
+        Section("Simpler ways on the same cases", tuple(_simpler(cases))),
+        Section("Notes", (Warnings("What to know", tuple(notes)),) if notes else ()),
+        Section("Failures", (_failures(cases),)),
+    )
     return Page(
         eyebrow="Diagnosis, checked blind",
         title=f"{met} of {len(goals)} goals met over {len(cases)} cases",
@@ -31,67 +41,54 @@ def page(cases: Sequence[Case], figures: Sequence[Figure], notes: Sequence[str])
             "truth was salted and hashed before the diagnosis began and opened after its answer was "
             "written. Intervals are 95 %, of shares exact (Clopper and Pearson)."
         ),
-        sections=(
-            Section("What was withheld, and what was named first", tuple(_confusions(cases))),
-            Section("Figures and goals", (_goals(figures),)),
-            Section("Severity", (_ladder(cases),)) if ladder(cases) else Section("Severity", ()),
-            Section("Simpler ways on the same cases", (_simpler(cases),)),
-            *warnings,
-            Section("Failures", (_failures(cases),)),
-        ),
+        sections=tuple(section for section in sections if section.blocks),
     )
 
 
-def _confusions(cases: Sequence[Case]) -> list[Drawing]:
-    return [
-        drawing
-        for title, chosen in (
-            ("charts", [c for c in cases if c.tier == "T1" and c.captures != "natural"]),
-            ("natural scenes alone", [c for c in cases if c.tier == "T1" and c.captures == "natural"]),
-            ("independent makers", [c for c in cases if c.tier == "T4"]),
+def _calibration(cases: Sequence[Case]) -> list[Block]:
+    diagrams = reliability_diagrams(cases)
+    intervals = interval_coverage(cases)
+    shown = tuple(diagrams if intervals is None else [*diagrams, intervals])
+    return [SideBySide(shown)] if shown else []
+
+
+def _nuisances(cases: Sequence[Case]) -> list[Block]:
+    rows = [
+        (
+            name,
+            _of(told),
+            _of(quiet),
+            str(sum(case.confident_and_wrong for case in own)),
+            str(sum(case.failed for case in own)),
         )
-        if (drawing := _confusion(title, chosen)) is not None
+        for name, (told, quiet, own) in by_nuisance(cases).items()
     ]
+    if not rows:
+        return []
+    heads = ("What was off", "First cause right", "Right, nothing withheld", "Wrong and sure", "No answer")
+    return [Table(heads, tuple(rows), "T7; the first column of figures at 4 units or more.")]
 
 
-def _confusion(title: str, cases: Sequence[Case]) -> Drawing | None:
-    if not cases:
-        return None
-    rows = sorted({case.effects[0] for case in cases})
-    columns = sorted(set(rows) | {case.first for case in cases if case.first not in OTHERWISE})
-    columns += [name for name in OTHERWISE if any(case.first == name for case in cases)]
-    counts = np.zeros((len(rows), len(columns)))
-    for case in cases:
-        counts[rows.index(case.effects[0]), columns.index(case.first)] += 1
-    shares = counts / counts.sum(axis=1, keepdims=True)
+def _real(cases: Sequence[Case]) -> list[Block]:
+    real = sorted((case for case in cases if case.tier == "T5"), key=lambda case: case.name)
+    rows = [
+        (case.name, judgement.outcome, _said(case), ", ".join(known.accept))
+        for case in real
+        if (judgement := case.judgement) and (known := case.known)
+    ]
+    heads = ("Captures", "Outcome", "Answer", "Known")
+    return [Table(heads, tuple(rows), "T5: all, right and wrong.")] if rows else []
 
-    def paint(figure: Canvas) -> None:
-        axes = figure.add_subplot()
-        scale = LinearSegmentedColormap.from_list("share", [PAPER, camera_colour(1)])
-        axes.pcolormesh(shares, cmap=scale, vmin=0, vmax=1, edgecolors=PAPER, linewidth=0.5)
-        for row, column in zip(*np.nonzero(counts), strict=True):
-            axes.text(
-                column + 0.5, row + 0.5, f"{counts[row, column]:g}", ha="center", va="center", fontsize=7,
-                color=PAPER if shares[row, column] > 0.5 else INK,
-            )  # fmt: skip
-        axes.set_xticks(np.arange(len(columns)) + 0.5, columns, rotation=90, fontsize=7)
-        axes.set_yticks(np.arange(len(rows)) + 0.5, rows, fontsize=7)
-        axes.invert_yaxis()
-        axes.set_xlabel("named first")
-        axes.set_ylabel("withheld")
-        axes.set_title(title)
-        axes.tick_params(length=0)
 
-    height = 2.6 + 0.19 * len(rows)
-    svg = draw(f"confusion-{title}", (9.2, height), f"Withheld effects against those named, {title}.", paint)
-    return Drawing(svg, f"{title.capitalize()}: numbers are cases of all severities.")
+def _of(figure: Figure) -> str:
+    return f"{_shown(figure)} of {figure.count}"
 
 
 def _goals(figures: Sequence[Figure]) -> Table:
     rows = tuple(
         (each.name, _shown(each), _ends(each), str(each.count), each.goal, _met(each)) for each in figures
     )
-    caption = "T1 to T3 count cases whose severity came out at 4 units or more; medians with their intervals."
+    caption = "T1, T3, T4 and T7 count cases whose severity came out at 4 units or more."
     return Table(("Figure", "Found", "95 %", "Of", "Goal", "Met"), rows, caption)
 
 
@@ -117,38 +114,13 @@ def _ends(figure: Figure) -> str:
     return f"{_number(figure.low, figure.unit)} to {_number(figure.high, figure.unit)}"
 
 
-def _ladder(cases: Sequence[Case]) -> Drawing:
-    steps = ladder(cases)
-
-    def paint(figure: Canvas) -> None:
-        axes = figure.add_subplot()
-        at = [severity for severity, _ in steps]
-        values = np.array([each.value for _, each in steps])
-        ends = np.array([[each.low, each.high] for _, each in steps]).T
-        axes.errorbar(
-            at, values, yerr=np.abs(ends - values), color=camera_colour(1), marker="o", capsize=3, linewidth=2
-        )
-        axes.axhline(0.95, color=MUTED, linewidth=1, linestyle="--")
-        axes.set_xscale("log", base=2)
-        axes.set_xticks(at, [f"{value:g}" for value in at])
-        axes.set_ylim(0, 1.02)
-        axes.set_xlabel("severity [noise floor]")
-        axes.set_ylabel("first cause right")
-        light_grid(axes, "y")
-
-    described = "Share of cases with the right first cause against the severity of the withheld effect."
-    return Drawing(
-        draw("ladder", (7.0, 3.2), described, paint), "T1 with charts. Dashed: the goal from 4 units on."
-    )
-
-
-def _simpler(cases: Sequence[Case]) -> Table:
+def _simpler(cases: Sequence[Case]) -> list[Block]:
+    if not any(case.answer.get("baselines") for case in cases):
+        return []
     table = baselines(cases)
     heads = ("Way", *next(iter(table.values())))
-    rows = tuple(
-        (way, *(f"{_shown(f)} of {f.count}" for f in figures.values())) for way, figures in table.items()
-    )
-    return Table(heads, rows, "The first cause at 4 units or more; false alarms: anything named at all.")
+    rows = tuple((way, *(_of(each) for each in figures.values())) for way, figures in table.items())
+    return [Table(heads, rows, "The first cause at 4 units or more; false alarms: anything named at all.")]
 
 
 def _failures(cases: Sequence[Case]) -> Table | Paragraph:
@@ -164,20 +136,23 @@ def _failure(case: Case) -> tuple[str, ...]:
     specification: Mapping[str, object] = case.truth["specification"]
     withheld = ", ".join(case.effects) or "nothing"
     makers = ", ".join(dict(specification.get("variants") or {}).values())  # type: ignore[call-overload]
-    answer = case.answer
-    if case.failed:
-        said, gap = str(answer["error"]), ""
-    else:
-        said = ", ".join(f"{c['effect']} ({c['probability']:.0%})" for c in answer["causes"])
-        said = f"{answer['verdict']}: {said}" if said else str(answer["verdict"])
-        gap = f"{answer['gap']['before']:.2f}, {answer['gap']['after']:.2f}"
+    beside = f", with: {case.nuisance}" if case.nuisance else ""
+    gap = case.answer.get("gap")
     return (
         case.name,
         case.tier,
         case.captures,
-        f"{withheld} ({makers})" if makers else withheld,
+        f"{withheld} ({makers})" if makers else f"{withheld}{beside}",
         f"{case.units:.1f}",
-        said,
+        _said(case),
         ", ".join(case.cause_set),
-        gap,
+        f"{gap['before']:.2f}, {gap['after']:.2f}" if gap else "",
     )
+
+
+def _said(case: Case) -> str:
+    """The verdict and the causes with how sure each is; or the error."""
+    if case.failed:
+        return str(case.answer["error"])
+    causes = ", ".join(f"{each['effect']} ({sureness(each):.0%})" for each in case.answer["causes"])
+    return f"{case.answer['verdict']}: {causes}" if causes else str(case.answer["verdict"])

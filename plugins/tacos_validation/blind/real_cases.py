@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,8 @@ import yaml
 from numpy.typing import NDArray
 
 from tacos_validation.blind.generators.specifications import CAPTURES
+from tacos_validation.blind.judgement import KnownTruth
+from tacos_validation.blind.real_folders import RealCase
 
 FLEA3 = {
     "width_px": 408,
@@ -35,23 +36,11 @@ UNCLIPPED_DN = 240
 """Values below are far enough from clipping."""
 
 
-@dataclass(frozen=True)
-class RealCase:
-    """A real case.
+SMALL = KnownTruth(("quantisation",), expect_verdict=("no_gap",))
+"""Half a code lost to rounding down, at most."""
 
-    Parameters
-    ----------
-    name
-        What it is.
-    expects
-        What is known: ``first`` (effects of which one must come first) or ``at_most`` (what may be named).
-    write
-        Writes the folder.
-    """
-
-    name: str
-    expects: Mapping[str, Sequence[str]]
-    write: Callable[[Path], None]
+SEEN_BESIDE_BLUR = ("jpeg", "sharpening", "tone-curve", "denoise")
+"""What pictures from finished files may have beside their blur."""
 
 
 def real_cases(data: Path) -> Iterator[RealCase]:
@@ -65,48 +54,48 @@ def real_cases(data: Path) -> Iterator[RealCase]:
     if (boards := data / "opencv_boards").is_dir():
         files = sorted(boards.glob("left*.jpg"))
         for name, chosen in (("all", files), ("first half", files[:7]), ("second half", files[6:])):
-            yield RealCase(
-                f"chessboards, {name}", {"first": ["lens-distortion"]}, partial(_boards, files=chosen)
-            )
+            known = KnownTruth(("lens-distortion",), ("focal-length-error", "pose-error", "jpeg"))
+            yield RealCase(f"chessboards, {name}", known, partial(_boards, files=chosen))
     if (flea := data / "flea3_raw").is_dir():
         yield from _flea3(flea)
     if (blur := data / "opencv_blur").is_dir():
         for file, effects in (("motion", ["motion-blur"]), ("defocus", ["defocus", "lens-blur"])):
             image = blur / f"text_{file}.jpg"
-            yield RealCase(f"text, {file}", {"first": effects}, partial(_edges, file=image))
+            known = KnownTruth(tuple(effects), SEEN_BESIDE_BLUR)
+            yield RealCase(f"text, {file}", known, partial(_edges, file=image))
     if (slanted := data / "slanted_edge" / "Test_edge1_mono.tif").is_file():
-        yield RealCase("slanted edge", {"first": ["lens-blur", "defocus"]}, partial(_edges, file=slanted))
+        known = KnownTruth(("lens-blur", "defocus"), SEEN_BESIDE_BLUR)
+        yield RealCase("slanted edge", known, partial(_edges, file=slanted))
     if (stack := data / "focus_stack").is_dir():
+        magnified = ("focal-length-error", "pose-error", "exposure-error")
+        known = KnownTruth(("defocus", "lens-blur"), (*SEEN_BESIDE_BLUR, *magnified))
         for step in (1, 4, 7):
-            yield RealCase(
-                f"focus stack, step {step}",
-                {"first": ["defocus", "lens-blur"]},
-                partial(_focus, stack=stack, step=step),
-            )
+            yield RealCase(f"focus stack, step {step}", known, partial(_focus, stack=stack, step=step))
 
 
 def _flea3(folder: Path) -> Iterator[RealCase]:
     darks = {time: sorted(folder.glob(f"d1_dark_{time}ms_*.tif")) for time in _times(folder, "dark")}
     lit = {time: sorted(folder.glob(f"d1_disks*_{time}ms_*.tif")) for time in _times(folder, "disks")}
-    small = ["quantisation"]
-    for name, times, expects in (
-        ("short darks, 25 and 50 ms", (25, 50), {"at_most": small}),
-        ("short darks, 50 and 100 ms", (50, 100), {"at_most": small}),
-        ("short darks, 25 to 100 ms", (25, 50, 100), {"at_most": small}),
-        ("long darks, 500 and 2000 ms", (500, 2000), {"first": ["dark-current"]}),
-        ("long darks, 2000 and 3916 ms", (2000, 3916), {"first": ["dark-current"]}),
-        ("darks of all times", tuple(darks), {"first": ["dark-current"]}),
+    warm = KnownTruth(("dark-current",), ("dsnu", "read-noise"))
+    full = KnownTruth(
+        ("saturation",), ("exposure-error", "black-level", "nonlinearity", "veiling-glare", "quantisation")
+    )
+    for name, times, known in (
+        ("short darks, 25 and 50 ms", (25, 50), SMALL),
+        ("short darks, 50 and 100 ms", (50, 100), SMALL),
+        ("short darks, 25 to 100 ms", (25, 50, 100), SMALL),
+        ("long darks, 500 and 2000 ms", (500, 2000), warm),
+        ("long darks, 2000 and 3916 ms", (2000, 3916), warm),
+        ("darks of all times", tuple(darks), warm),
     ):
-        yield RealCase(name, expects, partial(_darks, frames={k: darks[k] for k in times}))
-    for name, times, white, expects in (
-        ("series, 25 to 250 ms", (25, 50, 100, 250), 255.0, {"at_most": small}),
-        ("series, 50 to 250 ms", (50, 100, 250), 255.0, {"at_most": small}),
-        ("series to 500 ms, believed wider", (25, 50, 100, 250, 500), 4095.0, {"first": ["saturation"]}),
-        ("series to 2000 ms, believed wider", (50, 100, 250, 500, 2000), 4095.0, {"first": ["saturation"]}),
+        yield RealCase(name, known, partial(_darks, frames={k: darks[k] for k in times}))
+    for name, times, white, known in (
+        ("series, 25 to 250 ms", (25, 50, 100, 250), 255.0, SMALL),
+        ("series, 50 to 250 ms", (50, 100, 250), 255.0, SMALL),
+        ("series to 500 ms, believed wider", (25, 50, 100, 250, 500), 4095.0, full),
+        ("series to 2000 ms, believed wider", (50, 100, 250, 500, 2000), 4095.0, full),
     ):
-        yield RealCase(
-            name, expects, partial(_series, chosen={k: lit[k] for k in times}, lit=lit, white=white)
-        )
+        yield RealCase(name, known, partial(_series, chosen={k: lit[k] for k in times}, lit=lit, white=white))
 
 
 def _times(folder: Path, what: str) -> list[int]:

@@ -3,100 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from tacos_validation.blind.baselines import WAYS
+from tacos_validation.blind.calibration import calibration_figures
 from tacos_validation.blind.cases import Case
+from tacos_validation.blind.figure import Figure, at_least, at_most, middle, share
+from tacos_validation.blind.judgement import UNKNOWN
 
 STRONG = 3.6
 """Severity from which a cause must be found: 4, less the tolerance of the amplitude search [noise floor]."""
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One figure.
-
-    Parameters
-    ----------
-    name
-        What it is.
-    value, low, high
-        The figure, and its 95 % interval; NaN where there are no cases.
-    count
-        Cases, or numbers, behind it.
-    goal
-        The goal, in words; empty where there is none.
-    met
-        Whether it is met; None without a goal or cases.
-    unit
-        ``%`` for shares, else what follows the number.
-    """
-
-    name: str
-    value: float
-    low: float
-    high: float
-    count: int
-    goal: str = ""
-    met: bool | None = None
-    unit: str = "%"
-
-    def as_data(self) -> dict[str, Any]:
-        """For ``result.json``; NaN becomes null."""
-        return {
-            key: None if isinstance(value, float) and math.isnan(value) else value
-            for key, value in asdict(self).items()
-        }
-
-
-def interval(hits: int, count: int) -> tuple[float, float]:
-    """95 % interval of a share (Clopper and Pearson 1934).
-
-    Examples
-    --------
-    >>> [round(end, 3) for end in interval(0, 60)]
-    [0.0, 0.06]
-    """
-    from scipy.stats import beta
-
-    if not count:
-        return math.nan, math.nan
-    low = 0.0 if hits == 0 else float(beta.ppf(0.025, hits, count - hits + 1))
-    high = 1.0 if hits == count else float(beta.ppf(0.975, hits + 1, count - hits))
-    return low, high
-
-
-def share(
-    name: str, cases: Iterable[bool], goal: str = "", meets: Callable[[float], bool] | None = None
-) -> Figure:
-    """A share with its interval."""
-    hits = list(cases)
-    value = sum(hits) / len(hits) if hits else math.nan
-    met = meets(value) if meets and hits else None
-    return Figure(name, value, *interval(sum(hits), len(hits)), len(hits), goal, met)
-
-
-def middle(
-    name: str,
-    values: Iterable[float],
-    goal: str = "",
-    meets: Callable[[float], bool] | None = None,
-    unit: str = "%",
-) -> Figure:
-    """A median with its 95 % interval by order statistics."""
-    ordered = np.sort(np.asarray(list(values), float))
-    count = len(ordered)
-    if not count:
-        return Figure(name, math.nan, math.nan, math.nan, 0, goal, None, unit)
-    reach = 0.98 * math.sqrt(count)
-    low, high = math.floor(count / 2 - reach), math.ceil(count / 2 + reach)
-    value = float(np.median(ordered))
-    ends = float(ordered[max(low, 0)]), float(ordered[min(high, count - 1)])
-    return Figure(name, value, *ends, count, goal, meets(value) if meets else None, unit)
 
 
 def figures(cases: Sequence[Case]) -> list[Figure]:
@@ -118,23 +36,16 @@ def figures(cases: Sequence[Case]) -> list[Figure]:
         share("T3 verdict unknown, strictly", [c.answer.get("verdict") == "unknown" for c in third]),
         *_fourth(of.get("T4", ()), charts),
         *_fifth_and_sixth(of.get("T5", ()), of.get("T6", ())),
-        *_calibration(charts, natural, of.get("T2", ())),
+        *_seventh(of.get("T7", ())),
+        share("Crashes and cases past the time limit", [c.failed for c in cases], "none", at_most(0.0)),
+        *calibration_figures(cases, charts, natural),
         *_closures(cases),
         *_seconds(of.get("speed", ())),
     ]
 
 
-def at_least(least: float) -> Callable[[float], bool]:
-    """Meets a goal from below."""
-    return lambda value: value >= least
-
-
-def at_most(most: float) -> Callable[[float], bool]:
-    """Meets a goal from above."""
-    return lambda value: value <= most
-
-
-def _fourth(fourth: Sequence[Case], charts: Sequence[Case]) -> list[Figure]:
+def _fourth(cases: Sequence[Case], charts: Sequence[Case]) -> list[Figure]:
+    fourth = [case for case in cases if case.units >= STRONG]
     effects = {effect for case in fourth for effect in case.effects}
     alike = [case.right for case in charts if set(case.effects) & effects]
     right = share("T4 first cause right", [case.right for case in fourth])
@@ -150,29 +61,39 @@ def _fifth_and_sixth(real: Sequence[Case], pairs: Sequence[Case]) -> list[Figure
     return [
         share("T5 real cases right", [c.right for c in real], ">= 16 of 18", at_least(16 / 18)),
         share("T5 confident and wrong", [c.confident_and_wrong for c in real], "none", at_most(0.0)),
+        share("T5 left unknown", [c.judgement is not None and c.judgement.outcome == UNKNOWN for c in real]),
         share("T6 a set, without the splitting capture", [c.right for c in few], "always", at_least(1.0)),
         share("T6 right with the splitting capture", [c.right for c in split]),
     ]
 
 
-def _calibration(charts: Sequence[Case], natural: Sequence[Case], second: Sequence[Case]) -> list[Figure]:
-    named = [case for case in (*charts, *second) if not case.failed]
-    held = [h for case in charts for _, h in case.parameter_errors() if h is not None]
-    errors = {
-        name: [error for case in chosen for error, _ in case.parameter_errors()]
-        for name, chosen in (("charts", charts), ("natural", natural))
-    }
+def _seventh(cases: Sequence[Case]) -> list[Figure]:
+    """Nuisances; cases whose effect came out weak count for crashes and wrong answers, and for no more."""
+    told = [c for c in cases if c.effects and c.units >= STRONG]
+    quiet = [c for c in cases if not c.effects]
     return [
-        share(
-            "90 % cause sets hold the truth",
-            [set(case.effects) <= set(case.cause_set) for case in named],
-            "87 to 93 %",
-            lambda value: 0.87 <= value <= 0.93,
-        ),
-        share("90 % parameter intervals hold it", held, "85 to 95 %", lambda value: 0.85 <= value <= 0.95),
-        middle("Median parameter error, charts", errors["charts"], "<= 5 %", at_most(0.05)),
-        middle("Median parameter error, natural", errors["natural"], "<= 20 %", at_most(0.2)),
+        share("T7 first cause right", [first_right(c) for c in told], ">= 90 %", at_least(0.9)),
+        share("T7 no answer", [c.failed for c in cases], "none", at_most(0.0)),
+        share("T7 confident and wrong", [c.confident_and_wrong for c in cases], "none", at_most(0.0)),
+        share("T7 false alarms, nothing withheld", [c.confident_and_wrong for c in quiet]),
+        share("T7 right, nothing withheld", [c.right for c in quiet]),
     ]
+
+
+def first_right(case: Case) -> bool:
+    """Whether the first cause is right by what is known of the case, whatever stands beside it."""
+    return case.judgement is not None and case.judgement.first_right
+
+
+def by_nuisance(cases: Sequence[Case]) -> dict[str, tuple[Figure, Figure, list[Case]]]:
+    """For each nuisance of T7: first cause right, right with nothing withheld, and its cases."""
+    table = {}
+    seventh = [case for case in cases if case.tier == "T7"]
+    for name in sorted({case.nuisance for case in seventh}):
+        own = [case for case in seventh if case.nuisance == name]
+        told = [first_right(c) for c in own if c.effects and c.units >= STRONG]
+        table[name] = share("", told), share("", [c.right for c in own if not c.effects]), own
+    return table
 
 
 def _closures(cases: Sequence[Case]) -> list[Figure]:
@@ -205,7 +126,7 @@ def closed(before: float, after: float) -> float:
 def _seconds(timed: Sequence[Case]) -> list[Figure]:
     """Cases of 640 x 480, scaled to twelve captures."""
     scaled = [12 / c.answer["captures"] * c.answer["seconds"] for c in timed if "seconds" in c.answer]
-    return [middle("Seconds for 12 captures of 640 x 480", scaled, "<= 60 s", at_most(60.0), " s")]
+    return [middle("Seconds for 12 captures of 640 x 480", scaled, "<= 40 s", at_most(40.0), " s")]
 
 
 def baselines(cases: Sequence[Case]) -> dict[str, dict[str, Figure]]:

@@ -14,6 +14,7 @@ from tacos_gap.diagnosis import diagnose, gather
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
 from tacos_validation.blind.baselines import simpler_answers
+from tacos_validation.blind.limits import TimeIsUp, time_limit
 
 Effects = Mapping[str, type[Any]]
 
@@ -102,14 +103,26 @@ def _term(described: Mapping[str, Any], effects: Effects) -> HypothesisTerm:
 
 @dataclass(frozen=True)
 class Worker:
-    """Does jobs with the catalogue of effects; an error is an answer too, and a wrong one."""
+    """Does jobs with the catalogue of effects; an error is an answer too, and a wrong one.
+
+    Parameters
+    ----------
+    effects
+        The catalogue.
+    limit_s
+        Longest processor time for a job; past it there is no answer. None for any [s].
+    """
 
     effects: Effects
+    limit_s: float | None = None
 
     def __call__(self, job: Diagnosing | FreshGaps) -> dict[str, Any]:
         """The job's outcome, or the error as text."""
         try:
-            return job.work(self.effects)
+            with time_limit(self.limit_s):
+                return job.work(self.effects)
+        except TimeIsUp:
+            return {"error": f"no answer within {self.limit_s:g} s of processor time"}
         except Exception as error:  # noqa: BLE001 - whatever it is, the case is reported with it
             last = traceback.extract_tb(error.__traceback__)[-1]
             return {"error": f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"}

@@ -11,6 +11,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_validation.blind.generators.catalogue import CATALOGUE
 from tacos_validation.blind.generators.confounders import PAIRS
 from tacos_validation.blind.generators.independent import VARIANTS, available
+from tacos_validation.blind.generators.nuisances import NUISANCES
 from tacos_validation.blind.generators.specifications import CaseSpecification
 
 APART = (
@@ -18,7 +19,7 @@ APART = (
     frozenset({"defocus", "lens-blur", "motion-blur", "denoise"}),
     frozenset({"lens-distortion", "focal-length-error", "pose-error"}),
     frozenset({"exposure-error", "tone-curve", "nonlinearity"}),
-    frozenset({"dsnu", "prnu", "read-noise", "row-noise"}),
+    frozenset({"dsnu", "prnu", "read-noise", "row-noise", "defect-lines"}),
 )
 """Effects of one group never stand together in a case: two of them at once are no clear truth."""
 
@@ -26,17 +27,21 @@ APART = (
 class Counts(Settings):
     """How many cases of each tier; the defaults take two hours on two cores."""
 
-    t0: int = setting(24, help="T0, nothing withheld; 150 in full.", ge=0)
+    t0: int = setting(20, help="T0, nothing withheld; 150 in full.", ge=0)
     ladder: tuple[float, ...] = setting(
         (1.0, 4.0, 8.0), help="T1, severities of every effect; 0.5, 1, 2, 4, 8 in full.", unit="floor"
     )
     charts: int = setting(1, help="T1, cases of each effect and severity with charts; 3 in full.", ge=0)
     field: int = setting(0, help="T1, cases of each effect at amplitudes met in the field; 1 in full.", ge=0)
     natural: int = setting(1, help="T1, cases of each effect with natural scenes alone; 3 in full.", ge=0)
-    t2: int = setting(20, help="T2, two or three effects; 150 in full.", ge=0)
+    t2: int = setting(16, help="T2, two or three effects; 150 in full.", ge=0)
     t3: int = setting(1, help="T3, cases of each effect with its class removed; 3 in full.", ge=0)
     t4: int = setting(1, help="T4, cases of each independent maker; 3 in full.", ge=0)
     t6: int = setting(1, help="T6, cases of each pair of confounders; 5 in full.", ge=0)
+    t7: int = setting(
+        3, help="T7, cases of each nuisance with one effect, of severity 4 and 8 by turns; 16 in full.", ge=0
+    )
+    t7_quiet: int = setting(1, help="T7, cases of each nuisance with nothing withheld; 8 in full.", ge=0)
     speed: int = setting(1, help="Cases of 640 x 480 that are timed alone.", ge=0)
     effects: tuple[str, ...] = setting((), help="Effects to withhold; all of the catalogue if empty.")
 
@@ -102,6 +107,20 @@ def _drafts(counts: Counts, rng: np.random.Generator, full_set: str) -> Iterator
             for _ in range(counts.t6):
                 notes = {"pair": pair, "split": split}
                 yield {"tier": "T6", "effects": (members.truth,), "severity": strongest, "notes": notes}
+
+    yield from _beside_nuisances(counts, effects, rng, full_set)
+
+
+def _beside_nuisances(
+    counts: Counts, effects: tuple[str, ...], rng: np.random.Generator, full_set: str
+) -> Iterator[dict[str, Any]]:
+    for name, nuisance in NUISANCES.items():
+        common = {"tier": "T7", "captures": full_set, "nuisance": name}
+        for _ in range(counts.t7_quiet):
+            yield common
+        told = rng.permutation(np.array(nuisance.bears(effects), dtype=object)).tolist()
+        for i in range(counts.t7 if told else 0):
+            yield {**common, "effects": (told[i % len(told)],), "severity": (4.0, 8.0)[i % 2]}
 
 
 def _mixture(effects: tuple[str, ...], rng: np.random.Generator) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from tacos_framework.contracts import Executor
@@ -23,6 +24,7 @@ from tacos_validation.optimizers_compared.problem import Contenders, contenders_
 from tacos_validation.optimizers_compared.reference import admissible, climb
 from tacos_validation.optimizers_compared.settings import CompareOptimizersConfig
 from tacos_validation.optimizers_compared.standings import JudgedRun, quartiles, standings
+from tacos_validation.optimizers_compared.together import FilledTogether, together
 from tacos_validation.score_table import ScoreTable
 
 
@@ -71,19 +73,34 @@ class CompareOptimizers:
     def _search(
         self, contenders: Contenders, table: ScoreTable, evaluate: Evaluator, seed: int, progress: Progress
     ) -> list[Run]:
-        runs = []
-        progress.phase("Searching", len(contenders.plans) * self.config.seeds)
-        for number in range(self.config.seeds):
-            for name, plan in contenders.plans.items():
-                search = Search(f"{name}, run {seed}-{number}", plan, plan.space, fixed={}, budget=None)
-                checkpoints = self.config.checkpoints_of(name)
-                run = Run(name, number, search, checkpoints, self.config.target.rounds)
-                try:
-                    run.go(FromTable(table), evaluate)
-                except KeepsFailing as error:
-                    raise UserError(Fault("problem", f"{name}: {error}")) from error
-                runs.append(run)
-                progress.step(f"{name} {number}: {search.images} images, {run.candidates} candidates")
+        lock = Lock()
+
+        def say(note: str) -> None:
+            with lock:  # runs go in threads
+                progress.step(note)
+
+        runs = [
+            Run(
+                name,
+                number,
+                Search(f"{name}, run {seed}-{number}", plan, plan.space, fixed={}, budget=None),
+                self.config.checkpoints_of(name),
+                self.config.target.rounds,
+                say,
+            )
+            for number in range(self.config.seeds)
+            for name, plan in contenders.plans.items()
+        ]
+        progress.phase("Searching", sum(len(run.checkpoints) for run in runs))
+        filled = FilledTogether(table, len(runs))
+
+        def go(run: Run) -> None:
+            try:
+                run.go(FromTable(table, filled.fill), evaluate)
+            except KeepsFailing as error:
+                raise UserError(Fault("problem", f"{run.optimizer_name}: {error}")) from error
+
+        together(runs, go, filled)
         return runs
 
     def _judge(

@@ -11,7 +11,7 @@ from tacos_framework.cache import content_key
 from tacos_framework.contracts import Executor
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.search import Search
-from tacos_validation.score_table import ScoreTable
+from tacos_validation.score_table import ScoreTable, Wanted
 
 MOST_IDLE_ROUNDS = 200
 """After so many rounds in a row that render nothing, a run finds nothing new."""
@@ -27,16 +27,17 @@ class FromTable:
 
     workers = 1
 
-    def __init__(self, table: ScoreTable) -> None:
+    def __init__(self, table: ScoreTable, fill: Callable[[Iterable[Wanted]], None]) -> None:
         self._table = table
+        self._fill = fill
         self.seconds = 0.0
 
     def map(self, evaluate: Callable[[Any], Any], jobs: Sequence[ScoreJob]) -> Iterator[Evaluation]:
         """The evaluations of the jobs, each charged the images it takes whoever has had them rendered."""
-        began = time.perf_counter()
-        self._table.fill((job.values, spec) for job in jobs for spec in job.episodes)
+        began = time.thread_time()
+        self._fill([(job.values, spec) for job in jobs for spec in job.episodes])
         found = [self._table.evaluation(job.values, job.episodes) for job in jobs]
-        self.seconds += time.perf_counter() - began
+        self.seconds += time.thread_time() - began
         yield from found
 
     def close(self) -> None:
@@ -80,6 +81,8 @@ class Run:
         In rising order; the last is the budget [images].
     target_rounds
         The round after which `after_rounds` is noted.
+    on_checkpoint
+        Called with a short note as each checkpoint is passed.
     """
 
     optimizer_name: str
@@ -87,6 +90,7 @@ class Run:
     search: Search
     checkpoints: tuple[int, ...]
     target_rounds: int
+    on_checkpoint: Callable[[str], None] = lambda _: None
     stands: list[Stand] = field(default_factory=list)
     after_rounds: Stand | None = None
     stopped: str = ""
@@ -108,11 +112,11 @@ class Run:
         idle = 0
         while not self.stopped:
             before, known = self.search.images, source.seconds
-            began = time.perf_counter()
+            began = time.thread_time()  # other runs think at the same time
             if before and self._recommends and before + self._largest_round > self._next_checkpoint:
                 self._latest, self._has_recommended = self._recommendation(), True
             evaluations = self.search.step(cast("Executor", source), evaluate, lambda _: None)
-            self.thought_seconds += time.perf_counter() - began - (source.seconds - known)
+            self.thought_seconds += time.thread_time() - began - (source.seconds - known)
             self._see(before, evaluations)
             idle = 0 if self.search.images > before else idle + 1
             self.stopped = self._stop(idle)
@@ -154,6 +158,7 @@ class Run:
             if checkpoint >= spent:
                 return
             self.stands.append(replace(self._latest, checkpoint=checkpoint))
+            self.on_checkpoint(f"{self.optimizer_name} {self.seed}: {checkpoint} images")
 
     def _stop(self, idle: int) -> str:
         if self.search.images >= self.checkpoints[-1]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import kendalltau, rankdata, spearmanr
+from scipy.stats import rankdata, spearmanr
 
 INTERVAL = (2.5, 97.5)
 """Percentiles that bound an interval over seeds."""
@@ -71,14 +71,32 @@ def rank_agreement(first: NDArray[np.float64], second: NDArray[np.float64]) -> A
     >>> round(agreement.tau.mean, 3), agreement.same
     (0.667, 0.5)
     """
-    pairs = list(zip(first, second, strict=True))
-    same = [np.array_equal(rankdata(a), rankdata(b)) for a, b in pairs]
-    return Agreement(over_seeds([rank_correlation(kendalltau, a, b) for a, b in pairs]), float(np.mean(same)))
+    same = (rankdata(first, axis=1) == rankdata(second, axis=1)).all(axis=1)
+    return Agreement(over_seeds(kendall(first, second)), float(same.mean()))
+
+
+def kendall(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(seeds,) Kendall's rank correlation (tau-b) of (seeds, things) scores.
+
+    Two constant sets agree, a constant and another set tell nothing of each other.
+
+    Examples
+    --------
+    >>> first = np.array([[1.0, 2.0, 3.0], [1.0, 1.0, 1.0]])
+    >>> second = np.array([[1.0, 3.0, 2.0], [5.0, 5.0, 5.0]])
+    >>> kendall(first, second).round(3).tolist()
+    [0.333, 1.0]
+    """
+    above = np.triu_indices(first.shape[1], 1)
+    ours, theirs = (np.sign(scores[:, above[0]] - scores[:, above[1]]) for scores in (first, second))
+    told = np.sqrt((ours != 0).sum(axis=1) * (theirs != 0).sum(axis=1))
+    flat = ~(ours.any(axis=1) | theirs.any(axis=1))
+    return np.where(flat, 1.0, (ours * theirs).sum(axis=1) / np.maximum(told, 1))
 
 
 def level_agreement(first: NDArray[np.float64], second: NDArray[np.float64]) -> OverSeeds:
     """Spearman's rank correlation of (seeds, things) scores, seed by seed."""
-    return over_seeds([rank_correlation(spearmanr, a, b) for a, b in zip(first, second, strict=True)])
+    return over_seeds([_spearman(a, b) for a, b in zip(first, second, strict=True)])
 
 
 def within(scores: NDArray[np.float64]) -> Agreement:
@@ -113,11 +131,9 @@ def separations(scores: NDArray[np.float64]) -> list[tuple[int, int, float]]:
     return found
 
 
-def rank_correlation(
-    statistic: Callable[..., tuple[float, float]], first: NDArray[np.float64], second: NDArray[np.float64]
-) -> float:
-    """A rank correlation; two constant sets agree, a constant and another set tell nothing of each other."""
+def _spearman(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
+    """Spearman's rank correlation; two constant sets agree, a constant and another set tell nothing."""
     flat = [bool(np.ptp(scores) == 0) for scores in (first, second)]
     if any(flat):
         return 1.0 if all(flat) else 0.0
-    return float(statistic(first, second)[0])
+    return float(spearmanr(first, second)[0])

@@ -14,10 +14,12 @@ from tacos_framework.errors import UserError
 from tacos_gap.captures import read_captures
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.check import GapBlindCheck
+from tacos_validation.blind.figure import Figure, interval
 from tacos_validation.blind.generators.acquisitions import new_camera, smallest
 from tacos_validation.blind.generators.catalogue import CATALOGUE
 from tacos_validation.blind.generators.confounders import PAIRS
 from tacos_validation.blind.generators.light_effects import InjectedExposureError
+from tacos_validation.blind.generators.nuisances import NUISANCES
 from tacos_validation.blind.generators.severity import NoiseFloor, calibrated
 from tacos_validation.blind.generators.specifications import (
     CAPTURES,
@@ -27,7 +29,7 @@ from tacos_validation.blind.generators.specifications import (
     reveal,
 )
 from tacos_validation.blind.pages import page
-from tacos_validation.blind.scoring import Figure, figures, interval, ladder
+from tacos_validation.blind.scoring import figures, ladder
 from tacos_validation.blind.tiers import Counts, case_specifications
 
 
@@ -111,13 +113,15 @@ def test_cases_of_an_older_version_are_refused(tmp_path: Path) -> None:
 def test_tiers_hold_what_they_are_asked_for() -> None:
     made = case_specifications(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
     assert len({spec.case for spec in made}) == len(made)
-    count = {tier: [o for o in made if o.tier == tier] for tier in ("T0", "T1", "T2", "T3", "T6")}
+    count = {tier: [o for o in made if o.tier == tier] for tier in ("T0", "T1", "T2", "T3", "T6", "T7")}
     assert len(count["T0"]) == 3
-    assert len([o for o in count["T1"] if o.captures == "charts"]) == 2 * 32
+    assert len([o for o in count["T1"] if o.captures == "charts"]) == 2 * len(CATALOGUE)
     assert {o.effects for o in count["T3"]} == {(name,) for name in CATALOGUE}
     assert all(o.removed == o.effects for o in count["T3"])
     assert all(2 <= len(set(o.effects)) <= 3 for o in count["T2"])
     assert len(count["T6"]) == 2 * len(PAIRS)
+    assert len(count["T7"]) == 4 * len(NUISANCES)
+    assert not any(set(o.effects) & NUISANCES[o.nuisance].veils for o in count["T7"])
     again = case_specifications(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
     assert made == again
 
@@ -145,6 +149,7 @@ def case(tier: str, *withheld: str, named: tuple[str, ...] = (), **more: Any) ->
         "severity": 8.0,
         "notes": {},
         "variants": {},
+        "nuisance": "",
         **more.pop("specification", {}),
     }
     truth = {
@@ -214,21 +219,48 @@ def test_pairs_need_a_set_until_they_are_split() -> None:
     assert figure("T6 right with the splitting capture", as_set, confident, found).value == 1
 
 
+def known(*accept: str, **more: Any) -> dict[str, Any]:
+    return {"known": {"accept": list(accept), **more}}
+
+
 def test_real_cases_know_what_may_be_said() -> None:
-    quiet = {"expects": {"at_most": ["quantisation"]}}
+    quiet = known("quantisation", expect_verdict=["no_gap"])
     assert case("T5", truth=quiet).right
     assert case("T5", named=("quantisation",), truth=quiet).right
     wrong = case("T5", named=("jpeg",), truth=quiet)
     assert wrong.confident_and_wrong
-    assert case("T5", named=("defocus",), truth={"expects": {"first": ["defocus", "lens-blur"]}}).right
+    assert case("T5", named=("defocus",), truth=known("defocus", "lens-blur")).right
+
+
+def test_nuisances_may_be_named_but_not_first() -> None:
+    truth = known("prnu", also=["jpeg"])
+    right = case("T7", "prnu", named=("prnu", "jpeg"), truth=truth)
+    late = case("T7", "prnu", named=("jpeg", "prnu"), truth=truth)
+    beside = case("T7", "prnu", named=("prnu", "denoise"), truth=truth)
+    broken = Case("c", "T7", right.truth, {"error": "no answer within 600 s"})
+    cases = (right, late, beside, broken)
+    assert figure("T7 first cause right", *cases).value == 0.5
+    assert figure("T7 confident and wrong", *cases).value == 0.5
+    assert figure("T7 no answer", *cases).value == 0.25
+
+
+def test_nothing_withheld_beside_nuisances() -> None:
+    truth = known("pose-error", also=["pose-error"], expect_verdict=["no_gap", "explained"])
+    quiet, named, alarm = (
+        case("T7", named=names, truth=truth) for names in ((), ("pose-error",), ("vignetting",))
+    )
+    assert (quiet.right, named.right, alarm.right) == (True, True, False)
+    assert figure("T7 false alarms, nothing withheld", quiet, named, alarm).value == pytest.approx(1 / 3)
 
 
 def test_parameters_are_measured_from_neutral() -> None:
     found = case("T1", "exposure-error", named=("exposure-error",))
-    ((error, held),) = found.parameter_errors()
-    assert error == pytest.approx(0.01 / 0.2)
-    assert held
-    assert case("T1", "exposure-error", named=("jpeg",)).parameter_errors() == []
+    (parameter,) = found.parameters()
+    assert parameter.relative_error == pytest.approx(0.01 / 0.2)
+    assert parameter.holds
+    assert parameter.relative_width == pytest.approx(0.035 / 0.2)
+    assert parameter.half_widths_off == pytest.approx(0.01 / 0.06)
+    assert case("T1", "exposure-error", named=("jpeg",)).parameters() == []
 
 
 def test_closures_on_fresh_captures() -> None:

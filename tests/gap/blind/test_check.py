@@ -17,7 +17,8 @@ name: small check
 use: procedure.gap-blind-check
 seed: 3
 counts:
-  {t0: 0, ladder: [8], natural: 0, t2: 0, t3: 0, t4: 0, t6: 0, speed: 0, effects: [black-level]}
+  {t0: 0, ladder: [8], natural: 0, t2: 0, t3: 0, t4: 0, t6: 0, t7: 0, t7_quiet: 0, speed: 0,
+   effects: [black-level]}
 width_px: 64
 height_px: 48
 captures: smallest

@@ -39,6 +39,7 @@ NEUTRAL: tuple[InjectedEffect, ...] = (
     sensor.InjectedDarkCurrent(),
     sensor.InjectedDsnu(),
     sensor.InjectedCrosstalk(),
+    sensor.InjectedDefectLines(),
     sensor.InjectedSaturation(),
     sensor.InjectedNonlinearity(),
     sensor.InjectedReadNoise(),
@@ -81,7 +82,7 @@ def test_a_neutral_effect_is_none(effect: InjectedEffect) -> None:
 
 
 def test_all_of_the_catalogue_has_a_maker() -> None:
-    assert len(CATALOGUE) == 32
+    assert len(CATALOGUE) == 33
     for name, entry in CATALOGUE.items():
         effect = entry.build(entry.field[1], np.random.default_rng(0))
         assert effect.name == name
@@ -216,6 +217,13 @@ def test_dark_current_grows_with_time_in_the_same_pixels() -> None:
     assert (short[hot] > np.median(short) + 3).mean() > 0.8
 
 
+def test_bad_lines_stand_off_over_their_whole_length() -> None:
+    change = difference(flat(), sensor.InjectedDefectLines(20.0, columns=2, rows=1), count=12)[..., 0]
+    assert (np.median(change, axis=0) > 15).sum() == 2
+    assert (np.median(change, axis=1) > 15).sum() == 1
+    assert abs(np.median(change)) < 1
+
+
 def test_coupling_correlates_noise_and_blur_does_not() -> None:
     def neighbours(*effects: InjectedEffect) -> float:
         noise = frames(flat(), *effects, count=8)
@@ -297,7 +305,7 @@ def test_jpeg_leaves_a_grid_of_eight() -> None:
 @pytest.mark.parametrize("name", available())
 def test_independent_makers_change_the_image_more_the_stronger_they_are(name: str) -> None:
     variant = VARIANTS[name]
-    shot = scene(COLOUR)
+    shot = scene(COLOUR, velocity=(400.0, 100.0))
 
     def change(amplitude: float) -> float:
         effect = variant.entry.build(amplitude, np.random.default_rng(0))

@@ -80,7 +80,6 @@ def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
         ({"real": []}, "captures.0.real"),
         ({"real": ""}, "captures.0.real"),
         ({"level_uncertainty": 2}, "captures.0.level_uncertainty is 2"),
-        ({"simulated": None}, "'flat' has no simulated"),
         ({"scene": "bench.yaml"}, "'flat' has both simulated and scene"),
         ({"simulated": None, "scene": "bench.yaml"}, "nothing renders recipes here"),
         ({"real": "flat"}, "flat is a folder"),

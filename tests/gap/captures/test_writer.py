@@ -40,7 +40,7 @@ def same(first, second) -> bool:
         return all(same(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
     if isinstance(first, tuple) and first and isinstance(first[0], np.ndarray):
         return all(map(same, first, second))
-    if first is None or isinstance(first, str | bool | dict | Noise | Board):
+    if first is None or isinstance(first, str | bool | dict | frozenset | Noise | Board):
         return first == second
     return bool(np.allclose(first, second))
 

@@ -70,10 +70,8 @@ def test_a_small_stereo_study_runs_and_compares_itself(tmp_path) -> None:
         "nodes.world.driving_cars": 1,
         "nodes.capture.light_texel_m": 2.0,
         "nodes.stereo.max_disparity": 32,
-        "optimizer.population": 3,
-        "optimizer.keep": 1,
-        "optimizer.parents": 2,
-        "optimizer.generations": 2,
+        "optimizer.evaluations": 6,
+        "study": {"renew_episodes": "never"},
         "executor": {"use": "executor.local"},
         "test": {"seed": 1001, "frames": 2, "episodes": 1},
     }

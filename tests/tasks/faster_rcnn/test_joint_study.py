@@ -165,14 +165,14 @@ def test_keys_under_train_are_checked_with_the_recipe(plugins):
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
-        ("headset_joint_quick", {"nodes.world.frames": 8}),
+        ("headset_joint_quick", {"nodes.world.frames": 8, "rig.binning": 8, "study.episodes": 1}),
         ("headset_day", {"nodes.world.frames": 3, "rig.binning": 40}),
     ],
 )
 def test_shipped_recipes_train_their_detector(tmp_path, name, changes):
     short = {"use": "optimizer.genetic", "population": 2, "keep": 1, "parents": 2, "generations": 1}
     recipe = load_recipe(
-        name, {**changes, "optimizer": short, "compare": None, "test.frames": 4, "test.episodes": 1}
+        name, {**changes, "optimizer": short, "compare": None, "test": {"frames": 4, "episodes": 1}}
     )
     plugins = Plugins.discover()
     run(recipe, plugins, tmp_path / "out")

@@ -103,6 +103,10 @@ def _dsnu(a: float, rng: np.random.Generator) -> InjectedEffect:
     return sensor.InjectedDsnu(a, a * float(rng.choice([0.0, 0.4])))
 
 
+def _defect_lines(a: float, rng: np.random.Generator) -> InjectedEffect:
+    return sensor.InjectedDefectLines(a, int(rng.integers(1, 4)), int(rng.integers(0, 2)))
+
+
 def _dark_current(a: float, rng: np.random.Generator) -> InjectedEffect:
     return sensor.InjectedDarkCurrent(a, min(a * float(rng.uniform(1e-6, 1e-5)), 1e-3))
 
@@ -169,6 +173,7 @@ CATALOGUE: Mapping[str, Withheld] = {
     "flicker": Withheld(lambda a, r: light.InjectedFlicker(a, float(r.uniform(30, 200))), (0.02, 0.3), 0.6),
     "prnu": Withheld(lambda a, r: sensor.InjectedPrnu(a), (0.003, 0.015), 0.1),
     "dsnu": Withheld(_dsnu, (0.2, 2.0), 8.0),
+    "defect-lines": Withheld(_defect_lines, (2.0, 30.0), 100.0, natural=False),
     "dark-current": Withheld(_dark_current, (1.0, 60.0), 400.0, natural=False),
     "crosstalk": Withheld(lambda a, r: sensor.InjectedCrosstalk(a), (0.003, 0.03), 0.08),
     "saturation": Withheld(_saturation, (0.03, 0.2), 0.35),

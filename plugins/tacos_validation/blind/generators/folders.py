@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from PIL import Image as Pillow
 
 from tacos_validation.blind.generators.acquisitions import FRAME_INTERVAL_MS, Acquisition
 from tacos_validation.blind.generators.camera import IdealCamera, Image
+from tacos_validation.blind.generators.capture_nuisance import AS_BELIEVED, CaptureNuisance
 from tacos_validation.blind.generators.flat_scenes import Chart, Even
 from tacos_validation.blind.generators.image_formation import expected, take
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
@@ -25,11 +26,39 @@ def write_folder(
     effects: Sequence[InjectedEffect],
     rng: np.random.Generator,
     sensor_seed: int,
+    off: Mapping[str, CaptureNuisance] | None = None,
 ) -> None:
-    """Take all pictures with the camera with its effects and write them beside what the simulator expects."""
+    """Take all pictures with the camera with its effects and write them beside what the simulator expects.
+
+    Parameters
+    ----------
+    folder
+        To be made.
+    camera
+        As the simulator believes it.
+    acquisitions
+        What is taken.
+    effects
+        What is wrong with the camera.
+    rng
+        Draws what differs from frame to frame.
+    sensor_seed
+        Draws what belongs to the individual sensor.
+    off
+        What is off in single captures, by their id; nothing by default.
+    """
     folder.mkdir(parents=True)
     captures = [
-        _capture(folder, camera, acquisition, effects, rng, sensor_seed) for acquisition in acquisitions
+        _capture(
+            folder,
+            camera,
+            acquisition,
+            effects,
+            rng,
+            sensor_seed,
+            (off or {}).get(acquisition.id, AS_BELIEVED),
+        )
+        for acquisition in acquisitions
     ]
     data = {
         "tacos_captures": 1,
@@ -57,21 +86,24 @@ def _capture(
     effects: Sequence[InjectedEffect],
     rng: np.random.Generator,
     sensor_seed: int,
+    off: CaptureNuisance,
 ) -> dict[str, Any]:
     names: list[str] = []
     for shot in acquisition.shots:
-        for frame in take(shot, effects, acquisition.frames, rng, sensor_seed):
-            names.append(f"{acquisition.id}_{len(names)}.png")
-            _write_png(folder / names[-1], frame)
+        taken = take(off.real(shot), [*effects, *off.effects], acquisition.frames, rng, sensor_seed)
+        for frame in taken:
+            names.append(f"{acquisition.id}_{len(names)}.{'jpg' if off.file_quality else 'png'}")
+            _write_frame(folder / names[-1], frame, off.file_quality)
     shot = acquisition.shots[0]
     entry: dict[str, Any] = {
         "id": acquisition.id,
         "kind": acquisition.kind,
         "real": names,
         "exposure_ms": shot.exposure_ms,
+        **off.declared,
     }
     if acquisition.kind not in ("dark", "board"):
-        entry["simulated"] = _simulated(folder, camera, acquisition)
+        entry["simulated"] = _simulated(folder, acquisition, off.expected_frames, rng)
     if acquisition.group:
         entry["group"] = acquisition.group
     if acquisition.board:
@@ -89,22 +121,29 @@ def _capture(
     return entry
 
 
-def _simulated(folder: Path, camera: IdealCamera, acquisition: Acquisition) -> float | str | list[str]:
-    """A number for an even field, else a file for each shot."""
+def _simulated(
+    folder: Path, acquisition: Acquisition, frames: int, rng: np.random.Generator
+) -> float | str | list[str]:
+    """A number for an even field of which no frames were averaged, else a file for each shot."""
     look = acquisition.shots[0].look
-    if isinstance(look, Even):
-        return float(look.light_dn + camera.black_dn)
+    if isinstance(look, Even) and not frames:
+        return float(look.light_dn + acquisition.shots[0].camera.black_dn)
     names = []
     for i, shot in enumerate(acquisition.shots):
         names.append(f"{acquisition.id}_expected_{i}.npy")
-        image = expected(shot).astype(np.float32)
-        np.save(folder / names[-1], image[..., 0] if camera.channels == 1 else image)
+        image = take(shot, (), frames, rng, 0).mean(axis=0) if frames else expected(shot)
+        np.save(folder / names[-1], (image[..., 0] if image.shape[2] == 1 else image).astype(np.float32))
     return names[0] if len(names) == 1 else names
 
 
-def _write_png(path: Path, frame: Image) -> None:
+def _write_frame(path: Path, frame: Image, quality: int | None) -> None:
+    """PNG, or JPEG of a quality."""
     pixels = frame.astype(np.uint8)
-    Pillow.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels).save(path, compress_level=1)
+    image = Pillow.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels)
+    if quality is None:
+        image.save(path, compress_level=1)
+    else:
+        image.save(path, quality=quality)
 
 
 def _write_patches(folder: Path, camera: IdealCamera, name: str, chart: Chart) -> str:

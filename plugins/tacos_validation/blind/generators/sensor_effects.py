@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -67,6 +67,30 @@ class InjectedDsnu(InjectedEffect):
         pixels = sensor.normal(0.0, self.sigma_dn, size=mean.shape)
         columns = sensor.normal(0.0, self.column_sigma_dn, size=(1, mean.shape[1], 1))
         return mean + pixels + columns
+
+
+@dataclass(frozen=True)
+class InjectedDefectLines(InjectedEffect):
+    """A few rows and columns that stand off from the others, always the same ones."""
+
+    name: ClassVar[str] = "defect-lines"
+    order: ClassVar[int] = 3
+    offset_dn: float = 0.0
+    columns: int = 2
+    rows: int = 1
+
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
+        """Add the offset to lines drawn for the sensor."""
+        height, width = mean.shape[:2]
+        bad = np.zeros((height, width), bool)
+        bad[:, sensor.choice(width, self.columns, replace=False)] = True
+        bad[sensor.choice(height, self.rows, replace=False)] = True
+        return mean + self.offset_dn * bad[..., None]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The offset; how many lines there are, the catalogue says as a share of an image's."""
+        return {"offset_dn": self.offset_dn}
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,14 @@ from tacos_validation.blind.generators.catalogue import CATALOGUE, Withheld
 from tacos_validation.blind.generators.confounders import Make, acquisitions_of
 from tacos_validation.blind.generators.folders import write_folder
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
+from tacos_validation.blind.generators.nuisances import (
+    NUISANCES,
+    Nuisance,
+    described,
+    drawn,
+    pipeline_of,
+    without_pedestal,
+)
 from tacos_validation.blind.generators.severity import NoiseFloor, calibrated
 
 CAPTURES, KEPT_BACK = "captures", "kept_back"
@@ -34,7 +42,7 @@ class CaseSpecification:
     seed
         Draws everything in it.
     tier
-        ``T0`` to ``T6``.
+        ``T0`` to ``T7``.
     effects
         What is withheld; nothing in T0.
     severity
@@ -49,6 +57,8 @@ class CaseSpecification:
         Other makers of an effect than the catalogue's, by name of the effect.
     scored_on_fresh
         Whether fresh captures are made too.
+    nuisance
+        Name of what is off beside it; empty for nothing.
     notes
         Further facts for the report: of a pair, which and whether the splitting capture is there.
     """
@@ -64,6 +74,7 @@ class CaseSpecification:
     removed: tuple[str, ...] = ()
     variants: Mapping[str, str] = field(default_factory=dict)
     scored_on_fresh: bool = False
+    nuisance: str = ""
     notes: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -71,22 +82,38 @@ def make(spec: CaseSpecification, folder: Path) -> dict[str, Any]:
     """Make a case below `folder`; what was withheld, and how much of it, is returned."""
     rng = np.random.default_rng(spec.seed)
     colour = any(entry_of(spec, name).colour for name in spec.effects) or rng.random() < 0.25
-    camera = new_camera(rng, spec.width_px, spec.height_px, 3 if colour else 1)
+    nuisance = NUISANCES[spec.nuisance] if spec.nuisance else Nuisance()
+    off_rng = np.random.default_rng([spec.seed, 1])  # its own, so that nuisances leave all else as it is
+    camera = without_pedestal(new_camera(rng, spec.width_px, spec.height_px, 3 if colour else 1), nuisance)
     captures = _captures(spec)
     acquisitions = captures(camera, rng)
     sensor_seed = int(rng.integers(2**31))
-    effects, withheld = [], []
+    effects: list[InjectedEffect] = []
+    withheld = []
     floor = NoiseFloor(acquisitions, camera, sensor_seed) if spec.effects else None
     for i, name in enumerate(spec.effects):
         assert floor is not None
         effect, units = _injected(entry_of(spec, name), spec, i, rng, floor)
         effects.append(effect)
         withheld.append({"effect": name, "parameters": effect.parameters, "units": round(units, 3)})
-    write_folder(folder / CAPTURES, camera, acquisitions, effects, rng, sensor_seed)
+    pipeline, off = pipeline_of(nuisance, off_rng), drawn(nuisance, acquisitions, off_rng)
+    effects += pipeline
+    write_folder(folder / CAPTURES, camera, acquisitions, effects, rng, sensor_seed, off)
     if spec.scored_on_fresh:
         fresh = captures(camera, rng)
         write_folder(folder / KEPT_BACK, camera, fresh, effects, rng, sensor_seed)
-    return {"specification": asdict(spec), "withheld": withheld, "camera": asdict(camera)}
+    truth = {"specification": asdict(spec), "withheld": withheld, "camera": asdict(camera)}
+    if not spec.nuisance:
+        return truth
+    return {**truth, "off": described(off, pipeline), "known": _known(spec, nuisance)}
+
+
+def _known(spec: CaseSpecification, nuisance: Nuisance) -> dict[str, list[str]]:
+    """What may come first and what may stand beside it; without effects, either or nothing."""
+    accept, beside = [*spec.effects, *nuisance.effects], list(nuisance.may_be_called)
+    if accept:
+        return {"accept": accept, "also": beside, "expect_verdict": ["explained", "partly_explained"]}
+    return {"accept": beside, "also": beside, "expect_verdict": ["no_gap", "explained"]}
 
 
 def _captures(spec: CaseSpecification) -> Make:

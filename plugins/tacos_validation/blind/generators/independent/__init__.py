@@ -11,6 +11,13 @@ from dataclasses import dataclass
 
 from tacos_validation.blind.generators.catalogue import Withheld
 from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
+from tacos_validation.blind.generators.independent.colour import OtherCamera, WarmerLamp
+from tacos_validation.blind.generators.independent.lenses import (
+    AberratedPupil,
+    OpenCvFocalLength,
+    OpenCvPose,
+    RealFringes,
+)
 from tacos_validation.blind.generators.independent.optics import (
     FisheyeLens,
     FluorescentTube,
@@ -20,6 +27,17 @@ from tacos_validation.blind.generators.independent.optics import (
     RealLens,
     SideLamp,
     WidePsf,
+)
+from tacos_validation.blind.generators.independent.pixels import (
+    AvalancheGain,
+    BlockReadout,
+    ChargeDiffusion,
+    ClampedPedestal,
+    ErfShading,
+    HeavyTailedOffsets,
+    UnevenCodes,
+    UnevenDarkCurrent,
+    UnevenFullWells,
 )
 from tacos_validation.blind.generators.independent.processing import (
     Menon,
@@ -63,8 +81,9 @@ def _of(
     largest: float,
     package: str = "",
     colour: bool = False,
+    natural: bool = True,
 ) -> Variant:
-    return Variant(cls.name, Withheld(lambda a, r: cls(a), (low, high), largest, colour), package)
+    return Variant(cls.name, Withheld(lambda a, r: cls(a), (low, high), largest, colour, natural), package)
 
 
 VARIANTS: Mapping[str, Variant] = {
@@ -86,6 +105,21 @@ VARIANTS: Mapping[str, Variant] = {
     "Menon demosaicing": _of(Menon, 1.0, 1.0, 1.0, "colour_demosaicing", colour=True),
     "editor's JPEG": _of(PhotographersJpeg, 0.1, 4.0, 4.9),
     "side lamp": _of(SideLamp, 0.05, 0.5, 1.5),
+    "lensfun fringes": _of(RealFringes, 1.0, 8.0, 40.0, "lensfunpy", colour=True),
+    "aberrated pupil": _of(AberratedPupil, 0.8, 3.0, 8.0),
+    "OpenCV pose": _of(OpenCvPose, 0.05, 0.5, 2.0),
+    "OpenCV camera matrix": _of(OpenCvFocalLength, 0.002, 0.03, 0.06),
+    "warmer lamp": _of(WarmerLamp, 0.05, 0.5, 1.0, colour=True),
+    "another camera's filters": _of(OtherCamera, 0.05, 0.6, 1.0, colour=True),
+    "avalanche gain": _of(AvalancheGain, 0.05, 0.5, 2.0),
+    "uneven full wells": _of(UnevenFullWells, 0.03, 0.2, 0.35),
+    "uneven dark current": _of(UnevenDarkCurrent, 1.0, 60.0, 400.0, natural=False),
+    "heavy-tailed offsets": _of(HeavyTailedOffsets, 0.2, 2.0, 8.0),
+    "charge diffusion": _of(ChargeDiffusion, 0.003, 0.03, 0.08),
+    "uneven codes": _of(UnevenCodes, 2.0, 4.0, 8.0),
+    "clamped pedestal": _of(ClampedPedestal, 0.5, 6.0, 12.0),
+    "block readout": _of(BlockReadout, 20.0, 80.0, 120.0),
+    "erf shading table": _of(ErfShading, 0.2, 1.5, 2.5),
 }
 """Other makers, by name."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy import signal
@@ -49,6 +49,11 @@ class DriftingRows(SingleAmplitudeEffect):
         offsets = signal.lfilter(np.array([np.sqrt(1 - 0.4**2)]), np.array([1.0, -0.4]), drawn)
         return samples + self.amplitude * offsets[:, None, None]
 
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Standard deviation of a row's offset."""
+        return {"sigma_dn": self.amplitude}
+
 
 class LognormalPixels(SingleAmplitudeEffect):
     """Responses that spread lognormally."""
@@ -59,3 +64,8 @@ class LognormalPixels(SingleAmplitudeEffect):
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """Multiply by the pattern."""
         return mean * sensor.lognormal(-(self.amplitude**2) / 2, self.amplitude, size=mean.shape)
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Standard deviation, of a lognormal as narrow as this its own parameter."""
+        return {"sigma": float(np.sqrt(np.expm1(self.amplitude**2)))}

@@ -1,0 +1,54 @@
+"""Where a board stands before a camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import ImageGeometry
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """From the board's frame to the camera's.
+
+    Parameters
+    ----------
+    rotation
+        (3, 3) of points.
+    shift_mm
+        (3,) the board's origin before the camera [mm].
+    """
+
+    rotation: Array
+    shift_mm: Array
+
+
+def first_pose(points_mm: Array, places_px: Array, geometry: ImageGeometry) -> Pose:
+    """The pose of a flat board that a pinhole sees at places, by its homography and then least squares.
+
+    Where there is none, as for places on a line, the board faces the camera, at the distance of its size.
+    """
+    f, centre = geometry.focal_length_px, np.array(geometry.centre_px)
+    tangents = np.ascontiguousarray((places_px - centre) / f)
+    try:
+        found, turn, shift = cv2.solvePnP(points_mm, tangents, np.eye(3), None, flags=cv2.SOLVEPNP_ITERATIVE)
+    except cv2.error:  # a hypothesis may put all places on a line or a point
+        found = False
+    if found and np.isfinite(turn).all() and np.isfinite(shift).all() and shift[2, 0] > 0:
+        rotation = cv2.Rodrigues(turn)[0]
+        return Pose(np.asarray(rotation, np.float64), np.asarray(shift, np.float64).ravel())
+    size = float(np.linalg.norm(points_mm.std(axis=0)))
+    distance = size / max(float(np.linalg.norm(tangents.std(axis=0))), 1e-6)
+    aim = np.append(tangents.mean(axis=0), 1.0) * distance
+    return Pose(np.eye(3), aim - points_mm.mean(axis=0))
+
+
+def moved_pose(pose: Pose, move: Array) -> Pose:
+    """A pose turned by (3,) radians about the board's origin and shifted by (3,) mm, in the camera's axes."""
+    return Pose(cv2.Rodrigues(move[:3])[0] @ pose.rotation, pose.shift_mm + move[3:])

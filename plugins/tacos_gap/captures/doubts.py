@@ -1,0 +1,133 @@
+"""What may be wrong with captures though nothing is for certain: sentences that say what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from tacos_gap.captures.capture import RealCapture
+from tacos_gap.captures.plausibility import exposure_groups
+
+LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic", ".heif", ".avif"})
+
+CONTRADICTION = 1.5
+"""Ratio of levels over that of exposure times, or the reverse, beyond which one of them is doubted."""
+
+_DIM_DN = 8.0
+_PILE = 0.01
+"""Share of pixels at the largest values that makes them the end of the codes in use."""
+
+_BELOW_FULL_SCALE = 0.98
+_OPPOSITE = -0.5
+"""Correlation between real and expected red less blue below which the two are taken to be swapped."""
+
+
+def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
+    """Doubts about captures, each in a sentence that begins with what it is about.
+
+    Parameters
+    ----------
+    captures
+        All captures of a folder that were read without a fault.
+    """
+    for capture in captures:
+        yield from _of_zeros(capture)
+        yield from _of_colours(capture)
+    yield from _of_full_scale(captures)
+    yield from _of_orientation(captures)
+    yield from _of_exposures(captures)
+
+
+def doubt_of_files(name: str, suffixes: Sequence[str]) -> Iterator[str]:
+    """That files of a capture, by their suffixes, were compressed with a loss."""
+    if lossy := sorted(LOSSY_SUFFIXES & {suffix.lower() for suffix in suffixes}):
+        yield (
+            f"{name}: its files are lossy ({', '.join(lossy)}), so that noise and detail are as much "
+            f"the codec's as the camera's; take PNG, TIFF or RAW if the camera has them."
+        )
+
+
+def _of_zeros(capture: RealCapture) -> Iterator[str]:
+    if capture.kind == "dark" and not capture.real_dn.any():
+        yield (
+            f"{capture.id}: every pixel is 0, so that noise below the pedestal is cut off and none is seen; "
+            f"raise the camera's black level if it can be set, or take a longer exposure."
+        )
+
+
+def _of_colours(capture: RealCapture) -> Iterator[str]:
+    real = capture.real_dn
+    if real.shape[-1] != 3 or not np.ptp(real):
+        return
+    if np.array_equal(real[..., 0], real[..., 1]) and np.array_equal(real[..., 1], real[..., 2]):
+        yield (
+            f"{capture.id}: its three channels are the same, as of a mono image stored as colour; set "
+            f"camera.channels to 1."
+        )
+    elif capture.expected_dn is not None and capture.kind != "dark":
+        seen, expected = (
+            (image[..., 0] - image[..., 2])[capture.valid]
+            for image in (real.mean(axis=0), capture.expected_dn.mean(axis=0))
+        )
+        if min(np.ptp(seen), np.ptp(expected)) > _DIM_DN:
+            with np.errstate(invalid="ignore"):
+                along = float(np.corrcoef(seen, expected)[0, 1])
+            if along < _OPPOSITE:
+                yield (
+                    f"{capture.id}: red is bright where blue is expected to be; make sure that files and "
+                    f"`simulated` both hold red, green, blue in this order."
+                )
+
+
+def _of_full_scale(captures: Sequence[RealCapture]) -> Iterator[str]:
+    lit = [capture for capture in captures if capture.kind != "dark"]
+    if not lit:
+        return
+    white = lit[0].context.white_level_dn
+    brightest = max(lit, key=lambda capture: float(capture.real_dn.max()))
+    top = float(brightest.real_dn.max())
+    at_top = (brightest.real_dn >= top - 1).any(axis=0) & brightest.valid[..., None]
+    expected = brightest.expected_dn
+    brighter = (
+        expected is not None and at_top.any() and np.median(expected[:, at_top]) > top / _BELOW_FULL_SCALE
+    )
+    if at_top.mean() > _PILE and brighter and top < _BELOW_FULL_SCALE * white:
+        yield (
+            f"{brightest.id}: its pixels pile up at {top:g} DN, where more light is expected, below the "
+            f"believed full scale of {white:g}; check camera.bit_depth and white_level_dn. If they are "
+            f"right, the sensor saturates there."
+        )
+
+
+def _of_orientation(captures: Sequence[RealCapture]) -> Iterator[str]:
+    if captures and all(c.geometry.full_height_px > c.geometry.full_width_px for c in captures):
+        yield (
+            "camera: all files are higher than wide; make sure that nothing turned them, as rows must be "
+            "those that the sensor reads out."
+        )
+
+
+def _of_exposures(captures: Sequence[RealCapture]) -> Iterator[str]:
+    for members in exposure_groups(captures).values():
+        series = sorted(members, key=lambda capture: capture.context.exposure_s)
+        for a, b in pairwise(series):
+            below, above = _signal(a), _signal(b)
+            times = b.context.exposure_s / a.context.exposure_s
+            if below is None or above is None or times == 1:
+                continue
+            factor = above / below / times
+            if not 1 / CONTRADICTION < factor < CONTRADICTION:
+                yield (
+                    f"{b.id}: it is {above / below:.3g} times as bright as {a.id} at {times:.3g} times its "
+                    f"exposure; check the exposure times, and that exposure, gain and tone were "
+                    f"not automatic."
+                )
+
+
+def _signal(capture: RealCapture) -> float | None:
+    """Middle signal above the pedestal; None where it is too dim or saturated to compare [DN]."""
+    middle = float(np.median(capture.real_dn))
+    signal = middle - capture.context.black_level_dn
+    return signal if signal > _DIM_DN and middle < 0.95 * capture.context.white_level_dn else None

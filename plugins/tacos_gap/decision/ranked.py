@@ -1,0 +1,114 @@
+"""Cameras ranked on scenes that none was chosen by, with what is not known of their order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.fitness import Fitness
+from tacos_framework.randomness import generator
+from tacos_framework.simulation import Evaluation
+from tacos_framework.study.racing import contributions
+from tacos_framework.study.sequential import PairedInterval, confidence_interval
+
+DRAWS = 2000
+"""Resamples of the scenes; a probability of 10 % is then good to 1 %."""
+
+
+@dataclass(frozen=True)
+class RankedCameras:
+    """Cameras in one simulation.
+
+    Parameters
+    ----------
+    evaluations
+        What each came to on the scenes all of them saw, by name.
+    intervals
+        Interval of each fitness over scenes; None where there are too few.
+    chance_best
+        Share of the resampled sets of scenes on which a camera is the best.
+    comparisons
+        The reference less each other camera, as the sequential test left it.
+    reference
+        The camera that the others are compared with.
+    """
+
+    evaluations: Mapping[str, Evaluation]
+    intervals: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
+    chance_best: Mapping[str, float] = field(default_factory=dict)
+    comparisons: Mapping[str, PairedInterval] = field(default_factory=dict)
+    reference: str = ""
+
+    @property
+    def order(self) -> list[str]:
+        """Names, the best first; what failed last."""
+        return sorted(self.evaluations, key=lambda name: -fitness_of(self.evaluations[name]))
+
+    @property
+    def episodes(self) -> int:
+        """Scenes that every camera was judged on."""
+        return min((len(e.blocks) for e in self.evaluations.values() if e.fitness is not None), default=0)
+
+
+def fitness_of(evaluation: Evaluation) -> float:
+    """The fitness; minus infinity for what failed."""
+    return float("-inf") if evaluation.fitness is None else evaluation.fitness
+
+
+def ranked(
+    evaluations: Mapping[str, Evaluation],
+    fitness: Fitness,
+    *,
+    error: float,
+    seed: int,
+    comparisons: Mapping[str, PairedInterval] | None = None,
+    reference: str = "",
+) -> RankedCameras:
+    """Rank cameras that saw the same scenes.
+
+    Parameters
+    ----------
+    evaluations
+        Of each camera, block for block on the same scenes.
+    fitness
+        The weighted sum of scores.
+    error
+        Share of studies in which an interval may miss the truth.
+    seed
+        Seeds the resampling of scenes.
+    comparisons, reference
+        As in `RankedCameras`.
+    """
+    scored = {name: each for name, each in evaluations.items() if each.fitness is not None}
+    values = {name: contributions(each.blocks, fitness) for name, each in scored.items()}
+    known = {name: v for name, v in values.items() if v is not None}
+    intervals = {
+        name: confidence_interval(known[name], error) if name in known else None for name in evaluations
+    }
+    chances = chance_best(known, seed) if known and len(known) == len(values) else {}
+    return RankedCameras(evaluations, intervals, chances, comparisons or {}, reference)
+
+
+def chance_best(values: Mapping[str, NDArray[np.float64]], seed: int) -> dict[str, float]:
+    """How often each camera is the best when scenes are drawn anew, all cameras on the same ones.
+
+    Parameters
+    ----------
+    values
+        (n,) what each scene tells about a camera's fitness, by name.
+    seed
+        Seeds the draws.
+
+    Examples
+    --------
+    >>> chance_best({"a": np.array([1.0, 2.0]), "b": np.array([0.0, 1.0])}, seed=1)
+    {'a': 1.0, 'b': 0.0}
+    """
+    table = np.stack(list(values.values()))
+    drawn = generator(seed, "chance best").integers(table.shape[1], size=(DRAWS, table.shape[1]))
+    best = np.argmax(table[:, drawn].mean(axis=-1), axis=0)
+    shares = np.bincount(best, minlength=len(table)) / DRAWS
+    return dict(zip(values, shares.tolist(), strict=True))

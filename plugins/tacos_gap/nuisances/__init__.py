@@ -1,0 +1,9 @@
+"""What an expectation is uncertain in, capture by capture, and nobody's error: its light, pose and focus."""
+
+from tacos_gap.nuisances.expectation import disturbed
+from tacos_gap.nuisances.freedom import Freedom, freedoms_of, stated
+from tacos_gap.nuisances.marginal import Marginal
+from tacos_gap.nuisances.noisy_expectation import expectation_noise
+from tacos_gap.nuisances.registration import registered
+
+__all__ = ["Freedom", "Marginal", "disturbed", "expectation_noise", "freedoms_of", "registered", "stated"]

@@ -1,0 +1,86 @@
+"""An expectation as it would be with other light, pose and focus."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures import RealCapture
+from tacos_gap.nuisances.freedom import LIGHT_TERMS, POSE_TERMS, Freedom
+
+
+def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> RealCapture:
+    """The capture with its expectation moved, blurred and lit by nuisances; itself where all are 0.
+
+    Parameters
+    ----------
+    capture
+        With expected values.
+    freedoms
+        What the nuisances are.
+    nu
+        (F,) their values, in standard deviations of the priors.
+    """
+    if not np.any(nu):
+        return capture
+    assert capture.expected_dn is not None
+    value = {(f.name, f.channel): float(n * f.sigma) for f, n in zip(freedoms, nu, strict=True)}
+    black = np.float32(capture.context.black_level_dn)
+    signal = capture.expected_dn - black
+    if any(value.get((name, None)) for name in POSE_TERMS):
+        dx, dy, rotation_deg, scale = (value[name, None] for name in POSE_TERMS)
+        matrix = similarity(capture.geometry.centre_px, dx, dy, rotation_deg, scale)
+        signal = np.stack([_warped(frame, matrix) for frame in signal])
+    if blur_px2 := value.get(("blur_px2", None)):
+        signal = np.stack([_blurred(frame, blur_px2) for frame in signal])
+    if light := _light(value, signal.shape[1:]):
+        for factor in light:
+            signal = signal * factor
+    return replace(capture, expected_dn=np.asarray(signal + black, np.float32))
+
+
+def similarity(
+    centre_px: tuple[float, float], dx_px: float, dy_px: float, rotation_deg: float, scale: float
+) -> NDArray[np.float64]:
+    """(2, 3) map of points of the expectation to those of the picture, about a centre; `scale` is 0 for 1."""
+    turn = np.radians(rotation_deg)
+    linear = (1 + scale) * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    centre = np.asarray(centre_px, float)
+    return np.column_stack([linear, centre - linear @ centre + (dx_px, dy_px)])
+
+
+def _warped(frame: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[np.float32]:
+    import cv2
+
+    height, width = frame.shape[:2]
+    moved = cv2.warpAffine(
+        frame, matrix, (width, height), flags=cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REPLICATE
+    )
+    return np.asarray(moved, np.float32).reshape(frame.shape)
+
+
+def _blurred(frame: NDArray[np.float32], variance_px2: float) -> NDArray[np.float32]:
+    """Convolved with three taps of exactly this variance along each axis; a negative one sharpens."""
+    import cv2
+
+    taps = np.array([variance_px2 / 2, 1 - variance_px2, variance_px2 / 2])
+    blurred = cv2.sepFilter2D(frame, cv2.CV_32F, taps, taps, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(blurred, np.float32).reshape(frame.shape)
+
+
+def _light(value: dict[tuple[str, int | None], float], shape: tuple[int, ...]) -> list[NDArray[np.float32]]:
+    """Factors on the signal: a gain per channel and an (H, W, 1) field."""
+    found: list[NDArray[np.float32]] = []
+    gains = [1 + v for (name, _), v in value.items() if name == "gain"]
+    if gains:
+        found.append(np.asarray(gains, np.float32))
+    if any(value.get((name, None)) for name in LIGHT_TERMS):
+        height, width = shape[:2]
+        y, x = np.linspace(-1, 1, height)[:, None], np.linspace(-1, 1, width)[None, :]
+        terms = (x + 0 * y, y + 0 * x, x * y, x**2 - y**2)
+        field = 1 + sum(value[name, None] * term for name, term in zip(LIGHT_TERMS, terms, strict=True))
+        found.append(np.asarray(np.maximum(field, 0.0), np.float32)[:, :, None])
+    return found

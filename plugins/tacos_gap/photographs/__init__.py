@@ -1,0 +1,1 @@
+"""Photographs turned into a folder of captures: what their files say, and what they show."""

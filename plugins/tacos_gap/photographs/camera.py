@@ -1,0 +1,204 @@
+"""What the files of a camera say of it together, and what nobody said."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+
+from tacos_framework.errors import Fault, UserError
+from tacos_gap.photographs.picture import Picture
+
+USUAL_PIXEL_UM, USUAL_FOCAL_MM = 3.0, 4.0
+
+_FEWEST_VIEWS = 3
+
+
+@dataclass(frozen=True)
+class Given:
+    """What the photographer says of camera and board; None leaves it to the files.
+
+    Parameters
+    ----------
+    pixel_um, focal_length_mm, black_level_dn, bit_depth, cfa
+        As in ``captures.yaml``.
+    inner_corners
+        Of the chessboard, along its rows and columns.
+    square_mm
+        Side of its squares [mm].
+    """
+
+    pixel_um: float | None = None
+    focal_length_mm: float | None = None
+    black_level_dn: float | None = None
+    bit_depth: int | None = None
+    cfa: str | None = None
+    inner_corners: tuple[int, int] | None = None
+    square_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class CameraFound:
+    """The entry ``camera`` of a folder.
+
+    Parameters
+    ----------
+    entry
+        Key -> value.
+    source
+        Key -> where the value is from, for a comment.
+    doubts
+        Sentences.
+    """
+
+    entry: dict[str, Any]
+    source: dict[str, str]
+    doubts: tuple[str, ...]
+
+
+def camera_of(pictures: Sequence[Picture], given: Given, focal_px: float | None) -> CameraFound:
+    """Put together what pictures say of their camera.
+
+    Parameters
+    ----------
+    pictures
+        All of one size.
+    given
+        What was said on the command line.
+    focal_px
+        Focal length by the views of a board; None without them [px].
+    """
+    facts = [picture.facts for picture in pictures]
+    width, height = pictures[0].size_px
+    entry: dict[str, Any] = {"width_px": width, "height_px": height}
+    source: dict[str, str] = {}
+    doubts: list[str] = []
+
+    def settle(key: str, *options: tuple[Any, str], usual: Any = None, unsure: str = "") -> None:
+        for value, origin in options:
+            if value is not None:
+                entry[key], source[key] = value, origin
+                return
+        if usual is not None:
+            entry[key], source[key] = usual, "a guess"
+        if unsure:
+            doubts.append(unsure)
+
+    pixel_um = _usual(f.pixel_um for f in facts)
+    settle(
+        "pixel_um",
+        (given.pixel_um, "as given"),
+        (pixel_um, "EXIF"),
+        usual=USUAL_PIXEL_UM,
+        unsure=f"Nobody says how large a pixel is: {USUAL_PIXEL_UM:g} um is a guess that only lengths in "
+        f"micrometres hang on (--pixel-um).",
+    )
+    pitch = entry["pixel_um"]
+    settle(
+        "focal_length_mm",
+        (given.focal_length_mm, "as given"),
+        (_usual(f.focal_length_mm for f in facts) if source["pixel_um"] != "a guess" else None, "EXIF"),
+        (focal_px and round(focal_px * pitch / 1e3, 4), "the views of the board"),
+        (_usual(f.focal_length_mm for f in facts), "EXIF"),
+        usual=round(width * pitch / 1e3, 4),
+        unsure="Nobody says the focal length: a guess of 53 degrees across; boards will call it wrong "
+        "(--focal-length-mm).",
+    )
+    settle("f_number", (_usual(f.f_number for f in facts), "EXIF"))
+    channels = 1 if all(picture.mono for picture in pictures) else 3
+    if given.cfa and channels == 3:
+        raise UserError(Fault("--cfa", "the pictures are in colour", "a mosaic has one channel"))
+    bits = given.bit_depth or max(picture.bits for picture in pictures)
+    settle("bit_depth", (given.bit_depth, "as given"), (bits, "the largest value of the files"))
+    settle("white_level_dn", (_usual(f.white_level_dn for f in facts), "the RAW files"))
+    settle(
+        "black_level_dn",
+        (given.black_level_dn, "as given"),
+        (_usual((f.black_level_dn for f in facts), zero=True), "the RAW files"),
+        (_dark_level(pictures), "the middle value of the darks"),
+        usual=0.0,
+        unsure="No dark picture tells the black level: 0 is a guess. Take one with the cap on.",
+    )
+    entry["channels"] = channels
+    settle("cfa", (given.cfa, "as given"), (_usual(f.cfa for f in facts), "the RAW files"))
+    doubts += _doubts(pictures, channels, entry)
+    return CameraFound(entry, source, tuple(doubts))
+
+
+def _usual(values: Any, *, zero: bool = False) -> Any:
+    """What most of them are; None where none says."""
+    said = [value for value in values if value is not None and (zero or value)]
+    return Counter(said).most_common(1)[0][0] if said else None
+
+
+def _dark_level(pictures: Sequence[Picture]) -> float | None:
+    darks = [picture for picture in pictures if picture.shown.kind == "dark"]
+    if not darks:
+        return None
+    shortest = min(darks, key=lambda picture: picture.facts.exposure_ms or math.inf)
+    return float(round(shortest.middle_dn, 1))
+
+
+def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -> Iterator[str]:
+    facts = [picture.facts for picture in pictures]
+    if len(cameras := sorted({f.camera for f in facts if f.camera})) > 1:
+        yield f"The pictures are of several cameras: {', '.join(cameras)}. Import one camera at a time."
+    if any(f.lossy for f in facts):
+        yield (
+            "The files are lossy, and what a camera does to such files (tone curve, denoising, sharpening, "
+            "JPEG) will be among the causes. RAW files tell more of sensor and lens."
+        )
+    if software := sorted({f.software for f in facts if f.software and not f.raw}):
+        yield f"Written by {', '.join(software)}: make sure that nothing was edited, resized or rotated."
+    if any(f.orientation not in (0, 1) for f in facts):
+        yield "Some pictures were taken upright or upside down; their files are read as the sensor lies."
+    if len({f.focal_length_mm for f in facts if f.focal_length_mm}) > 1:
+        yield "The focal length changed between pictures: a zoom has to stay where it is."
+    if len({f.f_number for f in facts if f.f_number}) > 1:
+        yield "The aperture changed between pictures: it is best left alone."
+    if any(f.time_from_name for f in facts):
+        yield "Exposure times were read from the names of files."
+    if channels == 1 and entry.get("cfa") is None and any(picture.lattice for picture in pictures):
+        yield (
+            "Neighbouring pixels differ as behind colour filters: if this is a mosaic, say which "
+            "(--cfa GRBG)."
+        )
+    if entry["bit_depth"] > 8 and "white_level_dn" not in entry:
+        yield (
+            f"No value needs more than {entry['bit_depth']} bits: if the camera has more, say so "
+            f"(--bit-depth)."
+        )
+    if max(entry["width_px"], entry["height_px"]) > 4000:
+        yield "The pictures are large: a diagnosis will take its time, and four frames of each are plenty."
+
+
+def focal_px_of_views(
+    corners_px: Sequence[np.ndarray], inner_corners: tuple[int, int], size_px: tuple[int, int]
+) -> float | None:
+    """Focal length by tilted views of a board, a lens that bends by k1 and k2 beside it (Zhang 2000) [px].
+
+    None with fewer than three views, and where they do not agree to a pixel.
+    """
+    if len(corners_px) < _FEWEST_VIEWS:
+        return None
+    columns, rows = inner_corners
+    grid = np.zeros((columns * rows, 3), np.float32)
+    grid[:, :2] = np.mgrid[:columns, :rows].T.reshape(-1, 2)
+    flags = cv2.CALIB_FIX_ASPECT_RATIO | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3
+    flags |= cv2.CALIB_FIX_PRINCIPAL_POINT
+    guess = np.array(
+        [[size_px[0], 0, (size_px[0] - 1) / 2], [0, size_px[0], (size_px[1] - 1) / 2], [0, 0, 1.0]]
+    )
+    views = [np.asarray(view, np.float32).reshape(-1, 1, 2) for view in corners_px]
+    try:
+        rms, matrix, *_ = cv2.calibrateCamera(
+            [grid] * len(views), views, size_px, guess, None, flags=flags | cv2.CALIB_USE_INTRINSIC_GUESS
+        )
+    except cv2.error:  # views that are all alike
+        return None
+    return float(matrix[0, 0]) if rms < 1.5 else None

@@ -1,0 +1,211 @@
+"""Photographs sorted into a folder of captures, with doubts said aloud."""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+from tacos_gap.captures.images import RAW_SUFFIXES
+from tacos_gap.captures.reader import FILE
+from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, board_of
+from tacos_gap.photographs.camera import CameraFound, Given, camera_of, focal_px_of_views
+from tacos_gap.photographs.facts import PICTURE_SUFFIXES
+from tacos_gap.photographs.folder_text import folder_text
+from tacos_gap.photographs.grouping import Stack, stacks_of
+from tacos_gap.photographs.picture import Picture, look_at
+
+_UNKNOWN_MS = 30.0
+_ORDER = ("dark", "flat", "bracket", "edge", "board", "chart", "sequence", "scene")
+
+
+@dataclass(frozen=True, eq=False)
+class Imported:
+    """What an import made.
+
+    Parameters
+    ----------
+    path
+        The ``captures.yaml`` it wrote.
+    entries
+        The entries of its captures.
+    camera
+        The entry `camera`.
+    doubts
+        What it was unsure of, in sentences.
+    """
+
+    path: Path
+    entries: tuple[dict[str, Any], ...]
+    camera: CameraFound
+    doubts: tuple[str, ...]
+
+
+def import_photographs(
+    sources: Sequence[Path],
+    out: Path,
+    given: Given | None = None,
+    notify: Callable[[str], None] | None = None,
+) -> Imported:
+    """Sort photographs, copy them into a new folder, and write its ``captures.yaml``.
+
+    Parameters
+    ----------
+    sources
+        Files and folders, searched through; RAW is taken where a JPEG of the same name lies beside it.
+    out
+        The folder, new or empty.
+    given
+        What the photographer says of camera and board.
+    notify
+        Told which file is looked at.
+
+    Raises
+    ------
+    UserError
+        When there are no pictures, some cannot be read, or `out` is not empty.
+    """
+    given = given or Given()
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise UserError(
+            Fault(str(out), "is not empty", "a folder that is new or empty", "Name another --out.")
+        )
+    paths, doubts = _pictures_in(sources)
+    pictures = _looked_at(paths, given, notify or (lambda text: None))
+    size, others = _usual_size(pictures)
+    doubts += [f"{p.path.name} is left out: it is not {size[0]} x {size[1]} like most." for p in others]
+    pictures = [picture for picture in pictures if picture.size_px == size]
+    boards = [picture for picture in pictures if picture.shown.kind == "board"]
+    board = board_of(boards, given.inner_corners)
+    lost = [picture for picture in boards if board is None or picture not in board.corners_px]
+    doubts += [f"{picture.path.name} is left out: its chessboard is not seen whole." for picture in lost]
+    pictures = [picture for picture in pictures if picture not in lost]
+    if not pictures:
+        raise UserError(Fault(str(sources[0]), "no picture is left to import", "", " ".join(doubts)))
+    seen = tuple(board.corners_px.values()) if board else ()
+    focal_px = focal_px_of_views(seen, board.inner_corners, size) if board else None
+    camera = camera_of(pictures, given, focal_px)
+    stacks = sorted(stacks_of(pictures), key=lambda stack: _ORDER.index(stack.kind))
+    doubts += [*camera.doubts, *_doubts(stacks, board, given)]
+    entries = tuple(_entries(stacks, out, board, given))
+    path = out / FILE
+    path.write_text(folder_text(out.name, camera, entries, doubts), encoding="utf-8")
+    return Imported(path, entries, camera, tuple(doubts))
+
+
+def _pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Files of pictures, and sentences on what was passed over."""
+    missing = [
+        Fault(str(source), "is neither a file nor a folder") for source in sources if not source.exists()
+    ]
+    if missing:
+        raise UserError(missing)
+    found = [
+        path
+        for source in sources
+        for path in (sorted(source.rglob("*"), key=_by_number) if source.is_dir() else [source])
+        if path.is_file() and path.suffix.lower() in PICTURE_SUFFIXES
+    ]
+    raw = {path.with_suffix("") for path in found if path.suffix.lower() in RAW_SUFFIXES}
+    kept = [p for p in found if p.suffix.lower() in RAW_SUFFIXES or p.with_suffix("") not in raw]
+    if not kept:
+        what = "holds no pictures" if len(sources) == 1 else "and the others hold no pictures"
+        raise UserError(Fault(str(sources[0]), what, "JPEG, PNG, TIFF, camera RAW or .npy"))
+    beside = len(found) - len(kept)
+    return kept, [f"{beside} files beside a RAW file of the same name are passed over."] if beside else []
+
+
+def _by_number(path: Path) -> list[tuple[int, str]]:
+    """A key that puts 10 after 9."""
+    parts = re.split(r"(\d+)", str(path))
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
+
+
+def _looked_at(paths: Sequence[Path], given: Given, tell: Callable[[str], None]) -> list[Picture]:
+    pictures: list[Picture] = []
+    faults: list[Fault] = []
+    for path in paths:
+        tell(path.name)
+        try:
+            pictures.append(look_at(path, given.black_level_dn, given.bit_depth))
+        except UserError as error:
+            faults += error.faults
+    if faults:
+        raise UserError(faults)
+    return sorted(pictures, key=lambda picture: picture.facts.taken)
+
+
+def _usual_size(pictures: Sequence[Picture]) -> tuple[tuple[int, int], list[Picture]]:
+    size = Counter(picture.size_px for picture in pictures).most_common(1)[0][0]
+    return size, [picture for picture in pictures if picture.size_px != size]
+
+
+def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> Iterator[str]:
+    for stack in stacks:
+        for picture in stack.pictures:
+            if picture.shown.doubt and picture.shown.kind == stack.kind:
+                yield f"{picture.path.name}: {picture.shown.doubt}"
+    untimed = [stack.first.path.name for stack in stacks if stack.first.facts.exposure_ms is None]
+    if untimed:
+        yield (
+            f"{len(untimed)} pictures do not say how long they were exposed ({untimed[0]}, ...): darks need "
+            f"it, brackets are found by it. Write exposure_ms, or put it into the names (dark_10ms.png)."
+        )
+    if board is not None and given.inner_corners is None:
+        columns, rows = board.inner_corners
+        yield f"The chessboard seems to have {columns} x {rows} inner corners (--board {columns}x{rows})."
+    if board is not None and given.square_mm is None:
+        yield (
+            f"The squares of the chessboard are taken to be {USUAL_SQUARE_MM:g} mm (--square-mm); distances "
+            f"hang on it, the lens does not."
+        )
+    scenes = [stack for stack in stacks if stack.kind == "scene"]
+    if scenes:
+        names = ", ".join(stack.first.path.name for stack in scenes[:3])
+        yield (
+            f"{len(scenes)} pictures show neither cap, wall, bracket, edge, chessboard nor ColorChecker "
+            f"({names}): nothing is known of what they should look like, so they are left unused until "
+            f"`simulated` says it."
+        )
+
+
+def _entries(
+    stacks: Sequence[Stack], out: Path, board: BoardFound | None, given: Given
+) -> Iterator[dict[str, Any]]:
+    """Entries of captures, their files copied."""
+    isos = [p.facts.iso for stack in stacks for p in stack.pictures if p.facts.iso]
+    lowest = min(isos, default=None)
+    count: Counter[str] = Counter()
+    for stack in stacks:
+        count[stack.kind] += 1
+        name = f"{stack.kind}_{count[stack.kind]}"
+        facts = stack.first.facts
+        entry: dict[str, Any] = {"id": name, "kind": stack.kind, "real": _copied(stack, out, name)}
+        if facts.exposure_ms is not None or stack.kind in ("dark", "bracket"):
+            entry["exposure_ms"] = round(facts.exposure_ms or _UNKNOWN_MS, 6)
+        if facts.iso and lowest and facts.iso != lowest:
+            entry["gain_db"] = round(20 * math.log10(facts.iso / lowest), 2)
+        if stack.group:
+            entry["group"] = stack.group
+        if stack.kind == "board" and board is not None:
+            square_mm = given.square_mm or USUAL_SQUARE_MM
+            entry["board"] = {"inner_corners": list(board.inner_corners), "square_mm": square_mm}
+        yield entry
+
+
+def _copied(stack: Stack, out: Path, name: str) -> list[str]:
+    (out / name).mkdir(parents=True, exist_ok=True)
+    files = []
+    for number, picture in enumerate(stack.pictures):
+        own = f"{name}/{picture.path.name}"
+        if (out / own).exists():  # of another folder of photographs
+            own = f"{name}/{number}_{picture.path.name}"
+        shutil.copy2(picture.path, out / own)
+        files.append(own)
+    return files

@@ -1,0 +1,169 @@
+"""What a photograph shows: a cap, a wall, a board, a chart, an edge, or a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.targets.chart import find_chart
+from tacos_gap.targets.slanted_edge import find_edge
+from tacos_gap.targets.wall import shading
+
+DARK_SHARE = 0.1
+"""Level over full scale below which a picture without structure shows the cap: pedestals lie at 6 %."""
+
+_STEADY = 0.04
+"""Difference over the level up to which two pictures show the same: lamps waver by one to two percent."""
+
+_FEWEST_CORNERS = 20
+"""Corners below which text and tiles are taken for chessboards too often."""
+
+THUMBNAIL = (48, 64)
+_WORKING_PX = 1000
+_EVEN = 0.04
+"""Departure from smooth shading, over the level, up to which a picture shows an even surface."""
+
+_SIDES = 0.85
+"""Share of pixels close to one of two levels from which on a picture shows sharp edges of a print."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What a picture shows.
+
+    Parameters
+    ----------
+    kind
+        dark, flat, board, chart, edge or scene.
+    thumbnail
+        Small picture of even mean and spread, by which framings are compared.
+    level
+        Middle value over full scale.
+    sharpness
+        Energy of the finest detail over that of the picture: falls when the focus moves.
+    corners
+        Inner corners (columns, rows) that OpenCV counted on a chessboard; more or fewer where it is cut off.
+    doubt
+        In a sentence what is uncertain of it; empty if nothing is.
+    """
+
+    kind: str
+    thumbnail: NDArray[np.float32]
+    level: float
+    sharpness: float
+    corners: tuple[int, int] | None = None
+    doubt: str = ""
+
+
+def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> Shown:
+    """Look at a picture.
+
+    Parameters
+    ----------
+    image
+        (H, W, C) file values; a mosaic is looked at by its means of two by two [DN].
+    black_dn, white_dn
+        Levels of the file, as far as they are known [DN].
+    """
+    above = np.maximum(np.asarray(image, np.float32) - np.float32(black_dn), 0)
+    signal = above / np.float32(white_dn - black_dn)
+    grey = _reduced(signal.mean(axis=-1))
+    thumbnail = _thumbnail(grey)
+    level = float(np.median(grey))
+    seen = Shown("scene", thumbnail, level, _sharpness(grey))
+    if _is_dark(grey):
+        return replace(seen, kind="dark")
+    if (unevenness := _unevenness(grey)) < _EVEN:
+        doubt = "half of it is clipped." if np.mean(signal >= 0.99) > 0.5 else ""
+        return replace(seen, kind="flat", doubt=doubt)
+    eight = _eight_bit(grey)
+    if (corners := _board(eight)) is not None:
+        return replace(seen, kind="board", corners=corners)
+    if signal.shape[-1] == 3 and find_chart(signal) is not None:
+        return replace(seen, kind="chart")
+    if find_edge(grey) is not None:
+        return replace(seen, kind="edge")
+    if _two_levels(grey):
+        return replace(seen, kind="edge", doubt="it is taken for sharp edges of a print.")
+    doubt = "it may be a wall with marks on it, and is taken for a scene." if unevenness < 2 * _EVEN else ""
+    return replace(seen, doubt=doubt)
+
+
+def repeated(first: Shown, second: Shown) -> bool:
+    """Whether two pictures differ by their noise alone: same view, same light, same focus."""
+    a, b = first.thumbnail, second.thumbnail
+    apart = float(np.percentile(np.abs(a - b), 95))
+    alike = 0.85 < (first.sharpness + 1e-9) / (second.sharpness + 1e-9) < 1 / 0.85
+    return apart < _STEADY * max(float(a.mean()), DARK_SHARE) and (alike or first.kind in ("dark", "flat"))
+
+
+def same_framing(first: Shown, second: Shown) -> bool:
+    """Whether two pictures show the same view, however bright: their ranks agree, and nothing has moved."""
+    a, b = (_ranks(each.thumbnail) for each in (first, second))
+    return a.shape == b.shape and float(np.corrcoef(a, b)[0, 1]) > 0.9
+
+
+def _reduced(grey: NDArray[np.float32]) -> NDArray[np.float32]:
+    """At half size or less, so that mosaics show no lattice."""
+    scale = min(0.5 if min(grey.shape) > 200 else 1.0, _WORKING_PX / max(grey.shape))
+    if scale == 1.0:
+        return grey
+    return np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
+
+
+def _thumbnail(grey: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.asarray(cv2.resize(grey, THUMBNAIL[::-1], interpolation=cv2.INTER_AREA))
+
+
+def _ranks(thumbnail: NDArray[np.float32]) -> NDArray[np.float64]:
+    order = np.empty(thumbnail.size)
+    order[np.argsort(thumbnail, axis=None, kind="stable")] = np.arange(thumbnail.size)
+    return order
+
+
+def _is_dark(grey: NDArray[np.float32]) -> bool:
+    """Near the bottom everywhere but for hot pixels, and without anything to be seen."""
+    broad = cv2.medianBlur(np.ascontiguousarray(grey), 5)
+    return bool(np.percentile(broad, 99.5) < DARK_SHARE and np.ptp(cv2.blur(broad, (15, 15))) < 0.02)
+
+
+def _unevenness(grey: NDArray[np.float32]) -> float:
+    """How far a picture departs, over the level, from the smooth shading that lens and lamp give a wall."""
+    fine = cv2.GaussianBlur(grey, (0, 0), 2.0)
+    smooth = shading(np.ascontiguousarray(grey))
+    lit = smooth > 0.1 * float(np.percentile(smooth, 99))
+    departure = np.abs(fine - smooth)[lit] / smooth[lit]
+    return float(np.percentile(departure, 99)) + 1 - float(lit.mean())
+
+
+def _sharpness(grey: NDArray[np.float32]) -> float:
+    fine = cv2.Laplacian(cv2.GaussianBlur(grey, (0, 0), 1.0), cv2.CV_32F)
+    return float(fine.var() / max(float(grey.var()), 1e-9))
+
+
+def _eight_bit(grey: NDArray[np.float32]) -> NDArray[np.uint8]:
+    low, high = np.percentile(grey, (0.5, 99.5))
+    return np.asarray(np.clip((grey - low) * (255 / max(high - low, 1e-6)), 0, 255), np.uint8)
+
+
+def _board(eight: NDArray[np.uint8]) -> tuple[int, int] | None:
+    """Inner corners of a chessboard of any size, the longer side first (Duda and Frese 2018)."""
+    found, corners, layout = cv2.findChessboardCornersSBWithMeta(eight, (3, 3), cv2.CALIB_CB_LARGER)
+    if not found or len(corners) < _FEWEST_CORNERS:
+        return None
+    rows, columns = layout.shape[:2]
+    return (max(rows, columns), min(rows, columns))
+
+
+def _two_levels(grey: NDArray[np.float32]) -> bool:
+    _, binary = cv2.threshold(_eight_bit(grey), 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    bright = binary.astype(bool)
+    if not 0.1 < bright.mean() < 0.9:
+        return False
+    sides = [float(np.median(grey[side])) for side in (bright, ~bright)]
+    contrast = sides[0] - sides[1]
+    near = np.minimum(np.abs(grey - sides[0]), np.abs(grey - sides[1])) < 0.15 * contrast
+    return bool(contrast > 0.2 * sides[0] and near.mean() > _SIDES)

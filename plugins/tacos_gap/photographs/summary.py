@@ -1,0 +1,51 @@
+"""What an import did, in lines to print."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from tacos_gap.photographs.importing import Imported
+
+
+def summary(imported: Imported) -> Iterator[str]:
+    """A line per capture, what was read of the camera, the doubts, and what to type next."""
+    folder = imported.path.parent
+    kinds = Counter(entry["kind"] for entry in imported.entries)
+    said = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    yield f"{imported.path}: {len(imported.entries)} captures ({said})"
+    yield ""
+    for entry in imported.entries:
+        yield "  " + _line(entry)
+    yield ""
+    yield "Camera"
+    for key, value in imported.camera.entry.items():
+        source = imported.camera.source.get(key)
+        yield (
+            f"  {key} {value:g}" + (f" ({source})" if source else "")
+            if _is_number(value)
+            else f"  {key} {value}"
+        )
+    if imported.doubts:
+        yield ""
+        yield "Unsure of"
+        for doubt in imported.doubts:
+            yield from textwrap.wrap(doubt, 100, initial_indent="  - ", subsequent_indent="    ")
+    yield ""
+    yield f"Next: tacos captures check {folder}, then tacos-run diagnose --set captures={folder} --out out"
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _line(entry: Mapping[str, Any]) -> str:
+    """A capture: its name, files and settings."""
+    files = [name.rpartition("/")[2] for name in entry["real"]]
+    shown = files[0] if len(files) == 1 else f"{files[0]} ... {files[-1]} ({len(files)} frames)"
+    settings = [f"{entry['exposure_ms']:g} ms"] if "exposure_ms" in entry else []
+    settings += [f"{entry['gain_db']:g} dB"] if "gain_db" in entry else []
+    settings += [entry["group"]] if "group" in entry else []
+    return f"{entry['id']:<12} {shown}" + (f"  {', '.join(settings)}" if settings else "")

@@ -1,0 +1,137 @@
+"""What was photographed, what that can tell, and what it takes to tell the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.camera.colour import srgb_from_linear
+from tacos_gap.captures import RealCapture
+from tacos_gap.captures.coverage import untold
+from tacos_gap.findings import Diagnosis
+from tacos_gap.report import words
+from tacos_report.page import Block, ContactSheet, Folded, PagePicture, Paragraph, Table, image_uri
+from tacos_report.quantities import unit_sign
+
+MOST = 36
+"""Pictures on a contact sheet."""
+
+THUMBNAIL_PX = 180
+"""Width of a picture on it [px]."""
+
+_TELLS = {
+    "dark": "pedestal, read noise, dark current, hot pixels and noise of rows",
+    "flat": "noise against signal, dark corners, pixels that respond unequally, flicker",
+    "bracket": "linearity, saturation and the tone curve",
+    "edge": "sharpness over the field, sharpening, colour fringes",
+    "board": "distortion and focal length",
+    "chart": "colour, white balance and tone",
+    "scene": "sharpness, shifts of colour and place, compression; and scores of tasks",
+    "sequence": "what changes from frame to frame: rolling shutter, motion blur, exposure control",
+}
+
+
+def photographed(captures: Sequence[RealCapture]) -> Iterator[Block]:
+    """A contact sheet, and what each kind of capture tells."""
+    pictures = tuple(
+        PagePicture(image_uri(thumbnail(capture)), f"{capture.id}: {_taken(capture)}")
+        for capture in captures[:MOST]
+    )
+    yield ContactSheet(pictures)
+    if len(captures) > MOST:
+        yield Paragraph(f"And {len(captures) - MOST} more, which the table at the end lists.")
+    kinds = list(dict.fromkeys(capture.kind for capture in captures))
+    rows = []
+    for kind in kinds:
+        of_kind = [capture for capture in captures if capture.kind == kind]
+        frames = sum(capture.frames for capture in of_kind)
+        count = f"{len(of_kind)} with {frames} frames" if frames > 1 else "1 with 1 frame"
+        rows.append((kind, count, _TELLS.get(kind, "")))
+    yield Table(("kind", "captures", "what it tells"), tuple(rows))
+
+
+def _taken(capture: RealCapture) -> str:
+    said = [f"{capture.frames} frame{'s' if capture.frames > 1 else ''}"]
+    if capture.exposure_stated:
+        said.append(f"{1e3 * capture.context.exposure_s:.3g} ms")
+    if capture.context.gain_db:
+        said.append(f"{capture.context.gain_db:g} dB")
+    return ", ".join(said)
+
+
+def thumbnail(capture: RealCapture) -> NDArray[np.uint8]:
+    """The first real frame, small, as a viewer would show it: black level black, full scale white."""
+    context, frame = capture.context, capture.real_dn[0]
+    height, width = frame.shape[:2]
+    size = THUMBNAIL_PX, max(1, round(height * THUMBNAIL_PX / width))
+    small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA).reshape(size[1], size[0], -1)
+    black, white = float(context.black_level_dn), float(context.white_level_dn)
+    shown = np.rint(255 * srgb_from_linear(np.clip((small - black) / (white - black), 0, 1)))
+    image: NDArray[np.uint8] = shown.astype(np.uint8)
+    return image[..., 0] if image.shape[-1] == 1 else image
+
+
+def not_told(
+    captures: Sequence[RealCapture], effects: Mapping[str, type[Any]], diagnosis: Diagnosis
+) -> Iterator[Block]:
+    """What it takes to tell the effects these captures are blind to, and how small the others may be."""
+    lacking = untold(captures, effects)
+    if lacking:
+        rows = [
+            (remedy, ", ".join(words.effect_words(name) for name in names))
+            for remedy, names in sorted(lacking.items(), key=lambda item: -len(item[1]))
+        ]
+        yield Paragraph("Nothing can be said of these effects until the captures hold what shows them:")
+        yield Table(("photograph", "to learn of"), tuple(rows))
+    if limits := diagnosis.detectable:
+        yield Paragraph(
+            "Of the others none was overlooked that is larger than its detection limit: an effect of that "
+            "size would have shown in these captures nine times in ten."
+        )
+        yield Folded("Detection limits", Table(("effect", "would have shown from"), limit_rows(limits)))
+
+
+def limit_rows(limits: Mapping[str, Mapping[str, float]]) -> tuple[tuple[str, str], ...]:
+    """Each effect with the least values that would have shown.
+
+    Examples
+    --------
+    >>> limit_rows({"prnu": {"sigma": 0.0041}})
+    (('PRNU', 'sigma 0.0041'),)
+    """
+    return tuple(
+        (words.effect_words(effect), ", ".join(f"{name} {value:.2g}" for name, value in values.items()))
+        for effect, values in sorted(limits.items())
+    )
+
+
+def nuisance_rows(nuisances: Mapping[str, Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:
+    """What the expectation of each capture was off by that is nobody's error.
+
+    Examples
+    --------
+    >>> nuisance_rows({"flat_03": {"gain": 1.02, "shift_px": [0.31, -0.12]}})
+    (('flat_03', 'gain 1.02, shift 0.31 \u22120.12 px'),)
+    """
+    rows = []
+    for capture, values in nuisances.items():
+        said = [_nuisance(name, value) for name, value in values.items()]
+        rows.append((capture, ", ".join(said).replace("-", "\u2212")))
+    return tuple(rows)
+
+
+_UNITS = ("px", "deg", "dn", "mm")
+
+
+def _nuisance(name: str, value: Any) -> str:
+    stem, _, unit = name.rpartition("_")
+    if unit not in _UNITS:
+        stem, unit = name, ""
+    numbers = value if isinstance(value, list | tuple) else [value]
+    shown = " ".join(f"{v:.3g}" if isinstance(v, int | float) else str(v) for v in numbers)
+    sign = unit_sign(unit.upper() if unit == "dn" else unit) if unit else ""
+    return f"{stem.replace('_', ' ')} {shown} {sign}".rstrip()

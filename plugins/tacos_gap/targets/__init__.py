@@ -1,0 +1,1 @@
+"""Targets that need no simulation: wall, edge, chart and bracket expect of themselves what they are."""

@@ -1,0 +1,78 @@
+"""Noise of a camera from pairs of its own frames, whatever the light was."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures.capture import Noise, RealCapture
+
+LEAST_SPAN = 0.1
+"""Range of levels over full scale below which a slope is not told from its intercept."""
+
+_BINS = 16
+_LEAST_PIXELS = 200
+_CLIPPED = 0.95
+
+
+def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
+    """One line of variance against signal for all captures of a gain, per channel.
+
+    Half the variance of the difference of two frames, bin by bin of their mean: the light, its shading and
+    the pattern of the sensor cancel (EMVA 1288 release 4, 6.6; Janesick 2007, "Photon Transfer").
+
+    Parameters
+    ----------
+    captures
+        Of one gain; those with two frames or more of something still count.
+
+    Returns
+    -------
+    Noise or None
+        With ``known`` False, as it says nothing of the simulator; None where captures span too few levels.
+    """
+    still = [each for each in captures if each.frames > 1 and each.kind != "sequence"]
+    if not still:
+        return None
+    photon, thermal = [], []
+    for channel in range(still[0].real_dn.shape[-1]):
+        points = np.array([point for each in still for point in _points(each, channel)]).reshape(-1, 3)
+        span = still[0].context.white_level_dn - still[0].context.black_level_dn
+        if len(points) < 2 or np.ptp(points[:, 0]) < LEAST_SPAN * span:
+            return None
+        signal, variance, count = points.T
+        weight = np.sqrt(count) / np.maximum(variance, 0.05)
+        slope, intercept = np.polyfit(signal, variance, 1, w=weight)
+        photon.append(max(float(slope), 0.0))
+        thermal.append(max(float(intercept), 0.01))
+    return Noise(tuple(photon), tuple(thermal), known=False)
+
+
+def _points(capture: RealCapture, channel: int) -> list[tuple[float, float, float]]:
+    """Signal, variance and number of pixels of each bin of level [DN, DN^2, 1]."""
+    first, second = (capture.real_dn[k, ..., channel].astype(np.float64) for k in (0, 1))
+    context = capture.context
+    mean = (first + second) / 2 - context.black_level_dn
+    span = context.white_level_dn - context.black_level_dn
+    usable = capture.valid & (mean < _CLIPPED * span)
+    if context.black_level_dn < 1:
+        usable &= (first > 0) & (second > 0)  # what is cut off at 0 has lost half of its noise
+    level, difference = mean[usable], (first - second)[usable]
+    if level.size < _LEAST_PIXELS:
+        return []
+    difference = difference - np.median(difference)  # a lamp that wavered between the two
+    edges = np.quantile(level, np.linspace(0, 1, _BINS + 1))
+    which = np.clip(np.searchsorted(edges, level, side="right") - 1, 0, _BINS - 1)
+    return [
+        (float(level[inside].mean()), _robust_variance(difference[inside]) / 2, float(inside.sum()))
+        for bin_ in range(_BINS)
+        if (inside := which == bin_).sum() >= _LEAST_PIXELS
+    ]
+
+
+def _robust_variance(values: NDArray[np.float64]) -> float:
+    """Variance of what is within four robust spreads: moving leaves and hot pixels stay out."""
+    spread = max(1.4826 * float(np.median(np.abs(values))), 0.5)
+    return float(np.mean(values[np.abs(values) < 4 * spread] ** 2))

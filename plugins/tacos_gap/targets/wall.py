@@ -1,0 +1,90 @@
+"""A wall: an even surface, whose level and shading its own pictures tell."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+TILES = 24
+"""Tiles along the longer side that the shading is fitted to."""
+
+_CELLS_OF_MOSAIC = ((0, 0), (0, 1), (1, 0), (1, 1))
+
+
+def level_at(plane: NDArray[np.float32], centre_px: tuple[float, float]) -> float:
+    """The level of an even surface at the principal point, where no lens darkens it [DN].
+
+    Parameters
+    ----------
+    plane
+        (H, W) mean of the frames of one channel [DN].
+    centre_px
+        Principal point (x, y) in the files; one outside is brought to the nearest pixel [px].
+    """
+    height, width = plane.shape
+    x = float(np.clip(centre_px[0], 0, width - 1)) / max(width - 1, 1) * 2 - 1
+    y = float(np.clip(centre_px[1], 0, height - 1)) / max(height - 1, 1) * 2 - 1
+    return float((_terms(np.array([x]), np.array([y])) @ _shading_of(plane))[0])
+
+
+def shading(plane: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(H, W) the smooth part of an even surface's picture, all its noise and patterns left out [DN]."""
+    height, width = plane.shape
+    y, x = np.meshgrid(np.linspace(-1, 1, height), np.linspace(-1, 1, width), indexing="ij")
+    smooth = _terms(x.ravel(), y.ravel()) @ _shading_of(plane)
+    return np.asarray(smooth.reshape(plane.shape), np.float32)
+
+
+def even_expectation(
+    mean_dn: NDArray[np.float32], centre_px: tuple[float, float], *, mosaic: bool
+) -> NDArray[np.float32]:
+    """(H, W, C) what evenly lit paper would give without any lens: one level per channel.
+
+    Parameters
+    ----------
+    mean_dn
+        (H, W, C) mean of the frames [DN].
+    centre_px
+        Principal point in the files [px].
+    mosaic
+        Whether the one channel holds a colour filter array, whose four phases have levels of their own.
+    """
+    expected = np.empty_like(mean_dn)
+    for channel in range(mean_dn.shape[-1]):
+        plane = mean_dn[..., channel]
+        if not mosaic:
+            expected[..., channel] = level_at(plane, centre_px)
+            continue
+        for row, column in _CELLS_OF_MOSAIC:
+            phase = np.ascontiguousarray(plane[row::2, column::2])
+            centre = (centre_px[0] - column) / 2, (centre_px[1] - row) / 2
+            expected[row::2, column::2, channel] = level_at(phase, centre)
+    return expected
+
+
+def _shading_of(plane: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Coefficients of a surface of the fourth degree through the middle values of tiles.
+
+    Vignetting is even in the radius up to r^6, a lamp a plane; the fourth degree holds both to a thousandth
+    over the severities of lenses in use (EMVA 1288 release 4, 8.1, fits the second degree for lamps alone).
+    """
+    height, width = plane.shape
+    step = max(1, max(height, width) // TILES)
+    smooth = cv2.medianBlur(np.ascontiguousarray(plane, np.float32), 5) if min(plane.shape) > 4 else plane
+    tiles = cv2.resize(
+        smooth,
+        (max(width // step, 1), max(height // step, 1)),
+        interpolation=cv2.INTER_AREA,
+    )
+    rows, columns = tiles.shape
+    centres_y = (np.arange(rows) + 0.5) / rows * 2 - 1
+    centres_x = (np.arange(columns) + 0.5) / columns * 2 - 1
+    y, x = np.meshgrid(centres_y, centres_x, indexing="ij")
+    found, *_ = np.linalg.lstsq(_terms(x.ravel(), y.ravel()), tiles.ravel().astype(np.float64), rcond=1e-8)
+    return np.asarray(found)
+
+
+def _terms(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(K, 15) powers of x and y up to the fourth degree in all."""
+    return np.column_stack([x**i * y**j for i in range(5) for j in range(5 - i)])

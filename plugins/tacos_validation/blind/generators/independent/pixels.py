@@ -1,0 +1,168 @@
+"""Pixels and converters by other makers: what each does that a formula for all pixels leaves out."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy import signal, special
+
+from tacos_validation.blind.generators.camera import IdealShot, Image
+from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
+
+
+class AvalancheGain(SingleAmplitudeEffect):
+    """Electrons multiplied by chance, as in an electron-multiplying sensor: more noise at the same mean.
+
+    References
+    ----------
+    Basden, Haniff and Mackay 2003, "Photon counting strategies with low-light-level CCDs", MNRAS 345: gamma.
+    """
+
+    name: ClassVar[str] = "conversion-gain-error"
+    order: ClassVar[int] = -1
+
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
+        """Replace the signal by a gamma variable of the same mean."""
+        camera = shot.camera
+        scale = camera.photon_dn * self.amplitude
+        signal_dn = samples - camera.black_dn
+        multiplied = rng.gamma(np.maximum(signal_dn, 1e-6) / scale, scale)
+        return camera.black_dn + np.where(signal_dn > 0, multiplied, signal_dn)
+
+
+class UnevenFullWells(SingleAmplitudeEffect):
+    """Wells that are full at a level of each pixel's own."""
+
+    name: ClassVar[str] = "saturation"
+    order: ClassVar[int] = 1
+    spread: ClassVar[float] = 0.004
+
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
+        """Cut off each pixel at its own level."""
+        camera = shot.camera
+        wells = (1 - self.amplitude) * camera.range_dn * sensor.normal(1.0, self.spread, size=codes.shape)
+        return np.minimum(codes, camera.black_dn + wells)
+
+
+class UnevenDarkCurrent(SingleAmplitudeEffect):
+    """Dark current that spreads lognormally over pixels, some of which are hot.
+
+    References
+    ----------
+    Widenhorn et al. 2002, "Temperature dependence of dark current in a CCD", Proc. SPIE 4669.
+    """
+
+    name: ClassVar[str] = "dark-current"
+    order: ClassVar[int] = 1
+
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
+        """Add a rate for each pixel times the exposure time."""
+        rates = self.amplitude * sensor.lognormal(-0.5 * 0.3**2, 0.3, size=mean.shape)
+        hot = sensor.random(mean.shape) < 1e-4
+        rates = np.where(hot, rates + 100 * sensor.pareto(1.5, size=mean.shape), rates)
+        return mean + rates * shot.exposure_ms * 1e-3
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The mean rate."""
+        return {"rate_dn_s": self.amplitude}
+
+
+class HeavyTailedOffsets(SingleAmplitudeEffect):
+    """Offsets by Student's t with five degrees of freedom: more pixels far out than a Gaussian has."""
+
+    name: ClassVar[str] = "dsnu"
+    order: ClassVar[int] = 2
+
+    def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
+        """Add the sensor's own pattern."""
+        return mean + self.amplitude * sensor.standard_t(5, size=mean.shape) / np.sqrt(5 / 3)
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Its standard deviation."""
+        return {"sigma_dn": self.amplitude}
+
+
+class ChargeDiffusion(SingleAmplitudeEffect):
+    """Charge that wanders, less the farther; the amplitude goes to each of the four nearest neighbours."""
+
+    name: ClassVar[str] = "crosstalk"
+    order: ClassVar[int] = 0
+
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
+        """Convolve with falling shares, by the square of the distance."""
+        y, x = np.mgrid[-2:3, -2:3]
+        square = x**2 + y**2
+        kernel = np.where(square > 0, self.amplitude * 0.5 ** np.maximum(square - 1.0, 0), 0)
+        kernel[2, 2] = 1 - kernel.sum()
+        padded = np.pad(samples, ((2, 2), (2, 2), (0, 0)), mode="reflect")
+        return np.asarray(signal.fftconvolve(padded, kernel[..., None], mode="valid"))
+
+
+class UnevenCodes(SingleAmplitudeEffect):
+    """A converter some of whose codes are never given out, and others stand for more than their share."""
+
+    name: ClassVar[str] = "quantisation"
+    order: ClassVar[int] = 6
+
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
+        """By a table: steps of about the amplitude, whose bounds are a little off."""
+        white = int(shot.camera.white_dn)
+        step = max(2, round(self.amplitude))
+        bounds = np.arange(step / 2, white, step)
+        bounds = bounds + 0.15 * step * sensor.uniform(-1, 1, size=bounds.shape)
+        table = np.minimum(step * np.searchsorted(bounds, np.arange(white + 1)), white)
+        return np.asarray(table[codes.astype(int)], np.float64)
+
+
+class ClampedPedestal(SingleAmplitudeEffect):
+    """A pedestal that a control loop holds: it wanders a little, and even rows differ from odd ones."""
+
+    name: ClassVar[str] = "black-level"
+    order: ClassVar[int] = 5
+
+    def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
+        """Shift each frame by its own."""
+        rows = 0.02 * self.amplitude * (np.arange(samples.shape[0]) % 2 - 0.5)
+        drift = 0.02 * self.amplitude * rng.standard_normal()
+        return samples + self.amplitude + drift + rows[:, None, None]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Its mean."""
+        return {"offset_dn": self.amplitude}
+
+
+class BlockReadout(SingleAmplitudeEffect):
+    """A shutter that reads four rows at a time."""
+
+    name: ClassVar[str] = "rolling-shutter"
+    order: ClassVar[int] = 4
+    rows: ClassVar[int] = 4
+
+    def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
+        """Rows of a block share their moment."""
+        later_s = self.rows * np.floor(row / self.rows) * self.amplitude * 1e-6
+        return x - shot.velocity_px_s[0] * later_s, y - shot.velocity_px_s[1] * later_s
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Time for a row, on average."""
+        return {"row_time_us": self.amplitude}
+
+
+class ErfShading(SingleAmplitudeEffect):
+    """Corners made brighter by a table for a lens whose light falls off as an error function."""
+
+    name: ClassVar[str] = "lens-shading-correction"
+    order: ClassVar[int] = 10
+
+    def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
+        """Divide what is above the pedestal by the fall-off, 1 in the middle."""
+        r = np.sqrt(shot.camera.squared_radius())[..., None]
+        rise = self.amplitude * (1 + special.erf((r - 0.75) / 0.4)) / 2
+        rise = rise - self.amplitude * (1 + special.erf(-0.75 / 0.4)) / 2
+        black = shot.camera.black_dn
+        return np.asarray(black + (codes - black) * (1 + rise))

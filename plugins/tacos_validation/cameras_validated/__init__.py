@@ -1,0 +1,1 @@
+"""Whether a simulator ranks real cameras as reality does, before and after what it lacked was added."""

@@ -1,0 +1,89 @@
+"""What a reader doubts aloud: sentences that say what to do, and none about a sound folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from tacos_gap.captures import read_captures
+from tests.gap.captures.folders import HEIGHT, WIDTH, describe, flat_folder, noisy, save, save_frames
+
+
+def said(folder: Path) -> str:
+    return "\n".join(read_captures(folder).limitations)
+
+
+def colourful() -> np.ndarray:
+    """(H, W, 3) a picture whose red and blue differ from place to place."""
+    x = np.arange(WIDTH)[None, :, None] / WIDTH
+    return np.asarray(40 + 150 * np.concatenate([x, 0.5 + 0 * x, 1 - x], axis=2).repeat(HEIGHT, axis=0))
+
+
+def colour_folder(folder: Path, frame: np.ndarray) -> Path:
+    save(folder / "expected.npy", colourful())
+    names = save_frames(folder, "scene", frame[None].astype(np.uint8))
+    entry = {"id": "scene", "kind": "scene", "real": names, "simulated": "expected.npy"}
+    return describe(folder, entry, camera={"width_px": WIDTH, "height_px": HEIGHT, "channels": 3})
+
+
+def test_darks_without_a_single_code(tmp_path):
+    names = save_frames(tmp_path, "dark", np.zeros((2, HEIGHT, WIDTH), np.uint8))
+    folder = describe(tmp_path, {"id": "dark", "kind": "dark", "real": names, "exposure_ms": 10})
+    assert "dark: every pixel is 0" in said(folder)
+
+
+def test_files_that_stop_below_the_believed_full_scale(tmp_path):
+    frames = np.where(noisy(100) > 98, 255, noisy(100)).astype(np.uint16)
+    entry = {"id": "flat", "kind": "flat", "real": save_frames(tmp_path, "flat", frames), "simulated": 400}
+    camera = {"width_px": WIDTH, "height_px": HEIGHT, "bit_depth": 10}
+    assert "pile up at 255 DN, where more light is expected, below the believed full scale of 1023" in said(
+        describe(tmp_path, entry, camera=camera)
+    )
+
+
+def test_red_and_blue_that_were_swapped(tmp_path):
+    assert "red is bright where blue is expected" in said(colour_folder(tmp_path, colourful()[..., ::-1]))
+
+
+def test_mono_stored_as_colour(tmp_path):
+    assert "set camera.channels to 1" in said(colour_folder(tmp_path, colourful()[..., :1].repeat(3, axis=2)))
+
+
+def test_lossy_files(tmp_path):
+    assert cv2.imwrite(str(tmp_path / "flat.jpg"), noisy(frames=1)[0])
+    entry = {"id": "flat", "kind": "flat", "real": "flat.jpg", "simulated": 100}
+    assert "its files are lossy (.jpg)" in said(describe(tmp_path, entry))
+
+
+def test_portrait_frames(tmp_path):
+    frames = np.swapaxes(noisy(), 1, 2)
+    entry = {"id": "flat", "kind": "flat", "real": save_frames(tmp_path, "flat", frames), "simulated": 100}
+    camera = {"width_px": HEIGHT, "height_px": WIDTH}
+    assert "camera: all files are higher than wide" in said(describe(tmp_path, entry, camera=camera))
+
+
+def test_a_bracket_whose_levels_contradict_its_exposure_times(tmp_path):
+    entries = [
+        {
+            "id": f"at_{ms}",
+            "kind": "bracket",
+            "real": save_frames(tmp_path, f"{ms}", noisy(level, sigma=1.0)),
+            "simulated": level,
+            "exposure_ms": ms,
+            "group": "lamp",
+        }
+        for ms, level in [(10, 30), (20, 61), (40, 70)]
+    ]
+    sentences = said(describe(tmp_path, *entries))
+    assert "at_40: it is 1.15 times as bright as at_20 at 2 times its exposure" in sentences
+    assert "at_20: it is" not in sentences
+
+
+def test_a_sound_folder_raises_no_doubt(tmp_path):
+    estimated = "the simulator's noise is unknown, so noise is estimated and not compared."
+    assert said(flat_folder(tmp_path)) == f"flat: {estimated}"
+    assert said(colour_folder(tmp_path, colourful())).endswith(f"scene: {estimated}")

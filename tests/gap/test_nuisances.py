@@ -1,0 +1,242 @@
+"""Nuisances of an expectation: estimated where they are, and never so free that they swallow effects."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_framework.plugins import Plugins
+from tacos_gap.captures import CaptureFolder, RealCapture
+from tacos_gap.diagnosis import diagnose
+from tacos_gap.evidence import ImageEvidence
+from tacos_gap.findings import Diagnosis
+from tacos_gap.formation import simulate
+from tacos_gap.nuisances import Freedom, Marginal, disturbed, freedoms_of, registered, stated
+from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, placed
+from tests.gap.taken import patchwork
+
+FEW = ("vignetting", "exposure-error", "defocus", "illumination-gradient", "focal-length-error", "prnu")
+
+
+@pytest.fixture(scope="module")
+def effects() -> dict[str, type[Any]]:
+    plugins = Plugins.discover()
+    return {name: plugins.resolve(f"effect.{name}") for name in FEW}
+
+
+def flats(uncertainty: float = 0.0) -> list[RealCapture]:
+    levels = (40, 100, 180)
+    return [
+        replace(capture(f"flat_{n}", "flat", BLACK_DN + n), level_uncertainty=uncertainty) for n in levels
+    ]
+
+
+def scenes() -> list[RealCapture]:
+    image = patchwork() + BLACK_DN
+    return [
+        capture("scene_a", "scene", image, frames=1),
+        capture("scene_b", "scene", image[::-1, ::-1], frames=1),
+    ]
+
+
+def moved(each: RealCapture, dx_px: float, dy_px: float, turn_deg: float = 0.0) -> RealCapture:
+    """Another pose, by splines: not the way the diagnosis moves pictures."""
+    assert each.expected_dn is not None
+    turn = np.radians(turn_deg)
+    back = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])  # rows, columns
+    centre = np.array([(HEIGHT - 1) / 2, (WIDTH - 1) / 2])
+    offset = centre - back @ (centre + np.array([dy_px, dx_px]))
+    planes = [
+        ndimage.affine_transform(plane, back, offset, order=5, mode="nearest")
+        for plane in np.moveaxis(each.expected_dn[0], -1, 0)
+    ]
+    return replace(each, expected_dn=np.stack(planes, axis=-1)[None].astype(np.float32))
+
+
+def lit(each: RealCapture, gain: float, across: float = 0.0) -> RealCapture:
+    assert each.expected_dn is not None
+    light = gain * (1 + across * np.linspace(-1, 1, WIDTH, dtype=np.float32)[None, None, :, None])
+    return replace(each, expected_dn=(each.expected_dn - BLACK_DN) * light + BLACK_DN)
+
+
+def taken(
+    expected: list[RealCapture], real: list[RealCapture], chain: list[PlacedEffect] | None = None
+) -> list[RealCapture]:
+    """Captures whose real frames show what `real` holds, and whose expectation is that of `expected`."""
+    return [
+        replace(e, real_dn=simulate(r, chain or [], EpisodeDraws(5, ("taken", i))))
+        for i, (e, r) in enumerate(zip(expected, real, strict=True))
+    ]
+
+
+def run(captures: list[RealCapture], effects: dict[str, type[Any]]) -> Diagnosis:
+    return diagnose(CaptureFolder(Path("captures"), tuple(captures)), effects, seed=3, workers=1)
+
+
+# the algebra ----------------------------------------------------------------------------------------------
+
+
+@given(st.integers(0, 1000), st.floats(0.01, 100))
+@settings(max_examples=30, deadline=None)
+def test_whitened_residuals_cost_what_the_best_nuisances_leave_prior_included(seed, size):
+    rng = np.random.default_rng(seed)
+    directions, nu, z = rng.normal(size=(30, 4)) * size, rng.normal(size=4), rng.normal(size=30)
+    whitened = Marginal(directions, nu).whitened(z)
+    linear = z + directions @ nu
+    both = np.vstack([directions, np.eye(4)])
+    left = np.linalg.lstsq(both, np.concatenate([linear, np.zeros(4)]), rcond=None)[1]
+    assert float(whitened @ whitened) == pytest.approx(float(left[0]), rel=1e-6)
+
+
+def test_nuisances_far_outside_their_prior_stay_in_the_cost():
+    directions = np.full((50, 1), 20.0)
+    costs = [
+        float(np.sum(Marginal(directions, np.zeros(1)).whitened(directions[:, 0] * nu) ** 2))
+        for nu in (0.5, 10)
+    ]
+    assert costs == pytest.approx([0.25, 100], rel=0.01)
+
+
+def test_replicates_with_nuisances_from_the_prior_have_unit_variance():
+    rng = np.random.default_rng(2)
+    directions = rng.normal(size=(40, 3)) * 8
+    noise, nuisances = rng.normal(size=(4000, 40)), rng.normal(size=(4000, 3))
+    whitened = Marginal(directions, np.zeros(3)).spread(noise, nuisances)
+    assert np.cov(whitened.T) == pytest.approx(np.eye(40), abs=0.1)
+
+
+def test_wild_residuals_hardly_move_the_estimate():
+    rng = np.random.default_rng(1)
+    directions = rng.normal(size=(200, 2)) * 5
+    z = directions @ [1.0, -2.0] + rng.normal(size=200) * 0.5
+    z[:10] += 300
+    assert Marginal(directions, np.zeros(2)).most_likely(z) == pytest.approx([1, -2], abs=0.1)
+
+
+# the expectation ------------------------------------------------------------------------------------------
+
+
+def test_a_blur_has_the_variance_it_says():
+    dot = np.zeros((HEIGHT, WIDTH))
+    dot[60, 80] = 100.0
+    blurred = disturbed(capture("dot", "scene", dot + BLACK_DN), [Freedom("blur_px2", 0.1)], np.array([2.0]))
+    assert blurred.expected_dn is not None
+    seen = blurred.expected_dn[0, :, :, 0] - BLACK_DN
+    columns = np.arange(WIDTH) - 80
+    assert float((seen * columns**2).sum() / seen.sum()) == pytest.approx(0.2, rel=1e-4)
+
+
+def test_no_nuisance_is_the_capture_itself():
+    scene = scenes()[0]
+    assert disturbed(scene, freedoms_of(scene), np.zeros(len(freedoms_of(scene)))) is scene
+
+
+def test_pose_is_read_off_the_pictures():
+    scene = scenes()[0]
+    (seen,) = taken([scene], [moved(scene, 0.7, -0.4, turn_deg=0.2)])
+    freedoms = freedoms_of(seen)
+    found = stated(freedoms, registered(seen, freedoms))
+    assert found["shift_px"] == pytest.approx([0.7, -0.4], abs=0.04)
+    assert found["rotation_deg"] == pytest.approx(0.2, abs=0.03)
+
+
+def test_what_states_no_uncertain_light_has_none():
+    exact, uncertain = (flats(u)[0] for u in (0.0, 0.1))
+    assert freedoms_of(exact) == ()
+    assert {freedom.name for freedom in freedoms_of(uncertain)} >= {"gain", "light_x"}
+    assert freedoms_of(capture("dark", "dark", BLACK_DN)) == ()
+
+
+# evidence -------------------------------------------------------------------------------------------------
+
+
+def test_a_misregistered_scene_is_as_good_as_a_registered_one():
+    scene = scenes()[0]
+    (seen,) = taken([scene], [moved(scene, 0.6, 0.3, turn_deg=0.1)])
+    before = ImageEvidence(seen, seed=1, replicates=6)
+    after = before.renuisanced(())
+    rms = [float(np.sqrt(np.mean(each._difference(()) ** 2))) for each in (before, after)]
+    assert rms[0] > 4
+    assert rms[1] < 1.3
+    assert after.nuisances(())["shift_px"] == pytest.approx([0.6, 0.3], abs=0.05)
+
+
+def test_every_draw_of_a_noisy_colour_expectation_gives_the_same_list():
+    image = np.repeat((patchwork() + BLACK_DN)[None, :, :, None], 3, axis=3).astype(np.float32)
+    base = capture("chart", "chart", BLACK_DN)
+    noisy = image + np.random.default_rng(1).normal(0, 2, image.shape).astype(np.float32)
+    of = replace(
+        base,
+        expected_dn=noisy,
+        real_dn=np.zeros((2, HEIGHT, WIDTH, 3), np.float32),
+        noise=replace(base.noise, photon_dn=(0.24,) * 3, thermal_dn2=(1.8,) * 3),
+        level_uncertainty=0.05,
+        expected_frames=3,
+    )
+    (seen,) = taken([of], [replace(of, expected_dn=image)])
+    evidence = ImageEvidence(seen, seed=1, replicates=4).renuisanced(())
+    assert evidence.null_replicates.shape == (4, len(evidence.labels))
+    assert np.isfinite(evidence.residual(())).all()
+
+
+@pytest.mark.parametrize("said", [True, False])
+def test_noise_of_the_expectation_is_nobodys_pattern(said):
+    scene = scenes()[0]
+    assert scene.expected_dn is not None
+    spread = np.sqrt(scene.noise.variance_dn2(scene.expected_dn - BLACK_DN) / 4)
+    noise = np.random.default_rng(4).normal(size=spread.shape).astype(np.float32) * spread
+    noisy = replace(scene, expected_dn=scene.expected_dn + noise, expected_frames=4 if said else 0)
+    (seen,) = taken([noisy], [scene])
+    evidence = ImageEvidence(seen, seed=2, replicates=8).renuisanced(())
+    assert float(np.sqrt(np.mean(evidence.residual(()) ** 2))) < 1.15
+
+
+# the diagnosis --------------------------------------------------------------------------------------------
+
+
+def test_misregistration_drowns_no_vignetting_that_flats_prove(effects):
+    clean = [*flats(), *scenes()]
+    poses = [*flats(), moved(scenes()[0], 0.6, 0.35, 0.1), moved(scenes()[1], -0.5, 0.5, -0.1)]
+    found = run(taken(clean, poses, [placed("vignetting", effects["vignetting"], k1=-0.3)]), effects)
+    assert [cause.effect for cause in found.causes] == ["vignetting"]
+    assert found.causes[0].present > 0.9
+    assert found.causes[0].parameters["k1"].value == pytest.approx(-0.3, abs=0.015)
+    assert found.as_data()["nuisances"]["scene_a"]["shift_px"] == pytest.approx([0.6, 0.35], abs=0.06)
+
+
+def test_an_uncertain_lamp_biases_no_vignetting(effects):
+    lamps = [
+        lit(each, *light)
+        for each, light in zip(flats(), ((1.1, 0.04), (0.92, 0), (1.05, -0.03)), strict=True)
+    ]
+    found = run(taken(flats(0.1), lamps, [placed("vignetting", effects["vignetting"], k1=-0.3)]), effects)
+    assert [cause.effect for cause in found.causes] == ["vignetting"]
+    value, interval = found.causes[0].parameters["k1"].value, found.causes[0].parameters["k1"].interval
+    assert value == pytest.approx(-0.3, abs=0.01)
+    assert interval is not None
+    assert interval[0] < -0.3 < interval[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "of"),
+    [
+        ("exposure-error", {"scale": 1.2}, flats(0.02)),
+        ("illumination-gradient", {"gx": 0.3}, flats(0.02)),
+        ("focal-length-error", {"scale": 1.02}, scenes()),
+        ("defocus", {"radius_px": 1.6}, scenes()),
+    ],
+)
+def test_an_effect_of_a_nuisances_shape_is_still_found(effects, name, settings, of):
+    """Several captures split them: each would have to be off by far more than its prior allows."""
+    found = run(taken(of, of, [placed(name, effects[name], **settings)]), effects)
+    assert found.causes[0].effect == name
+    for parameter, value in settings.items():
+        assert found.causes[0].parameters[parameter].value == pytest.approx(value, rel=0.1)

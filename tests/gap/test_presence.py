@@ -1,0 +1,64 @@
+"""Whether an effect is there, and whether anything else is, are two questions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tacos_gap.evidence import Label, ReplicateResiduals
+from tacos_gap.presence import completeness_where_it_shows, support
+from tacos_gap.problem import Problem
+from tacos_gap.unknown import Unexplained, unexplained
+
+
+class Flat:
+    """Evidence of a capture: one statistic of the optics, one of the pixel."""
+
+    def __init__(self, name: str, kind: str, seed: int, pixel: float = 0.0):
+        rng = np.random.default_rng(seed)
+        stages = ("optics",) * 30 + ("pixel",) * 30
+        self.labels = [
+            Label(name, kind, f"of the {stage}", stage, {"n": n}) for n, stage in enumerate(stages)
+        ]
+        self._z = rng.normal(0, 1, 60) + pixel * (np.arange(60) >= 30)
+        self.null_replicates = rng.normal(0, 1, (16, 60))
+
+    def residual(self, effects, draws=1):
+        return self._z
+
+    def replicate_residuals(self, effects):
+        return ReplicateResiduals(self._z, self.null_replicates, np.ones(60))
+
+
+@pytest.fixture
+def problem() -> Problem:
+    flats = [Flat(f"flat_{k}", "flat", k) for k in range(3)]
+    return Problem([*flats, *(Flat(f"scene_{k}", "scene", 9 + k, pixel=8.0) for k in range(3))])
+
+
+def test_what_is_left_is_left_in_a_stage_and_in_captures(problem):
+    left = unexplained(problem, problem.replicate_residuals(()))
+    assert left.probability > 0.9
+    assert left.by_stage["optics"] < 0.1 < 0.9 < left.by_stage["pixel"]
+    assert all((p > 0.9) == name.startswith("scene") for name, p in left.by_capture.items())
+
+
+def test_what_flats_prove_is_there_although_scenes_stay_unexplained(problem):
+    left = unexplained(problem, problem.replicate_residuals(()))
+    without = problem.null + np.where(np.arange(len(problem.null)) % 60 < 30, 5.0, 0.0)
+    gains = support(problem, problem.null, without)
+    assert all(gain > 100 for gain in gains.values())
+    assert completeness_where_it_shows(problem, gains, left) > 0.9
+
+
+def test_what_shows_where_nothing_is_explained_is_in_doubt(problem):
+    left = unexplained(problem, problem.replicate_residuals(()))
+    in_scenes = np.array([label.kind == "scene" for label in problem.labels])
+    gains = support(problem, problem.null, problem.null + 5.0 * in_scenes)
+    assert completeness_where_it_shows(problem, gains, left) < 0.1
+
+
+def test_an_effect_that_gains_nowhere_is_as_sure_as_the_whole_is_complete(problem):
+    left = Unexplained(0.3, 0.01, 2.0, 0.1, None)
+    gains = support(problem, problem.null, problem.null)
+    assert completeness_where_it_shows(problem, gains, left) == pytest.approx(0.7)
