@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,6 +91,19 @@ class StudyResult:
             camera, values = row.pop("camera"), row.pop("values")
             rows.append({**row, **values, **{name: _shown(value) for name, value in camera.items()}})
         return rows
+
+    def _repr_html_(self) -> str:
+        """In a notebook: the verdict, and every camera with its fitness on the test scenes, best first."""
+        said = self.decision["sentence"] if self.decision else self.decision_absent or ""
+        tested = self.data.get("test", {})
+        fitness = {name: tested.get(name, {}).get("fitness") for name in self.data["cameras"]}
+        ranked = sorted(fitness, key=lambda name: -math.inf if (f := fitness[name]) is None else f)[::-1]
+        rows = "".join(
+            f"<tr><td>{escape(self.data['cameras'][name].get('title', name))}</td>"
+            f"<td>{'' if (f := fitness[name]) is None else format(f, '.4g')}</td></tr>"
+            for name in ranked
+        )
+        return f"<p>{escape(said)}</p><table><tr><th>camera</th><th>fitness</th></tr>{rows}</table>"
 
     def frame(self, table: str) -> pandas.DataFrame:
         """A table as a data frame.

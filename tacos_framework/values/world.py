@@ -21,7 +21,7 @@ class Material:
     base_colour
         (3,) float32 linear sRGB reflectance in 0..1 [1]; multiplies the texture.
     texture
-        (T, T, 3) uint8 sRGB-encoded base colour that tiles seamlessly, T a power of two; or None.
+        (T, T, 3) uint8 sRGB base colour that tiles, T a power of two, row 0 at the bottom (v = 0); or None.
     texture_size_m
         Edge of one tile [m].
     normal_map

@@ -200,3 +200,16 @@ def test_what_is_no_result_is_refused(tmp_path, text):
     (tmp_path / "result.json").write_text(text)
     with pytest.raises(UserError, match=r"result\.json"):
         read_result(tmp_path)
+
+
+def test_a_result_shows_itself_in_notebooks() -> None:
+    data = {
+        "cameras": {"designed": {"title": "Designed"}, "a": {"title": "A & B"}, "failed": {"title": "C"}},
+        "test": {"designed": {"fitness": 1.25}, "a": {"fitness": 2.5}, "failed": {"fitness": None}},
+        "decision": {"sentence": "A is better."},
+    }
+    html = StudyResult(data)._repr_html_()
+    assert html.startswith("<p>A is better.</p>")
+    assert (
+        html.index("A &amp; B</td><td>2.5") < html.index("Designed</td><td>1.25") < html.index("C</td><td>")
+    )

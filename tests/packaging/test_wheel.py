@@ -21,6 +21,9 @@ PLUGINS = (
     "tacos_report",
     "tacos_validation",
     "tacos_decision",
+    "tacos_view",
+    "tacos_export",
+    "tacos",
 )
 PACKAGES = ("tacos_framework", *(f"plugins/{name}" for name in PLUGINS))
 
@@ -89,6 +92,8 @@ def test_entry_points(wheel: zipfile.ZipFile) -> None:
         "report": "tacos_report.plugin",
         "validation": "tacos_validation.plugin",
         "decision": "tacos_decision.plugin",
+        "view": "tacos_view.plugin",
+        "export": "tacos_export.plugin",
     }
     assert dict(points["console_scripts"]) == {
         "tacos-run": "tacos_framework.cli:run_main",

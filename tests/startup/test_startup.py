@@ -48,12 +48,13 @@ def heavy_imports(code: str) -> str:
     "code",
     [
         "import tacos_framework",
+        "import tacos",
         "from tacos_framework.plugins import Plugins; assert list(Plugins.discover())",
         "from tacos_framework.cli import run_main; sys.argv = ['tacos-run', '--help']; sys.exit(run_main())",
         "from tacos_framework.cli import tacos_main; sys.argv = ['tacos', '--help']; sys.exit(tacos_main())",
         "from tacos_framework.cli import tacos_main; sys.argv = ['tacos', 'plugins']; sys.exit(tacos_main())",
     ],
-    ids=["import", "discover", "tacos-run --help", "tacos --help", "tacos plugins"],
+    ids=["import", "import tacos", "discover", "tacos-run --help", "tacos --help", "tacos plugins"],
 )
 def test_starts_without_heavy_libraries(code: str) -> None:
     assert heavy_imports(code) == ""

@@ -1,0 +1,53 @@
+"""What most users need from Python, under one name: ``import tacos``.
+
+``run`` and ``load_recipe`` do what ``tacos-run`` does, ``read_result`` reads what came out, and ``render``
+gives frames in one line. Everything else, for those who write plugins, is in `tacos_framework`.
+
+Examples
+--------
+>>> import tacos
+>>> tacos.load_recipe("headset_quick").name
+'headset, quick'
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tacos_decision import read_result as read_result
+    from tacos_framework import Fault as Fault
+    from tacos_framework import Plugins as Plugins
+    from tacos_framework import Recipe as Recipe
+    from tacos_framework import UserError as UserError
+    from tacos_framework import __version__ as __version__
+    from tacos_framework import load_recipe as load_recipe
+    from tacos_framework import run as run
+    from tacos_view import render as render
+    from tacos_view.notebook import load_ipython_extension as load_ipython_extension
+
+_HOMES = {
+    "tacos_framework": "Fault Plugins Recipe UserError __version__ load_recipe run",
+    "tacos_decision": "read_result",
+    "tacos_view": "render",
+    "tacos_view.notebook": "load_ipython_extension",
+}
+"""Module -> the names taken from it, which are imported on first use."""
+
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
+
+__all__ = [*_HOME_OF]  # noqa: PLE0604 - all of them are text
+
+
+if not TYPE_CHECKING:  # what is not above is an error to type checkers
+
+    def __getattr__(name: str) -> Any:
+        """Import names on first use, so that importing the package costs nothing."""
+        if name not in _HOME_OF:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,96 @@
+"""What files say of a camera: geometry, lens, noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_export.camera.noise import NoiseDescription, describe_noise
+from tacos_export.conventions import at_full_resolution
+from tacos_framework.contracts import moves_pixels
+from tacos_framework.formation import PlacedEffect
+from tacos_framework.values import Camera
+from tacos_plugins.effects.lens_distortion import LensDistortion
+from tacos_view.setup import RenderSetup
+
+LensModel = Literal["brown", "fisheye"]
+"""OpenCV's: Brown and Conrady with (k1, k2, p1, p2, k3), Kannala and Brandt with (k1, k2, k3, k4)."""
+
+
+@dataclass(frozen=True, eq=False)
+class CameraDescription:
+    """A camera as files describe it.
+
+    Parameters
+    ----------
+    camera
+        Its pinhole geometry.
+    lens
+        The distortion model.
+    distortion
+        Its coefficients in OpenCV's order; zero where the simulation has no distortion.
+    noise
+        Its noise in the units of EMVA 1288.
+    limitations
+        In a sentence each, what the files cannot say of it.
+    """
+
+    camera: Camera
+    lens: LensModel
+    distortion: tuple[float, ...]
+    noise: NoiseDescription
+    limitations: tuple[str, ...] = ()
+
+
+def describe_cameras(setup: RenderSetup, *, simulated: bool = False) -> tuple[CameraDescription, ...]:
+    """The cameras of a rig, in its order.
+
+    Parameters
+    ----------
+    setup
+        The camera of a study.
+    simulated
+        As they are simulated, where the rig averages blocks of photosites; otherwise with all pixels.
+    """
+    described = []
+    for camera in setup.rig.cameras:
+        lens, distortion, limitations = lens_of(setup.effects, camera.name)
+        shown = camera if simulated else at_full_resolution(camera)
+        noise = describe_noise(setup.sensor.at(camera.name), shown, setup.exposure)
+        described.append(CameraDescription(shown, lens, distortion, noise, limitations))
+    return tuple(described)
+
+
+def lens_of(
+    effects: Sequence[PlacedEffect], camera: str
+) -> tuple[LensModel, tuple[float, ...], tuple[str, ...]]:
+    """Model and coefficients of a camera's distortion, and what else moves its pixels."""
+    model: LensModel = "brown"
+    coefficients: tuple[float, ...] = (0.0,) * 5
+    limitations = []
+    distorting = 0
+    for effect in effects:
+        config = effect.config_at(camera)
+        if config is None or not moves_pixels(effect.cls):
+            continue
+        if isinstance(config, LensDistortion.Config) and not distorting:
+            distorting += 1
+            model = config.model
+            c = config
+            coefficients = (c.k1, c.k2, c.k3, 0.0) if model == "fisheye" else (c.k1, c.k2, c.p1, c.p2, c.k3)
+        else:
+            limitations.append(
+                f"{effect.name} moves pixels too, which the lens model of these files cannot say"
+            )
+    return model, coefficients, tuple(limitations)
+
+
+def second_from_first(first: Camera, second: Camera) -> NDArray[np.float64]:
+    """(4, 4) pose that takes points of the first camera's frame to the second's [m]."""
+    from tacos_framework.camera.geometry import invert_pose
+
+    return np.asarray(invert_pose(second.agent_from_camera) @ first.agent_from_camera)

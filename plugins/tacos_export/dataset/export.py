@@ -1,0 +1,144 @@
+"""A data set, frame by frame, in one format."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tacos_export.camera.description import lens_of
+from tacos_export.dataset.frame import Dataset, DatasetCamera, DatasetWriter, Encoding
+from tacos_framework import __version__
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.values import FrameBatch, World
+from tacos_plugins.effects.tone_curve import ToneCurve
+from tacos_view.setup import RenderSetup
+
+FORMATS = {
+    "coco": "tacos_export.dataset.coco:CocoWriter",
+    "kitti": "tacos_export.dataset.kitti:KittiWriter",
+    "euroc": "tacos_export.dataset.euroc:EurocWriter",
+    "tum": "tacos_export.dataset.tum:TumWriter",
+    "png16": "tacos_export.dataset.raster:Png16Writer",
+    "exr": "tacos_export.dataset.raster:ExrWriter",
+}
+"""The formats, and what writes them."""
+
+
+def export_dataset(
+    setup: RenderSetup,
+    out: Path,
+    format: str,
+    *,
+    frames: int,
+    seed: int | None = None,
+    encoding: Encoding | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[str]:
+    """Render frames and write them as a data set.
+
+    Parameters
+    ----------
+    setup
+        The camera and what it looks at.
+    out
+        The folder: new or empty.
+    format
+        One of `FORMATS`.
+    frames
+        How many consecutive frames of one trip.
+    seed
+        Which world; the recipe's if None.
+    encoding
+        How 8-bit images are encoded; None is ``srgb`` unless the recipe has a tone curve of its own.
+    progress
+        Told the number of frames written.
+
+    Returns
+    -------
+    In a sentence each, what a user of the data should know.
+
+    Raises
+    ------
+    UserError
+        When there is no such format, it has no place for the rig, or the folder is not empty.
+    """
+    writer_class = _writer(format)
+    if out.exists() and any(out.iterdir()):
+        raise UserError(Fault(str(out), "the folder is not empty", "a new folder", "Name another by --out."))
+    lenses, notes = {}, []
+    for camera in setup.rig.cameras:
+        lens, distortion, said = lens_of(setup.effects, camera.name)
+        lenses[camera.name] = DatasetCamera(lens, distortion)
+        notes += [f"{camera.name}: {each}" for each in said]
+    curved = any(issubclass(effect.cls, ToneCurve) for effect in setup.effects)
+    encoding = encoding or ("camera" if curved else "srgb")
+    dataset = Dataset(out, setup.rig, lenses, encoding)
+    writer = writer_class(dataset)
+    out.mkdir(parents=True, exist_ok=True)  # nothing is left of a format that refuses the rig
+    manifest = Manifest(dataset, setup.camera.title)
+    for index, frame in enumerate(setup.frames(frames, seed=seed)):
+        writer.add(index, frame)
+        manifest.add(frame)
+        if progress:
+            progress(index + 1)
+    writer.close()
+    manifest.write(out / "frames.json")
+    return notes
+
+
+def _writer(format: str) -> type[DatasetWriter]:
+    if format not in FORMATS:
+        raise UserError(
+            Fault("--format", f"there is no format {format!r}", "", did_you_mean(format, FORMATS))
+        )
+    module, _, name = FORMATS[format].partition(":")
+    writer: type[DatasetWriter] = getattr(importlib.import_module(module), name)
+    return writer
+
+
+class Manifest:
+    """``frames.json``: cameras, poses and objects, the same beside every format."""
+
+    def __init__(self, dataset: Dataset, title: str) -> None:
+        self._data: dict[str, Any] = {
+            "tacos": __version__,
+            "camera": title,
+            "encoding": dataset.encoding,
+            "conventions": "x right, y down, z forward; metres; pixel (0, 0) has its centre at (0, 0); depth "
+            "is along z; poses take points of the camera to the world",
+            "cameras": {
+                camera.name: {
+                    "width_px": camera.width_px,
+                    "height_px": camera.height_px,
+                    "intrinsics": camera.intrinsics.tolist(),
+                    "lens": dataset.lenses[camera.name].lens,
+                    "distortion": list(dataset.lenses[camera.name].distortion),
+                    "body_from_camera": camera.agent_from_camera.tolist(),
+                }
+                for camera in dataset.rig.cameras
+            },
+            "frames": [],
+        }
+        self._world: World | None = None
+
+    def add(self, frame: FrameBatch) -> None:
+        """Note time and poses of a frame."""
+        self._world = frame.episode.world
+        self._data["frames"].append(
+            {
+                "time_s": float(frame.episode.time_s[0]),
+                "walk": int(frame.episode.walk[0]),
+                "world_from_camera": {
+                    view.camera.name: view.world_from_camera[0].tolist() for view in frame.capture.views
+                },
+            }
+        )
+
+    def write(self, path: Path) -> None:
+        """Write the file."""
+        objects = self._world.objects if self._world else ()
+        listed = [{"name": thing.name, "class": thing.class_name} for thing in objects]
+        path.write_text(json.dumps({**self._data, "objects": listed}, indent=1) + "\n", encoding="utf-8")

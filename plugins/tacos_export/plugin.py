@@ -1,0 +1,13 @@
+"""Cameras and data in the formats of other programs, as a plugin: importing it is light."""
+
+from __future__ import annotations
+
+from tacos_export.commands import commands
+from tacos_framework.components import Command
+from tacos_framework.hookspecs import hookimpl
+
+
+@hookimpl
+def tacos_commands() -> list[Command]:
+    """``tacos export``."""
+    return commands()

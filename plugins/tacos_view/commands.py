@@ -1,0 +1,133 @@
+"""``tacos view``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tacos_framework.cli.exits import DONE
+from tacos_framework.components import Command
+from tacos_framework.errors import Fault, UserError
+
+if TYPE_CHECKING:
+    from tacos_framework.plugins import Plugins
+
+FRAMES = 4
+
+
+def commands() -> list[Command]:
+    """The commands; importing this is light."""
+    return [Command("view", "look at a scene, a camera's frames, an effect, a catalog", _arguments, _view)]
+
+
+def _arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "what",
+        metavar="WHAT",
+        nargs="?",
+        help="a scene (scene.indoor), a recipe, the results folder of a study, or a catalog of parts",
+    )
+    parser.add_argument("--effect", metavar="NAME", help="show this effect at rising severities instead")
+    parser.add_argument("--camera", metavar="NAME", help="a product of the catalog, or a camera of the run")
+    parser.add_argument("--seed", metavar="N", type=int, help="which world, instead of the recipe's seed")
+    parser.add_argument("--frames", metavar="N", type=int, default=FRAMES, help=f"how many frames [{FRAMES}]")
+    add_sets(parser)
+    parser.add_argument("--out", metavar="DIR", type=Path, default=Path("view"), help="the folder [view]")
+
+
+def add_sets(parser: argparse.ArgumentParser) -> None:
+    """Add ``--set``."""
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="sets",
+        action="append",
+        default=[],
+        help="set a key of the recipe, dotted; with --effect a setting of the effect; repeatable",
+    )
+
+
+def read_sets(given: list[str]) -> dict[str, Any]:
+    """The values of ``--set``, by key.
+
+    Raises
+    ------
+    UserError
+        With every one that cannot be read.
+    """
+    from tacos_framework.settings.yaml_reader import read_yaml
+
+    sets: dict[str, Any] = {}
+    faults: list[Fault] = []
+    for each in given:
+        key, equals, value = each.partition("=")
+        if not (key and equals):
+            faults.append(Fault(f"--set {each}", "there is no '='", "--set key=value"))
+            continue
+        try:
+            sets[key] = read_yaml(value, name=f"--set {key}").data
+        except UserError as error:
+            faults += error.faults
+    if faults:
+        raise UserError(faults)
+    return sets
+
+
+def _view(arguments: argparse.Namespace) -> int:
+    from tacos_framework.catalog import catalog_names
+    from tacos_framework.plugins import Plugins
+
+    if arguments.what is None and arguments.effect is None:
+        expected = "a scene, a recipe, a results folder or a catalog, or --effect NAME"
+        raise UserError(Fault("tacos view", "there is nothing to look at", expected))
+    if arguments.frames < 1:
+        raise UserError(Fault("--frames", f"{arguments.frames} frames are none", "1 or more"))
+    plugins = Plugins.discover()
+    if arguments.effect is not None:
+        path = _ladder(arguments, plugins)
+    elif arguments.what in catalog_names() or arguments.what.endswith(".csv"):
+        path = _catalog(arguments)
+    else:
+        path = _scene(arguments, plugins)
+    print(f"Look at {path}")
+    return DONE
+
+
+def _ladder(arguments: argparse.Namespace, plugins: Plugins) -> Path:
+    from tacos_view.effect_ladder import effect_ladder
+    from tacos_view.pages import write_ladder
+    from tacos_view.setup import set_up
+
+    what = arguments.what or "scene.indoor"
+    plugins.resolve(_effect_use(arguments.effect), "effect")  # before anything is rendered in vain
+    setup = set_up(what, arguments.camera, sets=LADDER_SETS.get(what), plugins=plugins)
+    settings = read_sets(arguments.sets)
+    ladder = effect_ladder(setup, arguments.effect, settings, plugins, seed=arguments.seed)
+    return write_ladder(arguments.out, ladder, what)
+
+
+LADDER_SETS: dict[str, dict[str, Any]] = {"scene.indoor": {"nodes.world.size_m": [10, 6], "rig.binning": 2}}
+"""A small house and half the pixels are enough to see what an effect does."""
+
+
+def _effect_use(name: str) -> str:
+    return name if name.startswith("effect.") else f"effect.{name}"
+
+
+def _catalog(arguments: argparse.Namespace) -> Path:
+    from tacos_framework.catalog import find_catalog
+    from tacos_view.pages import write_catalog
+
+    return write_catalog(arguments.out, find_catalog(arguments.what))
+
+
+def _scene(arguments: argparse.Namespace, plugins: Plugins) -> Path:
+    from tacos_view.pages import write_rendering
+    from tacos_view.rendering import collected
+    from tacos_view.setup import set_up
+
+    sets = read_sets(arguments.sets)
+    setup = set_up(arguments.what, arguments.camera, sets=sets, plugins=plugins)
+    rendering = collected(setup.along_the_trip(arguments.frames, seed=arguments.seed), setup.camera.title)
+    return write_rendering(arguments.out, rendering, arguments.what, setup.camera.assumed)

@@ -1,0 +1,167 @@
+"""What ``tacos view`` writes: PNG files, and a page of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from tacos_framework.catalog import Catalog
+from tacos_report.figures.canvas import draw
+from tacos_report.page import Drawing, Page, PagePicture, Paragraph, Section, SideBySide, Table, write_page
+from tacos_report.page import Warnings as PageWarnings
+from tacos_view.catalog_sheet import arranged, outlines, paint_sheet, size_in
+from tacos_view.effect_ladder import EffectLadder
+from tacos_view.floor_plan import floor_plan
+from tacos_view.pictures import Picture, encoded_png, png_uri, reduced, shown_depth, shown_frame, shown_ids
+from tacos_view.rendering import Rendering
+
+_ON_PAGE_PX = 640
+CAMERA_FACTS = ("pixels", "pitch of a pixel", "focal length", "field of view")
+
+
+class ViewFolder:
+    """A folder of pictures; each is written as it is added, and the page last.
+
+    Parameters
+    ----------
+    out
+        The folder; made where it is not there. Files of the same names are replaced.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self.out = out
+        out.mkdir(parents=True, exist_ok=True)
+
+    def add(self, name: str, picture: Picture, caption: str) -> PagePicture:
+        """Write ``NAME.png``, and give what shows it on the page."""
+        (self.out / f"{name}.png").write_bytes(encoded_png(picture))
+        return PagePicture(png_uri(reduced(picture, _ON_PAGE_PX)), caption)
+
+    def close(self, page: Page) -> Path:
+        """Write ``index.html``; returns its path."""
+        path = self.out / "index.html"
+        write_page(path, page)
+        return path
+
+
+def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequence[str] = ()) -> Path:
+    """The plan of a world and what a camera sees in it.
+
+    Parameters
+    ----------
+    out
+        The folder.
+    rendering
+        The frames.
+    what
+        The recipe or scene, as the user named it.
+    assumed
+        Design variables that nobody gave a value.
+    """
+    folder = ViewFolder(out)
+    first = rendering.first
+    above = floor_plan(rendering.world, rendering.trajectory, first.world_from_camera, first.camera)
+    plan = folder.add("plan", above, "From above. Orange: the way; blue: where the frames were taken from.")
+    rows: list[SideBySide] = []
+    for i in range(len(rendering)):
+        for name, taken in rendering.cameras.items():
+            frame = shown_frame(taken.image[i], rendering.black_level_dn, rendering.white_level_dn)
+            stem = f"frame_{i + 1}" if len(rendering.cameras) == 1 else f"frame_{i + 1}_{name}"
+            pictures = (
+                folder.add(stem, frame, f"{i + 1}, {name}, at {rendering.time_s[i]:.1f} s"),
+                folder.add(f"{stem}_depth", shown_depth(taken.depth_m[i]), "Depth; near is bright."),
+                folder.add(f"{stem}_objects", shown_ids(taken.object_id[i]), "Objects, each in its colour."),
+            )
+            rows.append(SideBySide(pictures))
+    notes = (
+        [PageWarnings("Assumed", tuple(f"{name}: the middle of what it may be" for name in assumed))]
+        if assumed
+        else []
+    )
+    world = rendering.world
+    labelled = len({thing.class_name for thing in world.objects[1:]})
+    page = Page(
+        eyebrow="tacos view",
+        title=f"{what}, seen by {rendering.title}",
+        lead=(
+            f"{world.triangle_count} triangles, {len(world.objects) - 1} labelled objects of {labelled} "
+            f"classes, {len(world.lights)} lights."
+        ),
+        sections=(
+            Section("What the camera sees", (_camera_table(rendering), *notes, *rows)),
+            Section("Where", (plan,)),
+        ),
+    )
+    return folder.close(page)
+
+
+def _camera_table(rendering: Rendering) -> Table:
+    rows = []
+    for name, taken in rendering.cameras.items():
+        camera = taken.camera
+        rows.append(
+            (
+                name,
+                f"{camera.width_px} x {camera.height_px}",
+                f"{camera.pixel_um * camera.binning:g} um",
+                f"{camera.focal_length_mm:.3g} mm",
+                f"{camera.hfov_deg:.1f} x {camera.vfov_deg:.1f} deg",
+            )
+        )
+    return Table(("camera", *CAMERA_FACTS), tuple(rows))
+
+
+def write_ladder(out: Path, ladder: EffectLadder, what: str) -> Path:
+    """One frame with an effect at rising severities, and what changed."""
+    folder = ViewFolder(out)
+    frames, changes = [], []
+    for i, step in enumerate(ladder.steps):
+        frames.append(folder.add(f"step_{i}", step.frame, step.label))
+        changes.append(folder.add(f"step_{i}_difference", step.difference, step.label))
+    said = f"Frame less the frame without the effect, times {ladder.amplification:.3g}; grey is no change."
+    page = Page(
+        eyebrow="tacos view",
+        title=f"{ladder.use}, from off to severe",
+        lead=f"The same frame of {what} with the same noise throughout.",
+        sections=(
+            Section("What the camera delivers", _two_a_row(frames)),
+            Section("What the effect changes", (Paragraph(said), *_two_a_row(changes))),
+        ),
+    )
+    return folder.close(page)
+
+
+def _two_a_row(pictures: Sequence[PagePicture]) -> tuple[SideBySide, ...]:
+    return tuple(SideBySide(tuple(pictures[i : i + 2])) for i in range(0, len(pictures), 2))
+
+
+def write_catalog(out: Path, catalog: Catalog) -> Path:
+    """The parts of a catalog to one scale."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    parts = outlines(catalog)
+    placed = arranged(parts)
+    size = size_in(placed)
+    folder = ViewFolder(out)
+    figure = Figure(figsize=size, facecolor="white", layout="constrained")
+    FigureCanvasAgg(figure)
+    paint_sheet(figure, placed)
+    png = BytesIO()
+    figure.savefig(png, format="png", dpi=110)
+    picture = cv2.imdecode(np.frombuffer(png.getvalue(), np.uint8), cv2.IMREAD_COLOR)
+    assert picture is not None, "matplotlib wrote a PNG"
+    folder.add(catalog.name, np.asarray(picture[..., ::-1], np.uint8), "")
+    drawn = {part.name for part in parts}
+    left_out = [part.name for part in catalog.rows if part.name not in drawn]
+    said = f"{len(parts)} parts to one scale: " + (
+        "the circle each lens fills with light." if parts[0].round else "the active area of each sensor."
+    )
+    drawing = Drawing(draw(catalog.name, size, said, lambda figure: paint_sheet(figure, placed)), said)
+    notes = [Paragraph(f"Without a stated size: {', '.join(left_out)}.")] if left_out else []
+    page = Page("tacos view", catalog.title, catalog.source, (Section("To scale", (drawing, *notes)),))
+    return folder.close(page)

@@ -1,0 +1,13 @@
+"""A look at scenes, cameras, effects and catalogs, as a plugin: importing it is light."""
+
+from __future__ import annotations
+
+from tacos_framework.components import Command
+from tacos_framework.hookspecs import hookimpl
+from tacos_view.commands import commands
+
+
+@hookimpl
+def tacos_commands() -> list[Command]:
+    """``tacos view``."""
+    return commands()

@@ -1,0 +1,163 @@
+"""A camera in a study's scenes, ready to take frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.formation import PlacedEffect, PlacedSensor
+from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import NamedScenario, Recipe
+from tacos_framework.simulation import EpisodeSpec, Simulation
+from tacos_framework.simulation.overrides import overrides_of
+from tacos_framework.simulation.simulation import placed
+from tacos_framework.values import Exposure, FrameBatch, Rig
+from tacos_view.cameras import CameraChoice, CameraName, built_rig, choose_camera
+from tacos_view.recipes import study_recipe
+
+PURPOSE = "view"
+"""Names the episodes, so that no study has been scored on the scenes that are shown."""
+
+
+@dataclass(frozen=True)
+class RenderSetup:
+    """A camera in a study's scenes, ready to take frames.
+
+    Parameters
+    ----------
+    plan
+        The study, checked.
+    camera
+        Its camera.
+    simulation
+        The plan brought to life.
+    """
+
+    plan: Plan
+    camera: CameraChoice
+    simulation: Simulation
+
+    @property
+    def rig(self) -> Rig:
+        """The cameras."""
+        return built_rig(self.plan, self.camera)
+
+    def frames(self, count: int | None = None, *, seed: int | None = None) -> Iterator[FrameBatch]:
+        """Consecutive frames of one trip, one by one; nothing of earlier ones is kept.
+
+        Parameters
+        ----------
+        count
+            How many; as many as the recipe's scene takes if None.
+        seed
+            Which world and trip; the recipe's seed if None.
+        """
+        spec = self.episode_spec(count, seed)
+        graph = self.plan.graph
+        fed = [
+            task for task in graph.of_kind("task") if [*graph.nodes[task].sources.values()] == [graph.shown]
+        ]
+        if fed:
+            for batch in self.simulation.batches(fed[0], self.camera.values, spec):
+                for i in range(len(batch.episode)):
+                    yield one_frame(batch, i)
+            return
+        length = self._length(spec)
+        for i in range(length):  # no task takes these frames alone
+            yield self.simulation.sample(self.camera.values, spec, i / max(1, length - 1))
+
+    def along_the_trip(self, count: int, *, seed: int | None = None) -> Iterator[FrameBatch]:
+        """Frames spread evenly over the trip that the recipe's scene makes."""
+        spec = self.episode_spec(None, seed)
+        for i in range(count):
+            yield self.simulation.sample(self.camera.values, spec, (i + 0.5) / count)
+
+    def episode_spec(self, count: int | None, seed: int | None) -> EpisodeSpec:
+        """Names the world and the trip, in the recipe's first scenario."""
+        first = self.plan.recipe.scenarios[0]
+        scenario = first.name if isinstance(first, NamedScenario) else None
+        return EpisodeSpec(
+            self.plan.recipe.seed if seed is None else seed, (PURPOSE,), count, (0, 1), scenario
+        )
+
+    def _length(self, spec: EpisodeSpec) -> int:
+        if spec.frames is not None:
+            return spec.frames
+        return len(self.simulation.sample(self.camera.values, spec, 0.0).episode)
+
+    @cached_property
+    def exposure(self) -> Exposure:
+        """How the frames are exposed."""
+        first = self.plan.recipe.scenarios[0]
+        name = first.name if isinstance(first, NamedScenario) else ""
+        scenario = first.model_copy(update=self._overrides.of_scenario(name))
+        return Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
+
+    @cached_property
+    def sensor(self) -> PlacedSensor:
+        """The sensor model of the cameras."""
+        name = self.plan.graph.of_kind("sensor")[0]
+        sensor: PlacedSensor = placed(name, self.plan.nodes[name], self._overrides.nodes)
+        return sensor
+
+    @cached_property
+    def effects(self) -> tuple[PlacedEffect, ...]:
+        """The effects of the recipe and those that are nodes of the graph."""
+        nodes = [(n, self.plan.nodes[n], self._overrides.nodes) for n in self.plan.graph.of_kind("effect")]
+        own = [(part.name, part, self._overrides.effects) for part in self.plan.effects]
+        return tuple(placed(name, part, overrides) for name, part, overrides in (*own, *nodes))
+
+    @property
+    def _overrides(self) -> Any:
+        return overrides_of(self.camera.values, self.plan.recipe.effect_names)
+
+
+def one_frame(batch: FrameBatch, index: int) -> FrameBatch:
+    """One frame of a batch, without copying."""
+    if len(batch.episode) == 1:
+        return batch
+    capture = replace(
+        batch.capture,
+        episode=batch.episode[index : index + 1],
+        views=tuple(view.frame(index) for view in batch.capture.views),
+    )
+    return replace(batch, capture=capture, images=tuple(image[index : index + 1] for image in batch.images))
+
+
+def set_up(
+    recipe: str | Path | Recipe,
+    camera: CameraName = None,
+    *,
+    sets: Mapping[str, Any] | None = None,
+    effects: Sequence[Mapping[str, Any]] = (),
+    plugins: Plugins | None = None,
+) -> RenderSetup:
+    """A camera in a study's scenes, ready to take frames.
+
+    Parameters
+    ----------
+    recipe
+        What `tacos_view.recipes.study_recipe` takes: a recipe, a results folder, or ``scene.indoor``.
+    camera
+        What `tacos_view.cameras.choose_camera` takes: a name, values, or None for the default.
+    sets
+        Dotted keys of the recipe and the values to put there.
+    effects
+        Effects to add to the recipe's.
+    plugins
+        What is installed; it is looked up if None.
+
+    Raises
+    ------
+    UserError
+        With all that is wrong with the recipe, or with the camera.
+    """
+    plugins = plugins or Plugins.discover()
+    plan = make_plan(study_recipe(recipe, sets, effects, plugins=plugins), plugins)
+    is_run = not isinstance(recipe, Recipe) and (Path(recipe) / "result.json").is_file()
+    choice = choose_camera(plan, camera, Path(str(recipe)) if is_run else None)
+    return RenderSetup(plan, choice, Simulation(plan))
