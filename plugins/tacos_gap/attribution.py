@@ -35,7 +35,7 @@ COMPLEXITY_PENALTY = 6.0
 """Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
 
 LEAST_OF_REST = 0.08
-"""What it must gain over what is left above the noise floor: formulas that miss let a bit of all effects fit."""
+"""What it must gain over what is left above the noise floor: all effects fit a bit where formulas miss."""
 
 MUCH = 0.4
 """Share of the gap left from which on effects on files are tried together."""
