@@ -66,7 +66,7 @@ def patchwork() -> NDArray[np.float32]:
     return np.asarray(cv2.GaussianBlur(image, (0, 0), 0.6))
 
 
-def board(turn_deg: float) -> RealCapture:
+def board(turn_deg: float, barrel: float = 0.3) -> RealCapture:
     """A view of a chessboard of 6 x 4 inner corners, turned about its upright axis, through a bent lens."""
     square_px = 40
     rows, columns = np.mgrid[: 7 * square_px, : 9 * square_px] // square_px
@@ -79,7 +79,7 @@ def board(turn_deg: float) -> RealCapture:
     plane = camera @ np.column_stack([turn[:, 0], turn[:, 1], shift]) @ to_board
     straight = cv2.warpPerspective(drawn, plane, (WIDTH, HEIGHT), flags=cv2.INTER_AREA, borderValue=200)
     x, y = (GEOMETRY.x_px / 170.0, GEOMETRY.y_px / 170.0)
-    bend = 1 + 0.3 * (x**2 + y**2)
+    bend = 1 + barrel * (x**2 + y**2)
     bent = cv2.remap(
         straight,
         (x * bend * 170 + 79.5).astype(np.float32),

@@ -133,7 +133,7 @@ def test_darks_alone_make_a_report(plugins: Plugins, tmp_path: Path) -> None:
 
 
 def test_boards_alone_make_a_report_with_the_corners_misfit(plugins: Plugins, tmp_path: Path) -> None:
-    captures = [board(turn) for turn in (-25.0, 5.0, 30.0)]
+    captures = [board(turn, barrel=0.8) for turn in (-30.0, -12.0, 10.0, 30.0)]
     data, report = diagnosed(captures, {"lens-distortion", "focal-length-error"}, plugins, tmp_path)
     assert data["where"][0]["statistic"] == "board_corners"
     assert "Corners of the boards" in report

@@ -130,6 +130,17 @@ class Bundle:
         moved = np.linalg.solve(normal, gradient) if len(flat) else gradient
         return [(z - shared @ moved).T for z, shared in parts]
 
+    def bend(self, view: int, effects: Sequence[PlacedEffect]) -> Array:
+        """(S,) how far the paper of a view's board bends, told of its first view alone [standard deviations].
+
+        It counts in the score as any residual does: paper that has to bend beyond what paper does is no explanation.
+        """
+        board = self.views[view].board
+        if board not in self._papers or [each.board for each in self.views].index(board) != view:
+            return np.zeros(0)
+        place = self._papers.index(board)
+        return self.adjusted(effects).shared[self._starts[place] : self._starts[place + 1]]
+
     def nuisances(self, view: int, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
         """What was fitted beside the pose of a view: how far its paper bends, and an unstated lens."""
         found = self.adjusted(effects)

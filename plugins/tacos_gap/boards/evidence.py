@@ -35,7 +35,8 @@ class BoardEvidence:
     noise_px
         Standard deviation of its corners by detection [px].
     null_replicates
-        (B, 2K) what the adjustment leaves of a noise-floor unit on every corner [noise floor].
+        (B, 2K + S) what the adjustment leaves of a noise-floor unit on every corner, and paper as it comes
+        [noise floor].
     """
 
     def __init__(
@@ -66,6 +67,10 @@ class BoardEvidence:
             for axis in "xy"
             for r in radius
         ]
+        ways = self._bundle.bend(place, ())
+        self.labels += [
+            Label(capture.id, "board", "board_flatness", "scene", {"way": k}) for k in range(len(ways))
+        ]
 
     @property
     def sigma_px(self) -> float:
@@ -74,7 +79,8 @@ class BoardEvidence:
 
     def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """See `tacos_gap.evidence.Evidence`; only effects that move pixels bear on it."""
-        return self._bundle.adjusted(effects).residuals[self._place]
+        corners = self._bundle.adjusted(effects).residuals[self._place]
+        return np.concatenate([corners, self._bundle.bend(self._place, effects)])
 
     def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
         """See `tacos_gap.evidence.Evidence`: corners are found as well, whatever the lens."""
@@ -119,10 +125,13 @@ def evidence_of_boards(
         for capture, view in zip(captures, views, strict=True)
     ]
     left = bundle.noise_left(draws)
-    return [
-        BoardEvidence(capture, bundle, place, noises_px[place], left[place])
-        for place, capture in enumerate(captures)
-    ]
+    found = []
+    for place, capture in enumerate(captures):
+        ways = len(bundle.bend(place, ()))
+        paper = generator(seed, "paper", capture.id).normal(size=(replicates, ways))
+        null_replicates = np.concatenate([left[place], paper], axis=1)
+        found.append(BoardEvidence(capture, bundle, place, noises_px[place], null_replicates))
+    return found
 
 
 def _view(capture: RealCapture, noise_px: float) -> View:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tacos_gap.boards.targets import looks_alike_upside_down
 from tacos_gap.captures.capture import Board
 
-FEWEST_VIEWS = 3
+FEWEST_VIEWS = 5
 
 SAG = 0.015
 """Standard deviation of how far paper bends, over half the board's diagonal [1]."""

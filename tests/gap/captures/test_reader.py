@@ -146,7 +146,6 @@ def test_dark_frames_expect_the_pedestal_and_boards_nothing(tmp_path):
     assert board.expected_dn is None
     assert board.board == Board((9, 6), 25.0)
     assert (edge.edge_angle_deg, edge.level_uncertainty) == (5.0, 0.02)
-    assert edge.expected_dn is None
 
 
 def test_the_patches_of_a_chart(tmp_path):

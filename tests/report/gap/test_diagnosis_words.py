@@ -34,10 +34,11 @@ def cause(effect: str, shapley: float = 0.9, **changes: Any) -> Cause:
 
 
 def found(verdict: str, *causes: Cause, **changes: Any) -> Diagnosis:
+    removed = sum(each.closure for each in causes)
     made = Diagnosis(
         verdict=verdict,
         gap_before=14.2,
-        gap_after=1.1,
+        gap_after=14.2 - 13.2 * removed,
         gap_interval=(0.9, 1.3),
         where=[Place("optics", "relative_illumination", 35.1, 0.81, {}, ("flat",))],
         causes=causes,
@@ -90,7 +91,7 @@ def test_the_headline_says_the_verdict(diagnosis: Diagnosis, said: str) -> None:
 
 
 def test_the_lead_gives_the_figures() -> None:
-    lead = words.lead(found("explained", cause("vignetting")), captures=1)
+    lead = words.lead(found("explained", cause("vignetting"), gap_after=1.1), captures=1)
     assert lead.startswith("One capture differs from its simulation by 14.2 times the noise floor")
     assert "1.1 are left (90 % interval 0.9 to 1.3)" in lead
 
