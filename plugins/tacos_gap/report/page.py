@@ -81,7 +81,7 @@ def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Pag
     after = "with the causes" if effects else None
     artist = Artist(diagnosis.problem, folder.captures, effects, run.seed, after=after)
     gaps = capture_gaps(diagnosis)
-    shown = [compare(c, effects, run.seed) for c in to_show(folder.captures, gaps)]
+    shown = [compare(c, placed(best.hypothesis, c.id), run.seed) for c in to_show(folder.captures, gaps)]
     explained = diagnosis.verdict == "explained"
     sections = [
         Section("What was photographed", tuple(photographed(folder.captures))),
