@@ -30,6 +30,11 @@ def setting_of(name: str) -> str:
     return name.partition(_AT)[0]
 
 
+def of_capture(setting: str, capture: str) -> str:
+    """The parameter that is a setting's value in one capture."""
+    return f"{setting}{_AT}{capture}"
+
+
 def is_of_one_capture(name: str) -> bool:
     """Whether a parameter holds for one capture alone."""
     return _AT in name
@@ -103,5 +108,7 @@ def _spread(
     """A guess whose `settings` have a value for each capture; all others are those of `common`."""
     values = {name: value for name, value in common.items() if name not in settings}
     for name in settings:
-        values |= {f"{name}{_AT}{capture}": own.get(name, neutral[name]) for capture, own in alone.items()}
+        values |= {
+            of_capture(name, capture): own.get(name, neutral[name]) for capture, own in alone.items()
+        }
     return values
