@@ -1,6 +1,6 @@
 """Settings that a camera sets anew for each capture, as its focus: a hypothesis has one value for each.
 
-Such a value is called ``setting@capture``. Where a capture has none of its own the median of the others holds.
+Such a value is called ``setting@capture``. Captures without one of their own have the median of the others.
 """
 
 from __future__ import annotations
@@ -108,7 +108,5 @@ def _spread(
     """A guess whose `settings` have a value for each capture; all others are those of `common`."""
     values = {name: value for name, value in common.items() if name not in settings}
     for name in settings:
-        values |= {
-            of_capture(name, capture): own.get(name, neutral[name]) for capture, own in alone.items()
-        }
+        values |= {of_capture(name, capture): own.get(name, neutral[name]) for capture, own in alone.items()}
     return values

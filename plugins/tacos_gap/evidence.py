@@ -228,7 +228,7 @@ class ImageEvidence:
         return found
 
     def _aligned(self, effects: Sequence[PlacedEffect]) -> ImageEvidence:
-        """The evidence with the pose at which a still with these effects on its light aligns with the real one.
+        """The evidence with the pose at which a still with these effects on its light aligns best.
 
         A sharp expectation aligns badly with a blurred picture; one as blurred does not.
         """

@@ -156,9 +156,7 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
         "effect": cause.effect,
         "probability": _round(cause.probability),
         "present": _round(cause.present),
-        "parameters": {
-            name: _parameter_as_data(parameter) for name, parameter in cause.parameters.items()
-        },
+        "parameters": {name: _parameter_as_data(parameter) for name, parameter in cause.parameters.items()},
         "closure": {
             "value": _round(cause.closure),
             "ci": [_round(end) for end in cause.closure_interval],

@@ -51,7 +51,8 @@ class Fitted:
     steps
         (P,) those steps, in the parameters' units.
     score
-        Log score on held-out conditions, less what values of single captures must gain [nat]; higher is better.
+        Log score on held-out conditions, less what values of single captures must gain [nat]; higher is
+        better.
     held_out
         (K,) residuals where each half is predicted with parameters fitted on the other [noise floor].
     draws

@@ -1,4 +1,4 @@
-"""Other forms of an effect at its own initial guesses: points of a curve for an exponent, a value per capture."""
+"""Other forms of an effect at its initial guesses: points of a curve for an exponent, a value per capture."""
 
 from __future__ import annotations
 

@@ -69,9 +69,7 @@ def _power(frames: NDArray[np.float32], valid: NDArray[np.bool_]) -> NDArray[np.
     return np.asarray(np.abs(np.fft.fft2(faded * np.hanning(height)[:, None] * np.hanning(width))) ** 2)
 
 
-def _unexplained(
-    seen: NDArray[np.float64], shown: NDArray[np.float64], weights: NDArray[np.int64]
-) -> float:
+def _unexplained(seen: NDArray[np.float64], shown: NDArray[np.float64], weights: NDArray[np.int64]) -> float:
     """Squares of amplitudes that the best multiple of another spectrum and white noise leave.
 
     Amplitudes count as they are: what stands out of a picture weighs more than its faint fine grain, which
