@@ -21,7 +21,6 @@ from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
 from tacos_gap.formation import lit_by, simulate
 from tacos_gap.nuisances import Marginal, disturbed, expectation_noise, freedoms_of, registered, stated
-from tacos_gap.nuisances.freedom import POSE_TERMS
 from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tacos_gap.taken_statistics import TakenStatistics
 
@@ -33,10 +32,6 @@ N_REPLICATES = 16
 
 FARTHEST = 3.0
 """How far nuisances are followed; beyond it the linear part must do [standard deviations of their priors]."""
-
-FARTHEST_SEEN = 15.0
-"""How far pose is followed where pictures with the effects of an explanation align so: a lens focused anew
-magnifies otherwise. It costs what its prior says [standard deviations]."""
 
 NEARBY = 0.25
 """A move of all nuisances by less is none: the linear part is as good [standard deviations]."""
@@ -210,15 +205,13 @@ class ImageEvidence:
     def renuisanced(self, effects: Sequence[PlacedEffect]) -> ImageEvidence:
         """The evidence with nuisances estimated anew beside these effects; itself where they stay.
 
-        Pose begins where the pictures themselves align best, the expectation with the effects on its light.
+        Where there are no effects yet, pose begins where the pictures themselves align best.
         """
         if not self._freedoms:
             return self
         found = self
         if not effects and not self._nu.any():
             found = self._better_of(self._moved_to(registered(self.capture, self._freedoms)), effects)
-        elif effects:
-            found = self._better_of(self._aligned(effects), effects)
         for _ in range(2):
             nu = found._marginal.most_likely(found._difference(effects))
             nearer = found._better_of(found._moved_to(nu), effects)
@@ -227,28 +220,10 @@ class ImageEvidence:
             found = nearer
         return found
 
-    def _aligned(self, effects: Sequence[PlacedEffect]) -> ImageEvidence:
-        """The evidence with the pose at which a still with these effects on its light aligns best.
-
-        A sharp expectation aligns badly with a blurred picture; one as blurred does not.
-        """
-        expected = self.capture.expected_dn
-        assert expected is not None
-        if len(expected) > 1:
-            return self
-        black = np.float32(self.capture.context.black_level_dn)
-        light = lit_by(self.capture, effects, expected - black, EpisodeDraws(self._seed, ("aligned",)))
-        pose = registered(replace(self.capture, expected_dn=light + black), self._freedoms)
-        if not pose.any():
-            return self
-        is_pose = [freedom.name in POSE_TERMS for freedom in self._freedoms]
-        return self._moved_to(np.where(is_pose, pose, self._nu), FARTHEST_SEEN)
-
-    def _moved_to(self, nu: NDArray[np.float64], farthest: float = FARTHEST) -> ImageEvidence:
+    def _moved_to(self, nu: NDArray[np.float64]) -> ImageEvidence:
         """The evidence with the expectation at other nuisances, as far as those are followed."""
         followed = [freedom.is_followed for freedom in self._freedoms]
-        reach = np.maximum(farthest, np.abs(self._nu))
-        nu = np.where(followed, np.clip(nu, -reach, reach), 0.0)
+        nu = np.where(followed, np.clip(nu, -FARTHEST, FARTHEST), 0.0)
         if np.abs(nu).max() < NEARBY:
             nu = np.zeros_like(nu)
         if np.abs(nu - self._nu).max() < NEARBY:

@@ -34,9 +34,10 @@ def effects() -> dict[str, type[Any]]:
 def texture(seed: int) -> np.ndarray:
     """(8 H, 8 W) patches of many sizes, eight samples to a pixel [DN above black]."""
     rng = np.random.default_rng(seed)
-    noises = [gaussian_filter(rng.standard_normal((HEIGHT, WIDTH)), sigma) for sigma in (2, 6)]
+    shape = (HEIGHT * _FINE // 2, WIDTH * _FINE // 2)
+    noises = [gaussian_filter(rng.standard_normal(shape), sigma) for sigma in (8, 24)]
     patches = np.sum([np.sign(noise) for noise in noises], axis=0)
-    return np.asarray((95 + 30 * patches).repeat(_FINE, 0).repeat(_FINE, 1))
+    return np.asarray((95 + 30 * patches).repeat(2, 0).repeat(2, 1))
 
 
 def blurred(name: str, radius_px: float, seed: int) -> RealCapture:
