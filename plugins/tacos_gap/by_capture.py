@@ -94,7 +94,7 @@ def guesses_by_capture(cls: type[Any], captures: Sequence[RealCapture]) -> Itera
         for own in getattr(cls, "initial_guesses", ()):
             yield _spread(settings, own, {c.id: own for c in seen}, cls.neutral)
         return
-    alone = {c.id: next(iter(guess([c])), {}) for c in seen}
+    alone: dict[str, Mapping[str, Any]] = {c.id: next(iter(guess([c])), {}) for c in seen}
     if first := next((found for found in alone.values() if found), None):
         yield _spread(settings, first, alone, cls.neutral)
 

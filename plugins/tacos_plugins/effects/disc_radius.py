@@ -39,7 +39,7 @@ def disc_radius_px(capture: ObservedCapture) -> float | None:
     if capture.expected_dn is None or not capture.valid.any():
         return None
     real, expected = (_power(frames, capture.valid) for frames in (capture.real_dn, capture.expected_dn))
-    fx, fy = (np.fft.fftfreq(size) for size in real.shape[::-1])
+    fx, fy = (np.fft.fftfreq(size).astype(np.float64) for size in real.shape[::-1])
     rings = (np.hypot(fx[None, :], fy[:, None]) / 0.5 * _RINGS).astype(np.int64)
     inside = (rings < _RINGS) & (np.hypot(fx[None, :], fy[:, None]) > 2 / min(real.shape))
     weights = np.bincount(rings[inside], minlength=_RINGS)
