@@ -12,6 +12,7 @@ from tacos_framework.randomness import generator
 from tacos_framework.settings import unit_of
 from tacos_gap.ambiguity import NextCapture, confused_with
 from tacos_gap.attribution import Attribution
+from tacos_gap.by_capture import of_capture, own_values
 from tacos_gap.captures import RealCapture
 from tacos_gap.closure import closures_of
 from tacos_gap.findings import Cause, Parameter, as_fine_as, short
@@ -112,18 +113,31 @@ def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> 
     settings = term.settings
     reach = dict(zip(term.free, half_width, strict=True))
     for name, value in settings.items():
-        if name in reach:
-            half = float(reach[name])
-            ends = (as_fine_as(half, value - half), as_fine_as(half, value + half))
-            found[name] = Parameter(as_fine_as(half, value), ends, unit_of(term.cls.Config, name))
+        unit = unit_of(term.cls.Config, name)
+        if own := own_values(term.values, name):
+            each = {
+                capture: camera.in_physical_units(
+                    term.cls.Config, _within(v, float(reach[of_capture(name, capture)]), unit), name
+                )
+                for capture, v in own.items()
+            }
+            found[name] = Parameter(short(value), None, unit, by_capture=each)
+        elif name in reach:
+            found[name] = _within(value, float(reach[name]), unit)
         elif isinstance(value, tuple):
             rows = [[short(v) for v in row] for row in value]
-            found[name] = Parameter(rows, None, unit_of(term.cls.Config, name))
+            found[name] = Parameter(rows, None, unit)
         else:
-            found[name] = Parameter(value, None, unit_of(term.cls.Config, name))
+            found[name] = Parameter(value, None, unit)
     return {
         name: camera.in_physical_units(term.cls.Config, parameter, name) for name, parameter in found.items()
     }
+
+
+def _within(value: float, half: float, unit: str) -> Parameter:
+    """A fitted parameter, as fine as half its interval."""
+    ends = (as_fine_as(half, value - half), as_fine_as(half, value + half))
+    return Parameter(as_fine_as(half, value), ends, unit)
 
 
 def _settings(term: HypothesisTerm) -> dict[str, Any]:

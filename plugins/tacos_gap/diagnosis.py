@@ -26,9 +26,9 @@ from tacos_gap.fit import Fitted
 from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Problem, placed, robust
+from tacos_gap.problem import Problem, placed_in, robust
 from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
-from tacos_gap.transfer import of_one_specimen
+from tacos_gap.transfer import of_each_capture, of_one_specimen
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
 ENOUGH_PIXELS = 500_000
@@ -129,7 +129,10 @@ def _explained(
         next_capture=wanted,
         below_floor=_below_floor(attribution, causes),
         negative_control=negative_control(problem, best, generator(seed, "negative control")),
-        limitations=tuple(of_one_specimen(cause) for cause in causes if cause.specimen),
+        limitations=(
+            *(of_one_specimen(cause) for cause in causes if cause.specimen),
+            *(text for cause in causes for text in of_each_capture(cause)),
+        ),
         problem=problem,
         attribution=attribution,
         closure_interval=_closure_interval(problem, best, seed),
@@ -157,9 +160,8 @@ def _detectable(
 
 def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
     """What each capture's expectation is off by beside the best explanation."""
-    effects = placed(best.hypothesis)
     each = [e for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
-    found = {evidence.capture.id: evidence.nuisances(effects) for evidence in each}
+    found = {e.capture.id: e.nuisances(placed_in(best.hypothesis, e)) for e in each}
     return {name: values for name, values in found.items() if values}
 
 

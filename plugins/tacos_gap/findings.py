@@ -29,13 +29,15 @@ class Physical:
 class Parameter:
     """A fitted parameter with its 90 % interval; `interval` is None for one that was chosen, not fitted.
 
-    In pixels and digital numbers it is that of the captured camera; `physical` holds for others too.
+    In pixels and digital numbers it is that of the captured camera; `physical` holds for others too. Where
+    the camera sets it anew for each picture, `by_capture` has the value of each, and `value` is their median.
     """
 
     value: Any
     interval: tuple[float, float] | None
     unit: str
     physical: Physical | None = None
+    by_capture: Mapping[str, Parameter] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -154,13 +156,7 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
         "effect": cause.effect,
         "probability": _round(cause.probability),
         "present": _round(cause.present),
-        "parameters": {
-            name: {
-                **_valued(parameter),
-                **({"physical": _physical(parameter.physical)} if parameter.physical else {}),
-            }
-            for name, parameter in cause.parameters.items()
-        },
+        "parameters": {name: _parameter_as_data(parameter) for name, parameter in cause.parameters.items()},
         "closure": {
             "value": _round(cause.closure),
             "ci": [_round(end) for end in cause.closure_interval],
@@ -171,6 +167,15 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
         "confused_with": list(cause.confused_with),
         "evidence": cause.evidence,
     }
+
+
+def _parameter_as_data(parameter: Parameter) -> dict[str, Any]:
+    data = _valued(parameter)
+    if parameter.physical:
+        data["physical"] = _physical(parameter.physical)
+    if parameter.by_capture:
+        data["by_capture"] = {name: _parameter_as_data(own) for name, own in parameter.by_capture.items()}
+    return data
 
 
 def _valued(parameter: Parameter | Physical) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.by_capture import is_of_one_capture, penalty
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import ROBUST_SCALE, Hypothesis, Problem, robust, robust_derivative
 
@@ -50,7 +51,8 @@ class Fitted:
     steps
         (P,) those steps, in the parameters' units.
     score
-        Log score on held-out conditions [nat]; higher is better.
+        Log score on held-out conditions, less what values of single captures must gain [nat]; higher is
+        better.
     held_out
         (K,) residuals where each half is predicted with parameters fitted on the other [noise floor].
     draws
@@ -167,7 +169,7 @@ def _fitted(
     steps: NDArray[np.float64],
 ) -> Fitted:
     held_out = _held_out(problem, hypothesis, z, jacobian, steps)
-    score = -0.5 * problem.weight * float(np.sum(robust(held_out) ** 2))
+    score = -0.5 * problem.weight * float(np.sum(robust(held_out) ** 2)) - penalty(free_names(hypothesis))
     return Fitted(hypothesis, z, jacobian, steps, score, held_out, problem.draws)
 
 
@@ -178,6 +180,11 @@ def _cost(z: NDArray[np.float64]) -> float:
 def theta_of(hypothesis: Hypothesis) -> NDArray[np.float64]:
     """All free parameters, effect by effect."""
     return np.concatenate([term.theta for term in hypothesis]) if hypothesis else np.zeros(0)
+
+
+def free_names(hypothesis: Hypothesis) -> list[str]:
+    """The free parameters, effect by effect, as `theta_of` has them."""
+    return [name for term in hypothesis for name in term.free]
 
 
 def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis:
@@ -248,7 +255,9 @@ def _held_out(
         return z
     straight = robust(z)
     predicted = straight.copy()
-    for held in (problem.fold, ~problem.fold):
+    by_capture = any(is_of_one_capture(name) for name in free_names(hypothesis))
+    fold = problem.fold_within_captures if by_capture else problem.fold
+    for held in (fold, ~fold):
         own = jacobian[~held]
         normal = own.T @ own
         ridge = 1e-6 * max(float(np.trace(normal)) / len(normal), 1e-12)

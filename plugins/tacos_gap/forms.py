@@ -1,4 +1,4 @@
-"""Other forms of an effect, as a curve along points in place of an exponent, at its own initial guesses."""
+"""Other forms of an effect at its initial guesses: points of a curve for an exponent, a value per capture."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from tacos_gap.by_capture import captures_with_values, setting_of
 from tacos_gap.fit import Fitted, fit, settled
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Hypothesis, Problem, robust
@@ -30,7 +31,7 @@ def in_its_best_form(
     *rest, term = fitted.hypothesis
     forms: dict[frozenset[str], list[HypothesisTerm]] = {}
     for guess in guesses:
-        if len(guess.free) > 1 and not set(guess.free) <= set(term.values):
+        if _is_another_form(guess, term):
             forms.setdefault(frozenset(guess.free), []).append(guess)
     best = fitted
     for alike in forms.values():
@@ -39,10 +40,21 @@ def in_its_best_form(
         if begun is None:
             continue
         other = settled(problem, begun)
-        more = max(len(other.hypothesis[-1].free) - len(best.hypothesis[-1].free), 0)
+        more = max(_settings(other) - _settings(best), 0)  # values of single captures pay in the score
         if other.score > best.score + worth * more:
             best = other
     return best
+
+
+def _is_another_form(guess: HypothesisTerm, term: HypothesisTerm) -> bool:
+    """Whether it has settings that the term lacks: several, or one in place of a value for each capture."""
+    return not set(guess.free) <= set(term.values) and (
+        len(guess.free) > 1 or bool(captures_with_values(term.values))
+    )
+
+
+def _settings(fitted: Fitted) -> int:
+    return len({setting_of(name) for name in fitted.hypothesis[-1].free})
 
 
 def _cost(problem: Problem, hypothesis: Hypothesis) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
 from tacos_framework.plugins.guarded import calling
+from tacos_gap.by_capture import captures_with_values, guesses_by_capture, setting_of, values_in
 from tacos_gap.captures import RealCapture
 
 KNOT_STEP = 0.04
@@ -31,7 +32,7 @@ class HypothesisTerm:
     cls
         Its class.
     values
-        Parameters that differ from the class's defaults.
+        Parameters that differ from the class's defaults; see `tacos_gap.by_capture` for those of one capture.
     free
         Names of those that are fitted, each with a step that matters.
     """
@@ -46,11 +47,22 @@ class HypothesisTerm:
         """The component."""
         return f"effect.{self.name}"
 
-    def placed(self) -> PlacedEffect | None:
-        """The effect as a recipe places it; None where it refuses the values, or no camera has them."""
+    def placed(self, capture: str | None = None) -> PlacedEffect | None:
+        """The effect as a recipe places it; None where it refuses the values, or no camera has them.
+
+        Parameters
+        ----------
+        capture
+            The capture it is placed for; values that some captures have of their own are refused together.
+        """
+        if any(self._placed(own) is None for own in captures_with_values(self.values)):
+            return None
+        return self._placed(capture)
+
+    def _placed(self, capture: str | None) -> PlacedEffect | None:
         with calling(self.use, doing="with settings of a diagnosis"):
             try:
-                config = self.cls.Config(**_nested(self.values))
+                config = self.cls.Config(**_nested(values_in(self.values, capture)))
                 effect = self.cls(config)
             except ValueError:  # pydantic's ValidationError is one
                 return None
@@ -69,8 +81,8 @@ class HypothesisTerm:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Its values as a recipe has them."""
-        return _nested(self.values)
+        """Its values as a recipe has them, for all captures."""
+        return _nested(values_in(self.values))
 
 
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -99,7 +111,7 @@ def _neutral_of(name: str, neutral: Mapping[str, Any]) -> float | None:
         return 0.0
     if name.startswith("knots."):
         return int(name.removeprefix("knots.")) / 1000
-    value = neutral.get(name)
+    value = neutral.get(setting_of(name))
     return value if isinstance(value, float) else None
 
 
@@ -110,10 +122,11 @@ def neutral_value(cls: type[Any], name: str) -> float | None:
 
 def initial_guesses_for(name: str, cls: type[Any], captures: Sequence[RealCapture]) -> list[HypothesisTerm]:
     """Where the search for an effect begins: at what its class guesses from captures, and in general."""
-    suggested: Sequence[Mapping[str, Any]] = ()
-    if callable(guess := getattr(cls, "guesses_from", None)):
-        with calling(f"effect.{name}", doing="guesses_from"):
-            suggested = list(guess(captures))
+    suggested: list[Mapping[str, Any]] = []
+    with calling(f"effect.{name}", doing="guesses_from"):
+        if callable(guess := getattr(cls, "guesses_from", None)):
+            suggested += guess(captures)
+        suggested += guesses_by_capture(cls, captures)
     return [*initial_guesses_of(name, cls, suggested), *initial_guesses_of(name, cls)]
 
 
@@ -133,7 +146,7 @@ def initial_guesses_of(
     scales = _scales(guesses, cls) | _scales([_flattened(guess) for guess in own], cls)
     for values in guesses:
         free = {
-            key: _step(cls, key, value, scales.get(key, 1.0), suggested is not None)
+            key: _step(cls, key, value, scales.get(setting_of(key), 1.0), suggested is not None)
             for key, value in values.items()
             if isinstance(value, float)
         }

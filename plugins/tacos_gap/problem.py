@@ -51,9 +51,22 @@ def _key(hypothesis: Hypothesis) -> str:
     return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
 
 
-def placed(hypothesis: Hypothesis) -> list[PlacedEffect]:
-    """The effects of a hypothesis as a recipe places them, without those that refuse their values."""
-    return [effect for term in hypothesis if (effect := term.placed()) is not None]
+def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEffect]:
+    """The effects of a hypothesis as a recipe places them, without those that refuse their values.
+
+    Parameters
+    ----------
+    hypothesis
+        The effects.
+    capture
+        The capture they are placed for, which may have values of its own.
+    """
+    return [effect for term in hypothesis if (effect := term.placed(capture)) is not None]
+
+
+def placed_in(hypothesis: Hypothesis, evidence: Evidence) -> list[PlacedEffect]:
+    """The effects of a hypothesis for the capture that evidence is of; boards are adjusted all together."""
+    return placed(hypothesis, evidence.capture.id if isinstance(evidence, ImageEvidence) else None)
 
 
 @dataclass(frozen=True)
@@ -91,8 +104,7 @@ class Problem:
     def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
         """(K,) residuals in units of the noise floor; None where an effect refuses its parameters."""
         key = f"{self.draws} {_key(hypothesis)}"
-        effects = placed(hypothesis)
-        if len(effects) < len(hypothesis):
+        if len(placed(hypothesis)) < len(hypothesis):
             return None
         with self._lock:
             if key in self._kept:
@@ -100,7 +112,7 @@ class Problem:
             self.evaluations += 1
         z = np.empty(len(self.labels))
         for evidence, slot in zip(self.evidence, self.slots, strict=True):
-            z[slot.start : slot.stop] = evidence.residual(effects, self.draws)
+            z[slot.start : slot.stop] = evidence.residual(placed_in(hypothesis, evidence), self.draws)
         z = np.nan_to_num(z, nan=1e3, posinf=1e3, neginf=-1e3)
         with self._lock:
             self._kept[key] = z
@@ -114,8 +126,7 @@ class Problem:
         return self._replicate_residuals[key]
 
     def _simulate_replicates(self, hypothesis: Hypothesis) -> ReplicateResiduals:
-        effects = placed(hypothesis)
-        parts = [evidence.replicate_residuals(effects) for evidence in self.evidence]
+        parts = [evidence.replicate_residuals(placed_in(hypothesis, evidence)) for evidence in self.evidence]
         return ReplicateResiduals(
             np.concatenate([part.z for part in parts]),
             _side_by_side([part.replicates for part in parts]),
@@ -134,8 +145,10 @@ class Problem:
 
     def renuisanced(self, hypothesis: Hypothesis) -> Problem:
         """The evidence with nuisances estimated anew beside a hypothesis; itself where all of them stay."""
-        effects = placed(hypothesis)
-        evidence = [e.renuisanced(effects) if isinstance(e, ImageEvidence) else e for e in self.evidence]
+        evidence = [
+            e.renuisanced(placed_in(hypothesis, e)) if isinstance(e, ImageEvidence) else e
+            for e in self.evidence
+        ]
         if all(new is old for new, old in zip(evidence, self.evidence, strict=True)):
             return self
         other = copy(self)
@@ -182,16 +195,21 @@ class Problem:
         Captures of a kind alternate, so that what is fitted on some levels, views or scenes is scored on
         others; a kind with a single capture is split by place, level and frequency.
         """
-        fold = np.zeros(len(self.labels), bool)
+        fold = self.fold_within_captures.copy()
         order: dict[str, list[int]] = {}
         for i, evidence in enumerate(self.evidence):
             if evidence.labels:
                 order.setdefault(evidence.labels[0].kind, []).append(i)
-        for members in order.values():
+        for members in (m for m in order.values() if len(m) > 1):
             for place, i in enumerate(members):
-                slot = self.slots[i]
-                if len(members) > 1:
-                    fold[slot.start : slot.stop] = place % 2 == 1
-                else:
-                    fold[slot.start : slot.stop] = np.arange(slot.stop - slot.start) % 2 == 1
+                fold[self.slots[i].start : self.slots[i].stop] = place % 2 == 1
         return fold
+
+    @cached_property
+    def fold_within_captures(self) -> NDArray[np.bool_]:
+        """(K,) which of two folds each number is in when every capture is split by place, level, frequency.
+
+        What holds for one capture alone cannot be predicted from another.
+        """
+        places = [np.arange(slot.stop - slot.start) % 2 == 1 for slot in self.slots]
+        return np.concatenate(places) if places else np.zeros(0, bool)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tacos_gap.by_capture import is_of_one_capture
 from tacos_gap.fit import Fitted, fit, settled
 from tacos_gap.parameters import neutral_value
 from tacos_gap.problem import Hypothesis, Problem, robust
@@ -25,6 +26,11 @@ def pruned(problem: Problem, fitted: Fitted, least: float) -> Fitted:
         fitted = max(kept, key=lambda f: f.score)
 
 
+def _is_of_a_whole(name: str) -> bool:
+    """Whether a parameter stays free with others: an entry of a matrix or curve, the value of one capture."""
+    return "." in name or is_of_one_capture(name)
+
+
 def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
     """The hypothesis with one parameter at neutral for good, the least missed first (to first order)."""
     found: list[tuple[float, Hypothesis]] = []
@@ -35,7 +41,7 @@ def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
             k, column = column, column + 1
             neutral = neutral_value(term.cls, name)
             movable = [n for n in term.free if neutral_value(term.cls, n) is not None]
-            if neutral is None or len(movable) < 2 or "." in name:  # an entry of a whole stays free with it
+            if neutral is None or len(movable) < 2 or _is_of_a_whole(name):
                 continue
             others = np.delete(fitted.jacobian, k, axis=1)
             moved = straight + fitted.jacobian[:, k] * (neutral - term.values[name]) / fitted.steps[k]

@@ -125,6 +125,17 @@ def of_one_specimen(cause: Cause) -> str:
     return f"effect.{cause.effect}, {names}: measured on one specimen, which no other camera has."
 
 
+def of_each_capture(cause: Cause) -> list[str]:
+    """For each parameter that every capture has a value of, what is handed on of it, in a sentence."""
+    return [
+        f"effect.{cause.effect}, {name}: the camera set it anew for each capture "
+        f"({', '.join(f'{capture} {own.value:.3g}' for capture, own in parameter.by_capture.items())}"
+        f" {parameter.unit}); patched.yaml has their median, {parameter.value:.3g} {parameter.unit}."
+        for name, parameter in cause.parameters.items()
+        if parameter.by_capture
+    ]
+
+
 def patched(causes: Sequence[Cause], camera: Photographed) -> str:
     """``patched.yaml``: the causes as effects of a recipe, with what does not transfer said."""
     if not causes:

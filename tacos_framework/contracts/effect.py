@@ -67,6 +67,9 @@ class Effect(Protocol):
     ``guesses_from(captures) -> Iterable[Mapping[str, Any]]``
         Class method: further initial guesses that the captures themselves suggest, for an effect to which
         nothing points far from the truth.
+    ``by_capture: ClassVar[Sequence[str]]``
+        Settings a camera sets anew for each picture, as its focus. Where several captures show the effect, a
+        diagnosis may fit a value for each; it asks ``guesses_from`` of each capture by itself.
     ``look_alikes: ClassVar[Sequence[LookAlike]]``
         Effects that some captures cannot tell from this one. It holds both ways.
     ``shown_by: ClassVar[Sequence[ShownBy]]``

@@ -111,6 +111,8 @@ class EffectConformance(ComponentConformance):
         assert self.component.neutral, "an effect names the values at which it is off"
         unknown = set(self.component.neutral) - set(fields)
         assert not unknown, f"neutral names no settings: {', '.join(sorted(unknown))}"
+        by_capture = set(getattr(self.component, "by_capture", ()))
+        assert by_capture <= set(self.component.neutral), "by_capture names settings that have a neutral one"
         for guess in getattr(self.component, "initial_guesses", ()):
             self.component.Config(**guess)
 

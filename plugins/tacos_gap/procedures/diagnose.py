@@ -111,9 +111,9 @@ class Diagnose:
         progress.phase("Looking for causes", None)
         with Telling(progress) as tell:
             diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=tell)
-        causes = placed(diagnosis.attribution.best.hypothesis)
+        causes = diagnosis.attribution.best.hypothesis
         progress.phase("Scoring tasks", None)
-        scored = score_tasks(folder.captures, causes, tasks, seed)
+        scored = score_tasks(folder.captures, lambda capture: placed(causes, capture.id), tasks, seed)
         scores = {name: score.as_data() for name, score in task_gap(scored).items()}
         limits = (*diagnosis.limitations, *scored.left_out)
         diagnosis = replace(diagnosis, task=scores, limitations=limits)

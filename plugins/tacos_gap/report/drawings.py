@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.formation import PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.findings import Diagnosis
 from tacos_gap.fit import Fitted
-from tacos_gap.problem import Problem, robust
+from tacos_gap.problem import Hypothesis, Problem, placed, robust
 from tacos_gap.report.arrows import arrows, of_boards, of_tiles
 from tacos_gap.report.histogram import histogram
 from tacos_gap.report.image_map import image_map
@@ -46,8 +45,8 @@ class Artist:
         The evidence.
     captures
         The captures, for histograms.
-    effects
-        The causes as a recipe places them; none where nothing was added.
+    hypothesis
+        The causes; none where nothing was added.
     seed
         Seeds simulations.
     before, after
@@ -56,7 +55,7 @@ class Artist:
 
     problem: Problem
     captures: Sequence[RealCapture]
-    effects: Sequence[PlacedEffect]
+    hypothesis: Hypothesis
     seed: int
     before: str = "simulated"
     after: str | None = "with the causes"
@@ -67,7 +66,7 @@ class Artist:
         kind = over(label.at for label in numbers.labels)
         titles: Any = {"before": self.before, "after": self.after}
         if numbers.statistic in CODES and (capture := self._most_different(numbers)) is not None:
-            svg = histogram(name, capture, self.effects, self.seed, **titles)
+            svg = histogram(name, capture, placed(self.hypothesis, capture.id), self.seed, **titles)
         elif numbers.statistic == "board_corners":
             svg = arrows(name, of_boards(self.problem, numbers), **titles)
         elif kind == "arrows":

@@ -76,12 +76,11 @@ class Circumstances:
 def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Page:
     """The whole page."""
     best = diagnosis.attribution.best
-    effects = placed(best.hypothesis)
     numbers = numbers_of(diagnosis.problem, diagnosis.problem.null, best.held_out)
-    after = "with the causes" if effects else None
-    artist = Artist(diagnosis.problem, folder.captures, effects, run.seed, after=after)
+    after = "with the causes" if best.hypothesis else None
+    artist = Artist(diagnosis.problem, folder.captures, best.hypothesis, run.seed, after=after)
     gaps = capture_gaps(diagnosis)
-    shown = [compare(c, effects, run.seed) for c in to_show(folder.captures, gaps)]
+    shown = [compare(c, placed(best.hypothesis, c.id), run.seed) for c in to_show(folder.captures, gaps)]
     explained = diagnosis.verdict == "explained"
     sections = [
         Section("What was photographed", tuple(photographed(folder.captures))),

@@ -142,8 +142,11 @@ def lead(diagnosis: Diagnosis, captures: int) -> str:
 
 
 def parameter_rows(name: str, parameter: Parameter) -> list[tuple[str, str, str, str]]:
-    """Name, value, 90 % interval and unit of a parameter; below it the same in physical units."""
+    """Name, value, 90 % interval and unit of a parameter; below it the same in physical units, by capture."""
     rows = [_row(name, parameter)]
+    if parameter.by_capture:
+        rows = [(name, rows[0][1], "median of the captures", rows[0][3])]
+        rows += [_row(f"{name} in {capture}", own) for capture, own in parameter.by_capture.items()]
     if parameter.physical is not None:
         rows.append(_row(parameter.physical.name, parameter.physical))
     return rows

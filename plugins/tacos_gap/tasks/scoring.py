@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,7 +75,7 @@ class ScoredTasks:
 
 def score_tasks(
     captures: Sequence[RealCapture],
-    effects: Sequence[PlacedEffect],
+    effects_in: Callable[[RealCapture], Sequence[PlacedEffect]],
     tasks: Sequence[RecipeTask],
     seed: int,
 ) -> ScoredTasks:
@@ -87,8 +87,8 @@ def score_tasks(
     ----------
     captures
         All captures; those of even fields and boards, and those without an expectation, show nothing.
-    effects
-        The causes, as a recipe places them.
+    effects_in
+        The causes in a capture, as a recipe places them.
     tasks
         What is scored.
     seed
@@ -99,7 +99,7 @@ def score_tasks(
     able = [task for task in tasks if not task.why_not]
     found = []
     for capture in shown:
-        scored = _on_capture(capture, effects, able, seed, why)
+        scored = _on_capture(capture, effects_in(capture), able, seed, why)
         if any(scored.real):
             found.append(scored)
     reported = {name.partition(".")[0] for each in found for scores in each.real for name in scores}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from statistics import median
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,11 +11,13 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from tacos_framework.contracts import LookAlike, ShownBy, Stage
+from tacos_framework.contracts.observed import Captures, structured
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
+from tacos_plugins.effects.disc_radius import disc_radius_px
 from tacos_plugins.effects.shown_by import EDGES
 
 
@@ -70,6 +73,7 @@ class Defocus:
         {"radius_px": 1.5},
         {"radius_px": 4.0},
     )
+    by_capture: ClassVar[Sequence[str]] = ("radius_px",)
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "lens-blur",
@@ -82,6 +86,13 @@ class Defocus:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """The radius that the spectra of pictures show beside those expected; the middle one of several."""
+        radii = [radius for each in structured(captures) if (radius := disc_radius_px(each)) is not None]
+        if radii:
+            yield {"radius_px": float(median(radii))}
 
     def on_array(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import JsonValue
 
 from tacos_framework.camera.colour import display_image
-from tacos_framework.formation import EpisodeDraws
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
@@ -97,7 +97,7 @@ class ValidateCameras:
         left_out: list[str] = []
         for name, folder in cameras.items():
             effects = patches[name].effects
-            found = score_tasks(folder.captures, effects, tasks, seed)
+            found = score_tasks(folder.captures, partial(_in_any, effects), tasks, seed)
             scored[name] = found.captures
             left_out += [f"{name}: {text}" for text in found.left_out]
             if (curve := noise_curve(folder.captures, effects, seed)) is not None:
@@ -177,6 +177,12 @@ def _samples(
             capture = min(shown, key=lambda c: SHOWN.index(c.kind))
             samples[name] = _pictures(capture, patches[name], seed)
     return samples
+
+
+def _in_any(effects: Sequence[PlacedEffect], capture: RealCapture) -> Sequence[PlacedEffect]:
+    """Effects that are the same in every capture, as those of a patch are."""
+    del capture
+    return effects
 
 
 def _pictures(capture: RealCapture, patch: CameraPatch, seed: int) -> tuple[NDArray[np.uint8], ...]:

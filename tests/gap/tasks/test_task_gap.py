@@ -37,7 +37,7 @@ def task_of(plugins: Plugins, name: str, **settings: object) -> RecipeTask:
 def test_blur_loses_features_in_reality_and_with_its_cause(plugins: Plugins) -> None:
     blur = effect(plugins, "defocus", radius_px=1.6)
     shown = taken([capture("scene", patchwork(), frames=6), capture("flat", 90.0)], [blur])
-    gap = task_gap(score_tasks(shown, [blur], default_tasks(plugins), seed=1))
+    gap = task_gap(score_tasks(shown, lambda _: [blur], default_tasks(plugins), seed=1))
     inliers = gap["features.inliers"]
     assert inliers.captures == 1, "an even field shows nothing"
     assert inliers.intervals is not None
@@ -51,7 +51,7 @@ def test_every_task_of_a_study_is_scored_or_named_with_the_reason(plugins: Plugi
     tasks = tasks_of(frozen_plan("headset_quick", {}, plugins))
     assert {task.node for task in tasks} == {"features", "obstacle"}
     shown = taken([capture("scene", patchwork(), frames=4)], [])
-    scored = score_tasks(shown, [], tasks, seed=1)
+    scored = score_tasks(shown, lambda _: [], tasks, seed=1)
     assert any(name.startswith("features.") for name in scored.names)
     (said,) = scored.left_out
     assert "obstacle (task.obstacle-visibility)" in said
@@ -60,13 +60,13 @@ def test_every_task_of_a_study_is_scored_or_named_with_the_reason(plugins: Plugi
 
 def test_stereo_needs_two_cameras(plugins: Plugins) -> None:
     shown = taken([capture("scene", patchwork(), frames=4)], [])
-    scored = score_tasks(shown, [], [task_of(plugins, "sgbm")], seed=1)
+    scored = score_tasks(shown, lambda _: [], [task_of(plugins, "sgbm")], seed=1)
     assert not scored.names
     assert "single camera" in scored.left_out[0]
 
 
 def test_no_scene_no_score(plugins: Plugins) -> None:
-    scored = score_tasks(taken([capture("flat", 90.0)], []), [], default_tasks(plugins), seed=1)
+    scored = score_tasks(taken([capture("flat", 90.0)], []), lambda _: [], default_tasks(plugins), seed=1)
     assert task_gap(scored) == {}
     assert "no capture is of a scene" in scored.left_out[0]
 
