@@ -64,7 +64,7 @@ def slot_probabilities(scores: Mapping[str, float], errors: Mapping[str, float])
     >>> {name: round(p, 3) for name, p in slot_probabilities({"a": 0.0, "b": -8.0}, {}).items()}
     {'a': 1.0, 'b': 0.0}
     >>> {name: round(p, 3) for name, p in slot_probabilities({"a": 0.0, "b": -8.0}, {"b": 6.0}).items()}
-    {'a': 0.885, 'b': 0.115}
+    {'a': 0.887, 'b': 0.113}
     """
     if not scores:
         return {}
