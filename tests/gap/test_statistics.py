@@ -190,6 +190,16 @@ def test_the_matrix_between_colours_is_found():
     assert found.values.reshape(3, 3) == pytest.approx(matrix, abs=0.01)
 
 
+def test_a_patch_may_part_from_its_reference_by_what_prints_do():
+    boxes = np.array([[2, 2, 12, 12], [62, 42, 12, 12]])
+    chart = replace(colourful(), patches=(boxes, np.zeros((2, 3))))
+    assert chart.expected_dn is not None
+    brighter = BLACK_DN + 1.05 * (chart.expected_dn - BLACK_DN)
+    found = blocks(chart, np.repeat(brighter, 2, axis=0).astype(np.float32))["patches"]
+    assert np.all(found.values > 0.9)
+    assert found.values / found.margin == pytest.approx(np.full(6, 0.05 / 0.02), rel=0.2)  # bright or dark
+
+
 def test_jpeg_leaves_borders_and_takes_coefficients():
     edges = capture("edges", "edge", squares(), frames=1)
     assert edges.expected_dn is not None
