@@ -11,6 +11,7 @@ import pytest
 
 from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.statistics import Sample, StatisticBlock, measure
+from tacos_gap.statistics.grid import expected_in, tiles
 from tacos_gap.statistics.hot_pixels import STEPS
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, squares
 
@@ -114,9 +115,9 @@ def test_falling_light_shows_in_the_level_of_tiles_but_not_in_noise_over_the_fie
     signal = np.broadcast_to(LEVEL * fall, (6, HEIGHT, WIDTH, 1))
     frames = BLACK_DN + signal + rng.normal(0, 1, signal.shape) * np.sqrt(0.24 * signal + 1.8)
     found = blocks(capture_of, frames.astype(np.float32))
-    tiles = found["relative_illumination"]
-    outer = [v for v, place in zip(tiles.values, tiles.at, strict=True) if place["radius"][1] > 0.95]
-    inner = [v for v, place in zip(tiles.values, tiles.at, strict=True) if place["radius"][1] < 0.35]
+    fallen = found["relative_illumination"]
+    outer = [v for v, place in zip(fallen.values, fallen.at, strict=True) if place["radius"][1] > 0.95]
+    inner = [v for v, place in zip(fallen.values, fallen.at, strict=True) if place["radius"][1] < 0.35]
     assert np.mean(inner) - np.mean(outer) == pytest.approx(0.3 * (0.8 - 0.05), abs=0.06)
     assert np.abs(found["noise_over_field"].values).max() < 0.03
 
@@ -190,6 +191,16 @@ def test_the_matrix_between_colours_is_found():
     assert found.values.reshape(3, 3) == pytest.approx(matrix, abs=0.01)
 
 
+def test_a_patch_may_part_from_its_reference_by_what_prints_do():
+    boxes = np.array([[2, 2, 12, 12], [62, 42, 12, 12]])
+    chart = replace(colourful(), patches=(boxes, np.zeros((2, 3))))
+    assert chart.expected_dn is not None
+    brighter = BLACK_DN + 1.05 * (chart.expected_dn - BLACK_DN)
+    found = blocks(chart, np.repeat(brighter, 2, axis=0).astype(np.float32))["patches"]
+    assert np.all(found.values > 0.9)
+    assert found.values / found.margin == pytest.approx(np.full(6, 0.05 / 0.02), rel=0.2)  # bright or dark
+
+
 def test_jpeg_leaves_borders_and_takes_coefficients():
     edges = capture("edges", "edge", squares(), frames=1)
     assert edges.expected_dn is not None
@@ -200,6 +211,14 @@ def test_jpeg_leaves_borders_and_takes_coefficients():
     before, after = blocks(edges, image.astype(np.float32)), blocks(edges, squeezed)
     assert after["block_borders"].values.sum() > before["block_borders"].values.sum() + 0.2
     assert (after["vanished_coefficients"].values > before["vanished_coefficients"].values + 0.1).all()
+
+
+def test_what_is_expected_in_a_tile_is_worked_out_once_whatever_is_measured():
+    edges = capture("edges", "edge", squares())
+    grid = tiles(edges)
+    first = expected_in(grid, edges, 0)
+    assert first == pytest.approx(grid.mean(squares() - BLACK_DN))
+    assert expected_in(grid, edges, 0) is first
 
 
 def test_real_and_simulated_frames_are_measured_at_the_same_places():

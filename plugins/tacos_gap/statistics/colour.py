@@ -15,6 +15,13 @@ _LEAST_SPREAD = 0.01
 """Spread of colours, over full scale, below which a matrix cannot be told."""
 
 
+_PRINTED_WITHIN = 0.02
+"""Relative accuracy to which the reflectance of a printed patch is known: prints differ and fade, and gloss
+adds to them."""
+
+_LEAST_PATCH_DN = 0.3
+"""Least equivalence margin of a patch [DN]."""
+
 _FEWEST = 70
 """Fewest pixels that a matrix is measured in."""
 
@@ -34,9 +41,15 @@ def colour_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         yield StatisticBlock("colour_matrix", "isp", matrix.ravel(), at, 0.005)
     if sample.capture.patches is not None:
         boxes, _ = sample.capture.patches
-        values = [sample.residual[y : y + h, x : x + w].mean(axis=(0, 1)) for x, y, w, h in boxes]
         places = [{"patch": int(k), "channel": c} for k in range(len(boxes)) for c in "RGB"]
-        yield StatisticBlock("patches", "isp", np.concatenate(values).astype(float), places, 0.3)
+        margins = np.hypot(_LEAST_PATCH_DN, _PRINTED_WITHIN * _means_of(boxes, sample.signal))
+        yield StatisticBlock("patches", "isp", _means_of(boxes, sample.residual), places, margins)
+
+
+def _means_of(boxes: NDArray[np.int64], image: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(3 P,) means of patches of an (H, W, 3) image, channel by channel of each."""
+    means = [image[y : y + h, x : x + w].mean(axis=(0, 1)) for x, y, w, h in boxes]
+    return np.concatenate(means).astype(np.float64)
 
 
 def has_colours(capture: RealCapture) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
-from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS, rings, tiles
+from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS, expected_in, rings, tiles
 
 RELATIVE = 0.004
 OFFSET_DN = 0.06
@@ -20,7 +20,7 @@ def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     if len(grid.at) > 3:
         dark = capture.kind == "dark"
         for channel, name in enumerate(sample.channels):
-            signal = grid.mean(sample.signal[..., channel])
+            signal = expected_in(grid, capture, channel)
             scale = np.ones_like(signal) if dark else np.maximum(signal, 2.0)
             shape = grid.mean(sample.residual[..., channel]) / scale
             margin = OFFSET_DN if dark else np.hypot(RELATIVE * scale, OFFSET_DN)

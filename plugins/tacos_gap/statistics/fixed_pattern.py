@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
-from tacos_gap.statistics.grid import has_even_areas, levels, smooth_areas
+from tacos_gap.statistics.grid import expected_in, has_even_areas, levels, smooth_areas
 
 _WINDOW_PX = 7
 _RELATIVE = 0.0015
@@ -33,7 +33,7 @@ def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
         bins = levels(sample.capture, channel, even)
         if not bins.at:
             continue
-        signal = bins.mean(np.abs(sample.signal[..., channel]))
+        signal = expected_in(bins, sample.capture, channel)
         yield StatisticBlock(
             "fixed_pattern",
             "pixel",

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
+from tacos_gap.statistics.block import expected_signal
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
 RINGS = (0.0, 0.35, 0.6, 0.8, np.inf)
@@ -54,6 +55,17 @@ def _kept(capture: RealCapture, key: Any, make: Any) -> Bins:
     if key not in bins:
         bins[key] = make()
     return bins[key]
+
+
+_EXPECTED: WeakKeyDictionary[Bins, dict[int, NDArray[np.float64]]] = WeakKeyDictionary()
+
+
+def expected_in(bins: Bins, capture: RealCapture, channel: int) -> NDArray[np.float64]:
+    """(B,) mean of what is expected above the pedestal in bins of a capture; worked out once [DN]."""
+    known = _EXPECTED.setdefault(bins, {})
+    if channel not in known:
+        known[channel] = bins.mean(expected_signal(capture)[..., channel])
+    return known[channel]
 
 
 def _compact(index: NDArray[np.int64], at: Sequence[Mapping[str, Any]]) -> Bins:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
-from tacos_gap.statistics.grid import levels
+from tacos_gap.statistics.grid import expected_in, levels
 
 OFFSET_DN = 0.06
 RELATIVE = 0.004
@@ -26,7 +26,7 @@ def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         bins = levels(sample.capture, channel)
         if not bins.at:
             continue
-        signal = bins.mean(np.abs(sample.signal[..., channel]))
+        signal = expected_in(bins, sample.capture, channel)
         yield StatisticBlock(
             "dark_level" if sample.capture.kind == "dark" else "level",
             "readout" if sample.capture.kind == "dark" else "exposure",

@@ -45,13 +45,13 @@ class Nonlinearity:
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "exposure-error",
-            observations.one_level,
+            observations.one_or_two_levels,
             "bracket",
             "levels against exposure times tell a curve from a scale",
         ),
         LookAlike(
             "tone-curve",
-            observations.one_level,
+            observations.one_or_two_levels,
             "bracket",
             "levels against exposure times tell a curve from a scale",
         ),

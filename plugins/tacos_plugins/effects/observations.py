@@ -26,10 +26,10 @@ def no_repeats(captures: Captures) -> bool:
     return all(capture.frames == 1 for capture in of_kind(captures, "dark", "flat", "bracket"))
 
 
-def one_level(captures: Captures) -> bool:
-    """One lit capture of an even field: a single point of a curve."""
+def one_or_two_levels(captures: Captures) -> bool:
+    """One lit capture, of an even field or of a straight edge: points of a curve that a line runs through."""
     seen = lit(captures)
-    return len(seen) == 1 and not seen[0].is_structured
+    return len(seen) == 1 and (not seen[0].is_structured or seen[0].edge_angle_deg is not None)
 
 
 def one_exposure_of_a_scene(captures: Captures) -> bool:

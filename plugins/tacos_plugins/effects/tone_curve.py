@@ -86,7 +86,7 @@ class ToneCurve:
         ),
         LookAlike(
             "exposure-error",
-            observations.one_level,
+            observations.one_or_two_levels,
             "bracket",
             "levels against exposure times tell a curve from a scale",
         ),
