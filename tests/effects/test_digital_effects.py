@@ -225,3 +225,15 @@ def test_a_gain_map_that_darkens_corners_is_drawn_but_not_proposed():
     assert lifting.plausible
     assert not darkening.plausible
     assert run(darkening, SCENE_DN).mean() < SCENE_DN.mean()
+
+
+@pytest.mark.parametrize(
+    ("knots", "plausible"),
+    [
+        (((0, 0), (0.1, 0.3), (0.5, 0.8), (1, 1)), True),
+        (((0, 0), (0.06, 0.06), (0.3, 0.06), (1, 1)), False),  # a sensor that saturates
+        (((0, 0), (0.5, 0.99), (0.8, 0.99), (1, 1)), True),  # a shoulder
+    ],
+)
+def test_a_tone_curve_that_is_level_below_full_scale_is_none(knots, plausible):
+    assert ToneCurve(ToneCurve.Config(knots=knots)).plausible is plausible

@@ -133,7 +133,7 @@ class Bundle:
     def bend(self, view: int, effects: Sequence[PlacedEffect]) -> Array:
         """(S,) how far the paper of a view's board bends, told of its first view alone [standard deviations].
 
-        It counts in the score as any residual does: paper that has to bend beyond what paper does is no explanation.
+        It counts in the score as any residual does: a bend beyond what paper does explains nothing.
         """
         board = self.views[view].board
         if board not in self._papers or [each.board for each in self.views].index(board) != view:

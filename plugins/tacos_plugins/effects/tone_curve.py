@@ -24,6 +24,9 @@ _STEPS = 4096  # of the table that stands for the cubic
 _KNOTS = (0.03, 0.08, 0.18, 0.35, 0.55, 0.78)
 """Signals at which a curve is guessed, closer where curves of cameras are steep."""
 
+_LEVEL, _FULL = 1e-3, 0.98
+"""Rise from point to point below which a curve is level, and the code from which on it may be."""
+
 _BENT = 0.05
 """Departure of a guessed exponent from 1 below which captures suggest none."""
 
@@ -112,6 +115,14 @@ class ToneCurve:
         codes = [float(np.median(found[np.argsort(np.abs(expected - x))[:_NEAREST]])) for x in places]
         rising = np.clip(np.maximum.accumulate(codes), 0.0, 1.0).round(4).tolist()
         yield {"knots": ((0.0, 0.0), *zip(places, rising, strict=True), (1.0, 1.0))}
+
+    @property
+    def plausible(self) -> bool:
+        """Whether cameras have such curves: one that is level before full scale has been cut off."""
+        if self.config.knots is None:
+            return True
+        code = np.array(self.config.knots)[:, 1]
+        return not bool(np.any((np.diff(code) < _LEVEL) & (code[1:] < _FULL) & (code[:-1] > 0)))
 
     @property
     def _bends(self) -> bool:
