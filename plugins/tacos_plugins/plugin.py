@@ -190,6 +190,17 @@ SENSORS = {
     ),
 }
 
+CONTROLS = {
+    "mean-level": (
+        "mean_level:MeanLevel",
+        "Exposure time, then gain, by the mean level of the frames before, with a lag.",
+    ),
+    "gradient": (
+        "gradient:Gradient",
+        "Exposure time, then gain, towards the image with most gradients (Shim et al. 2014).",
+    ),
+}
+
 TASKS = {
     "orb-features": (
         "orb_features:OrbFeatures",
@@ -279,6 +290,7 @@ FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "renderer": RENDERERS,
     "effect": EFFECTS,
     "sensor": SENSORS,
+    "control": CONTROLS,
     "task": TASKS,
     "optimizer": OPTIMIZERS,
     "executor": EXECUTORS,
