@@ -18,6 +18,14 @@ RIGS = {
         "stereo:StereoRig",
         "Two parallel cameras a baseline apart.",
     ),
+    "ring": (
+        "ring:RingRig",
+        "Equal cameras evenly around the agent, as many as are wanted.",
+    ),
+    "front-back-sides": (
+        "front_back_sides:FrontBackSidesRig",
+        "A camera ahead, and others behind and to the sides where they are wanted.",
+    ),
 }
 
 RENDERERS = {
@@ -209,6 +217,10 @@ TASKS = {
     "obstacle-visibility": (
         "obstacle_visibility:ObstacleVisibility",
         "Share of thresholds on the path that were seen before they were stepped on, and how early.",
+    ),
+    "surround-coverage": (
+        "surround_coverage:SurroundCoverage",
+        "What all cameras of a rig have in view around the agent: directions, and things well seen.",
     ),
     "sgbm": (
         "sgbm:Sgbm",
