@@ -104,6 +104,9 @@ class FrameBatch:
     def __post_init__(self) -> None:
         if len(self.images) != len(self.capture.views):
             raise ValueError(f"{len(self.images)} images for {len(self.capture.views)} cameras")
+        frames = len(self.capture.episode)
+        if self.exposures and [len(taken) for taken in self.exposures] != [frames] * len(self.images):
+            raise ValueError(f"exposures must be {frames} for each of {len(self.images)} cameras, or none")
         frozen = []
         for image, view in zip(self.images, self.capture.views, strict=True):
             if image.shape[:3] != view.depth_m.shape or image.dtype not in (np.uint8, np.uint16):
