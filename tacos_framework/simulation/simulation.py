@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from tacos_framework.cache import LRUCache, content_key
-from tacos_framework.contracts import Scores, State
+from tacos_framework.contracts import EpisodeStore, Scores, State
 from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
 from tacos_framework.plan import REFUSED, ConfiguredComponent, EffectPart, Plan
@@ -37,10 +37,13 @@ class Simulation:
     ----------
     plan
         What to simulate.
+    store
+        Keeps episodes for other processes and studies.
     """
 
-    def __init__(self, plan: Plan):
+    def __init__(self, plan: Plan, store: EpisodeStore | None = None):
         self.plan = plan
+        self._store = store
         recipe = plan.recipe
         self._rig = plan.rig.instance
         study = recipe.study
@@ -217,6 +220,7 @@ class Simulation:
                 kept=self._episodes,
                 key=key,
                 clock=clock,
+                store=self._store,
             )
         return contexts
 
