@@ -3,8 +3,8 @@
 OMP_NUM_THREADS=1 python benchmarks/worlds_once.py --cameras 4 --scenes 4
 
 Before, a job was a camera on all scenes, and every worker built every world; now a job is a camera in one
-world and says so, and a worker is given jobs of the worlds it has. Then the same with a store on disk, empty and
-full. Results are compared, too.
+world and says so, and a worker is given jobs of the worlds it has. Then the same with a
+store on disk, empty and full. Results are compared, too.
 """
 
 from __future__ import annotations

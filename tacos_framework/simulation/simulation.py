@@ -164,7 +164,7 @@ class Simulation:
         )
 
     def prepare(self, values: Mapping[str, Any], training: EpisodeSpec) -> Evaluation:
-        """Build the world of a training episode and take a frame in it, so that it is lit; the time it took."""
+        """Build the world of a training episode, and light it by taking a frame; the time it took."""
         clock, graph = Clock(), self.plan.graph
         contexts = self._contexts(values, self.plan.rig_variables(values), clock)
         for task in self.plan.trainable:

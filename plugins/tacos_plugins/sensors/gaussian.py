@@ -4,9 +4,9 @@ The inverse of the distribution function (inversion, Devroye 1986, chapter II.2)
 for as many values of 16 random bits. Where that is too coarse, in the tails, it is computed instead.
 Bins in between are at most 0.004 wide, a small part of what rounding to whole digital numbers does.
 
-The bits are those of a counter-based generator (Philox4x64-10, Salmon et al. 2011) with keys of the frame: sample i takes
-the bits 16 i to 16 i + 15, and the n-th sample of a tail the n-th word of a second stream. So samples may be drawn in any
-order and by any device that computes in parallel, with the same numbers.
+The bits are those of a counter-based generator (Philox4x64-10, Salmon et al. 2011) with keys of the frame:
+sample i takes the bits 16 i to 16 i + 15, and the n-th sample of a tail the n-th word of a second stream. So
+samples may be drawn in any order, by any device that computes in parallel, with the same numbers.
 
 References
 ----------
