@@ -9,6 +9,7 @@ from itertools import zip_longest
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
 from tacos_framework.simulation import Evaluation, Evaluator, PrepareJob, ScoreJob, merged_evaluation
+from tacos_framework.simulation.jobs import Job
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,9 @@ def score_pipelined(
     done: list[Evaluation] = []
     for job, following in zip_longest(jobs, jobs[1:]):
         training = replace(job, states=states, episodes=(), partial=True)
-        beside = [*([last.scoring] if last else []), *_prepared(job, following, executor)]
-        trained, *others = executor.map(evaluate, [training, *beside])
+        scoring = [last.scoring] if last else []
+        together: list[Job[Evaluation]] = [training, *scoring, *_prepared(job, following, executor)]
+        trained, *others = executor.map(evaluate, together)
         done += others
         if last:
             yield last.scored(done, fitness)

@@ -11,7 +11,7 @@ from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import load_recipe
+from tacos_framework.recipe import Recipe, load_recipe
 from tacos_framework.settings import Settings, setting
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.pipelined import score_pipelined
@@ -72,7 +72,10 @@ class CheckGpu:
         return {**result, "summary": _summary(result)}
 
     def _plan(self, plugins: Plugins) -> Plan:
-        return make_plan(load_recipe(self.config.recipe), plugins)
+        recipe = load_recipe(self.config.recipe)
+        if not isinstance(recipe, Recipe):
+            raise UserError(Fault("recipe", f"{self.config.recipe} is no study", "a recipe that designs"))
+        return make_plan(recipe, plugins)
 
     def _timed(self, plan: Plan, values: dict[str, Any], executor: Executor) -> dict[str, Any]:
         """Candidates an hour, and where the time of the workers went."""

@@ -97,7 +97,7 @@ def frame_labels(
     return Labels(boxes, class_of_object[present], counts)
 
 
-def _runs(object_id: NDArray[np.int32]) -> tuple[NDArray[np.intp], ...]:
+def _runs(object_id: NDArray[np.int32]) -> tuple[NDArray[np.integer], ...]:
     """Runs of equal ids along rows, first row first: row, first column, the column after the last, and id.
 
     A frame of millions of pixels has some ten thousand of them.
