@@ -55,6 +55,9 @@ AVERAGED = 3
 SCREENING_FRACTION = 0.25
 """Screening score, over the complexity penalty, above which an effect is fitted beside others."""
 
+RIVALS = "comparing with rivals"
+"""What is told once an explanation is found, and others are tried in its place."""
+
 Notify = Callable[[str], None]
 
 
@@ -98,7 +101,8 @@ class ForwardSelection:
             self._fits = Fits(self._problem, pool.map)
             best = self._explained(self._fits.null)
             slots: dict[str, dict[str, Fitted]] = {}
-            for _ in range(LARGEST):
+            for _ in range(LARGEST if best.hypothesis else 0):
+                self._notify(RIVALS)
                 best = self._pruned(best)
                 slots = {name: self._rivals(best, name) for name in best.names}
                 better = self._better_rival(best, slots)
