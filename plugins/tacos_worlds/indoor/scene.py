@@ -74,7 +74,12 @@ class IndoorScene:
         camera_height_m: tuple[Metres, Metres] = setting(
             (1.0, 2.0), help="Range from which each walk draws the height of the agent's eye.", unit="m"
         )
-        clutter: float = setting(0.5, help="How many toys and small things lie about.", ge=0.0, le=1.0)
+        clutter: float = setting(
+            0.5, help="How many toys lie about, and small things on tables and worktops.", ge=0.0, le=1.0
+        )
+        people: float = setting(
+            0.4, help="Mean number of people in a room, sitting or standing; none in bathrooms.", ge=0.0, le=4.0
+        )
         furniture_folder: str = setting(
             "",
             help="Folder of GLB or OBJ models, CLASS/NAME.glb, that replace the built-in furniture.",
@@ -137,6 +142,7 @@ class IndoorScene:
             ceiling_height_m=config.ceiling_height_m,
             min_room_m=config.min_room_m,
             clutter=config.clutter,
+            people=config.people,
             catalogue=Catalogue(self._pieces),
         )
         world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)
