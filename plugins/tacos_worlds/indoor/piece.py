@@ -131,7 +131,16 @@ class Piece:
         return replace(
             self,
             parts=tuple((mesh.turned(yaw_rad), finish) for mesh, finish in self.parts),
-            lights=tuple(replace(light, position_m=turn @ light.position_m) for light in self.lights),
+            lights=tuple(
+                replace(
+                    light,
+                    position_m=turn @ light.position_m,
+                    normal=None if light.normal is None else turn @ light.normal,
+                    half_u_m=turn @ light.half_u_m,
+                    half_v_m=turn @ light.half_v_m,
+                )
+                for light in self.lights
+            ),
             tops=tuple(replace(top, rect=_turned_rect(top.rect, turn)) for top in self.tops),
             seats=tuple(_turned_seat(seat, turn, yaw_rad) for seat in self.seats),
         )

@@ -78,7 +78,10 @@ class IndoorScene:
             0.5, help="How many toys lie about, and small things on tables and worktops.", ge=0.0, le=1.0
         )
         people: float = setting(
-            0.4, help="Mean number of people in a room, sitting or standing; none in bathrooms.", ge=0.0, le=4.0
+            0.4,
+            help="Mean number of people in a room, sitting or standing; none in bathrooms.",
+            ge=0.0,
+            le=4.0,
         )
         furniture_folder: str = setting(
             "",

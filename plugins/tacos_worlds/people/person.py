@@ -154,7 +154,7 @@ def _head(build: Build, pose: Pose) -> list[Mesh]:
 def _eyes(build: Build, pose: Pose) -> list[Mesh]:
     h = build.height_m
     made = []
-    for x, z, wide, high in ((-0.018, 0.931, 0.012, 0.006), (0.018, 0.931, 0.012, 0.006)):
+    for x, z, wide, high in ((-0.018, 0.931, 0.010, 0.005), (0.018, 0.931, 0.010, 0.005)):
         ball = slab((wide * h, 0.006 * h, high * h), (x * h, 0.0495 * h, z * h))
         points = _grown_head(build, ball.vertices_m) - np.array([0, 0, HIP * h])
         made.append(Mesh(rotated_forward(points, pose.lean), ball.normals, ball.uv_m, ball.triangles))
@@ -178,7 +178,7 @@ def _arms(build: Build, at: Joints) -> tuple[list[Mesh], list[Mesh]]:
         inside = shoulder + np.array([-0.25 * shoulder[0], 0, 0.012 * h])
         below = shoulder + 0.25 * (elbow - shoulder)
         path = [inside, shoulder + [0, 0, 0.004 * h], below, elbow]
-        upper.append(_tube(path, np.array([0.014, 0.027, 0.031, 0.026]) * h * g, sides=build.limb_sides))
+        upper.append(_tube(path, np.array([0.014, 0.026, 0.030, 0.0255]) * h * g, sides=build.limb_sides))
         lower.append(_tube([elbow, wrist], np.array([0.0245, 0.018]) * h * g, sides=build.limb_sides))
     return upper, lower
 
@@ -186,7 +186,9 @@ def _arms(build: Build, at: Joints) -> tuple[list[Mesh], list[Mesh]]:
 def _hands(build: Build, at: Joints) -> list[Mesh]:
     h = build.height_m
     return [
-        _tube([wrist, (wrist + tip) / 2, tip], np.array([0.015, 0.021, 0.009]) * h, sides=build.limb_sides - 2)
+        _tube(
+            [wrist, (wrist + tip) / 2, tip], np.array([0.015, 0.021, 0.009]) * h, sides=build.limb_sides - 2
+        )
         for wrist, tip in zip(at.wrist, at.fingers, strict=True)
     ]
 
@@ -195,12 +197,18 @@ def _shoes(build: Build, at: Joints, pose: Pose) -> list[Mesh]:
     h = build.height_m
     made = []
     for k, ankle in enumerate(at.ankle):
-        sole = superellipse(0.029 * h, 0.078 * h, -0.039 * h, power=2.8, sides=build.limb_sides) + np.array([0, 0.036 * h, 0])
-        upper = superellipse(0.027 * h, 0.068 * h, -0.012 * h, power=2.6, sides=build.limb_sides) + np.array([0, 0.030 * h, 0])
+        sole = superellipse(0.029 * h, 0.078 * h, -0.039 * h, power=2.8, sides=build.limb_sides) + np.array(
+            [0, 0.036 * h, 0]
+        )
+        upper = superellipse(0.027 * h, 0.068 * h, -0.012 * h, power=2.6, sides=build.limb_sides) + np.array(
+            [0, 0.030 * h, 0]
+        )
         rim = superellipse(0.024 * h, 0.030 * h, 0.022 * h, power=2.2, sides=build.limb_sides)
         # A foot that is off the ground points down as its shank swings back.
         swing = max(0.0, pose.knees[k] - pose.hips[k] - 8) if not pose.seated else 0.0
-        made.append(loft([rotated_forward(r, 0.6 * swing) + ankle for r in (sole, upper, rim)], crease_deg=60))
+        made.append(
+            loft([rotated_forward(r, 0.6 * swing) + ankle for r in (sole, upper, rim)], crease_deg=60)
+        )
     return made
 
 

@@ -17,7 +17,7 @@ References
 Drillis, R., and Contini, R. (1966). Body Segment Parameters. New York University, Technical Report 1166.03.
 """
 FOREARM, HAND = 0.146, 0.090
-_HIP_ASIDE, _SHOULDER_ASIDE = 0.047, 0.112
+_HIP_ASIDE, _SHOULDER_ASIDE = 0.047, 0.105
 SEATED_THIGH = 0.045
 """Height of the hip above the seat it rests on, as a share of the body's height."""
 

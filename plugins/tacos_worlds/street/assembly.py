@@ -36,6 +36,9 @@ CLASS_NAMES = (
     "bollard",
     "planter",
     "advertisement",
+    "person",
+    "bus",
+    "bicycle",
 )
 PLANE_HEIGHT_M = 1.0
 """Height of the plane on which the illuminance is given [m]."""
@@ -72,7 +75,10 @@ def assemble(
         materials=materials_of(finishes, textures, {}),
         objects=tuple(objects),
         class_names=CLASS_NAMES,
-        lights=(daylight.sun,),
+        lights=(
+            *(() if daylight.sun is None else (daylight.sun,)),
+            *(light for thing in placed for light in thing.piece.lights),
+        ),
         ambient_cd_m2=daylight.ambient_cd_m2,
         sky_cd_m2=daylight.sky_cd_m2,
     )
@@ -124,6 +130,7 @@ def _key(world: World, illumination_lux: float) -> str:
     ]
     materials = [
         (m.name, m.base_colour, m.texture, m.texture_size_m, m.normal_map, m.roughness, m.metallic)
+        + (m.emission_cd_m2,)
         for m in world.materials
     ]
     lights = [(light.position_m, light.flux_lm) for light in world.lights]

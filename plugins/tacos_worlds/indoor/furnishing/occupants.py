@@ -35,7 +35,9 @@ def welcome(rng: np.random.Generator, floor: RoomFloor, *, people: float) -> Non
     for _ in range(int(rng.poisson(people))):
         if rng.uniform() >= _SITTING or not _sit(rng, floor):
             made = draw_person(rng, standing(rng), cloth=_CLOTH, sides=_SIDES)
-            floor.place_inside(rng, together([member(made, yaw_rad=rng.uniform(0, 2 * math.pi))]), spread=0.42)
+            floor.place_inside(
+                rng, together([member(made, yaw_rad=rng.uniform(0, 2 * math.pi))]), spread=0.42
+            )
 
 
 def _sit(rng: np.random.Generator, floor: RoomFloor) -> bool:
@@ -48,7 +50,10 @@ def _sit(rng: np.random.Generator, floor: RoomFloor) -> bool:
         made = _sitter(rng, seat)
         if any(made.footprint.overlaps(other.footprint) for other in sitting):
             continue
-        under = [base.footprint, *(m.footprint for m in bases if any(t.use in _LEG_ROOM for t in m.piece.tops))]
+        under = [
+            base.footprint,
+            *(m.footprint for m in bases if any(t.use in _LEG_ROOM for t in m.piece.tops)),
+        ]
         if floor.add_blocking(Arrangement((made,)), over=under):
             return True
     return False

@@ -12,8 +12,8 @@ from tacos_worlds.indoor.finishes import Style
 from tacos_worlds.indoor.furnishing import groups
 from tacos_worlds.indoor.furnishing.arrangement import Arrangement, alone, member, together
 from tacos_worlds.indoor.furnishing.catalogue import Catalogue
-from tacos_worlds.indoor.furnishing.occupants import welcome
 from tacos_worlds.indoor.furnishing.occupancy import RoomFloor
+from tacos_worlds.indoor.furnishing.occupants import welcome
 from tacos_worlds.indoor.furnishing.tabletops import lay_out
 from tacos_worlds.indoor.furniture.lamp import switched_on
 from tacos_worlds.indoor.piece import Piece

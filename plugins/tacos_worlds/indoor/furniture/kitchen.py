@@ -71,7 +71,11 @@ def _above(style: Style, middle: list[float], depth: float, hob: int) -> Parts:
             continue
         front = at + _ABOVE_DEEP_M / 2
         body = slab((_COLUMN_M, _ABOVE_DEEP_M, _ABOVE_HIGH_M), (x, at, _ABOVE_M))
-        door = box((_COLUMN_M - 0.008, 0.018, _ABOVE_HIGH_M - 0.008), (x, front + 0.006, _ABOVE_M + 0.004), bevel_m=0.004)
+        door = box(
+            (_COLUMN_M - 0.008, 0.018, _ABOVE_HIGH_M - 0.008),
+            (x, front + 0.006, _ABOVE_M + 0.004),
+            bevel_m=0.004,
+        )
         parts += [(body, style.wood), (door, style.wood)]
         parts.append((slab((0.012, 0.024, 0.14), (x - 0.22, front + 0.022, _ABOVE_M + 0.05)), style.metal))
     return parts

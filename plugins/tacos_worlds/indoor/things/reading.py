@@ -28,7 +28,9 @@ def books(rng: np.random.Generator, style: Style) -> Piece:
         boards = [slab((wide, long, 0.003), (0, 0, z)) for z in (0.0, thick - 0.003)]
         spine = slab((0.004, long, thick), (-wide / 2, 0, 0))
         parts.append((merged([*boards, spine]).turned(yaw).moved(0, 0, low), cover))
-        pages.append(slab((wide - 0.008, long - 0.008, thick - 0.006), (0.0, 0, 0.003)).turned(yaw).moved(0, 0, low))
+        pages.append(
+            slab((wide - 0.008, long - 0.008, thick - 0.006), (0.0, 0, 0.003)).turned(yaw).moved(0, 0, low)
+        )
         low += thick
     return piece("book", [*parts, (merged(pages), _PAGES)])
 
@@ -52,14 +54,22 @@ def papers(rng: np.random.Generator, style: Style) -> Piece:
 
 def remote(rng: np.random.Generator, style: Style) -> Piece:
     """A remote control."""
-    keys = [slab((0.007, 0.007, 0.002), (x, y, 0.018)) for x in (-0.012, 0.0, 0.012) for y in (-0.05, -0.02, 0.01)]
-    return piece("remote", [(box((0.045, 0.17, 0.018), bevel_m=0.005), BLACK_PLASTIC), (merged(keys), GREY_PLASTIC)])
+    keys = [
+        slab((0.007, 0.007, 0.002), (x, y, 0.018)) for x in (-0.012, 0.0, 0.012) for y in (-0.05, -0.02, 0.01)
+    ]
+    return piece(
+        "remote", [(box((0.045, 0.17, 0.018), bevel_m=0.005), BLACK_PLASTIC), (merged(keys), GREY_PLASTIC)]
+    )
 
 
 def alarm_clock(rng: np.random.Generator, style: Style) -> Piece:
     """A round clock on two feet, its hands somewhere."""
     upright = rotation_x(-math.pi / 2)
-    case = disc_stack([(0.045, -0.03), (0.05, -0.025), (0.05, 0.0)], sides=14).rotated(upright).moved(0, 0.0, 0.058)
+    case = (
+        disc_stack([(0.045, -0.03), (0.05, -0.025), (0.05, 0.0)], sides=14)
+        .rotated(upright)
+        .moved(0, 0.0, 0.058)
+    )
     face = disc_stack([(0.043, 0.0), (0.043, 0.002)], sides=14).rotated(upright).moved(0, 0.0, 0.058)
     hands = []
     for length in (0.022, 0.034):

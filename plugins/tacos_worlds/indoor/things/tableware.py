@@ -28,7 +28,9 @@ def mug(rng: np.random.Generator, style: Style) -> Piece:
         (radius * 0.9, 0), (radius, 0.01), (radius, high), (radius - 0.004, high), (radius - 0.005, 0.75 * high),
     ]  # fmt: skip
     reach, low, top = radius + 0.026, 0.28 * high, 0.78 * high
-    handle = tube([(radius - 0.004, 0, low), (reach, 0, low), (reach, 0, top), (radius - 0.004, 0, top)], 0.005, sides=5)
+    handle = tube(
+        [(radius - 0.004, 0, low), (reach, 0, low), (reach, 0, top), (radius - 0.004, 0, top)], 0.005, sides=5
+    )
     tea = disc_stack([(radius - 0.004, 0.7 * high), (radius - 0.004, 0.76 * high)], sides=10)
     return piece("cup", [(merged([disc_stack(wall, sides=12), handle]), glaze(rng)), (tea, _TEA)])
 

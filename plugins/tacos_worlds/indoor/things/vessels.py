@@ -37,7 +37,14 @@ def bottle(rng: np.random.Generator, style: Style) -> Piece:
 def fruit_bowl(rng: np.random.Generator, style: Style) -> Piece:
     """A bowl with apples, oranges or lemons."""
     radius = rng.uniform(0.11, 0.15)
-    bowl = [(0.5 * radius, 0), (0.85 * radius, 0.03), (radius, 0.075), (0.96 * radius, 0.075), (0.7 * radius, 0.035), (0.05, 0.03)]
+    bowl = [
+        (0.5 * radius, 0),
+        (0.85 * radius, 0.03),
+        (radius, 0.075),
+        (0.96 * radius, 0.075),
+        (0.7 * radius, 0.035),
+        (0.05, 0.03),
+    ]
     parts = [(disc_stack(bowl, sides=16), glaze(rng) if rng.uniform() < 0.6 else style.wood)]
     kinds = rng.choice(len(_FRUITS), 2, replace=False)
     for kind in kinds.tolist():
@@ -45,7 +52,9 @@ def fruit_bowl(rng: np.random.Generator, style: Style) -> Piece:
         for _ in range(int(rng.integers(2, 4))):
             at, size = rng.uniform(0, 2 * math.pi), rng.uniform(0.032, 0.04)
             out = rng.uniform(0.25, 0.5) * radius
-            fruits.append(_ball(size, (out * math.cos(at), out * math.sin(at), 0.04 + size + rng.uniform(0, 0.02))))
+            fruits.append(
+                _ball(size, (out * math.cos(at), out * math.sin(at), 0.04 + size + rng.uniform(0, 0.02)))
+            )
         parts.append((merged(fruits), Finish("", _FRUITS[kind], roughness=0.45)))
     return piece("bowl", parts)
 
@@ -58,11 +67,15 @@ def vase(rng: np.random.Generator, style: Style) -> Piece:
     for k in range(int(rng.integers(5, 9))):
         turn, out = 2.4 * k + rng.uniform(0, 0.5), rng.uniform(0.02, 0.10)
         tip = np.array([out * math.cos(turn), out * math.sin(turn), high + rng.uniform(0.10, 0.2)])
-        stalks.append(tube([(0, 0, 0.7 * high), tuple(0.5 * tip + [0, 0, 0.5 * high]), tuple(tip)], 0.0025, sides=3))
+        stalks.append(
+            tube([(0, 0, 0.7 * high), tuple(0.5 * tip + [0, 0, 0.5 * high]), tuple(tip)], 0.0025, sides=3)
+        )
         stalks.append(_leaf(np.array([0, 0, 0.95 * high]), 0.8 * tip + [0.0, 0.0, 0.1 * high]))
         heads.append(_ball(rng.uniform(0.018, 0.028), (float(tip[0]), float(tip[1]), float(tip[2]))))
     petals = Finish("", _PETALS[int(rng.integers(len(_PETALS)))], roughness=0.9)
-    return piece("vase", [(disc_stack(body, sides=12), glaze(rng)), (merged(stalks), _STALK), (merged(heads), petals)])
+    return piece(
+        "vase", [(disc_stack(body, sides=12), glaze(rng)), (merged(stalks), _STALK), (merged(heads), petals)]
+    )
 
 
 def kettle(rng: np.random.Generator, style: Style) -> Piece:
@@ -72,15 +85,30 @@ def kettle(rng: np.random.Generator, style: Style) -> Piece:
     spout = tube([(-0.05, 0, 0.15), (-0.088, 0, 0.2)], [0.02, 0.011], sides=6)
     skin = STEEL if rng.uniform() < 0.6 else Finish("moulded", (0.8, 0.79, 0.76), roughness=0.35)
     base = disc_stack([(0.085, 0), (0.085, 0.02)], sides=14)
-    return piece("kettle", [(merged([disc_stack(body, sides=14), spout]), skin), (merged([handle, base]), BLACK_PLASTIC)])
+    return piece(
+        "kettle",
+        [(merged([disc_stack(body, sides=14), spout]), skin), (merged([handle, base]), BLACK_PLASTIC)],
+    )
 
 
 def _ball(radius: float, at: tuple[float, float, float]) -> Mesh:
-    return disc_stack([(radius * c, radius * s) for c, s in ((0.35, -0.94), (0.92, -0.38), (0.92, 0.38), (0.35, 0.94))], at, sides=8)
+    return disc_stack(
+        [(radius * c, radius * s) for c, s in ((0.35, -0.94), (0.92, -0.38), (0.92, 0.38), (0.35, 0.94))],
+        at,
+        sides=8,
+    )
 
 
 def _leaf(root: Floats, tip: Floats) -> Mesh:
     across = np.cross(tip - root, [0, 0, 1.0])
     across *= 0.016 / max(float(np.linalg.norm(across)), 1e-9)
     middle = (root + tip) / 2 + [0, 0, 0.01]
-    return sheet(np.array([[root - 0.2 * across, root + 0.2 * across], [middle - across, middle + across], [tip - 0.1 * across, tip + 0.1 * across]]))
+    return sheet(
+        np.array(
+            [
+                [root - 0.2 * across, root + 0.2 * across],
+                [middle - across, middle + across],
+                [tip - 0.1 * across, tip + 0.1 * across],
+            ]
+        )
+    )
