@@ -73,6 +73,11 @@ class Build:
     sides: int
 
     @property
+    def near(self) -> bool:
+        """Whether it is drawn with eyes, and knees that bend round."""
+        return self.sides >= 8
+
+    @property
     def limb_sides(self) -> int:
         """Corners of a ring of a limb."""
         return max(5, self.sides - 2)
@@ -113,7 +118,7 @@ def person(build: Build, pose: Pose, clothes: Clothes) -> Piece:
         (merged(_shoes(build, at, pose)), clothes.shoes),
         (hair, clothes.hair),
     ]
-    if build.sides >= 8:
+    if build.near:
         parts.append((merged(_eyes(build, pose)), Finish("", (0.02, 0.017, 0.015), roughness=0.85)))
     return Piece("person", tuple(parts)).moved(0, 0, -at.ground_m)
 
@@ -164,6 +169,11 @@ def _eyes(build: Build, pose: Pose) -> list[Mesh]:
 def _legs(build: Build, at: Joints) -> list[Mesh]:
     h, g = build.height_m, build.girth
     radii = np.array([0.050, 0.046, 0.037, 0.035, 0.035, 0.024]) * h * g
+    if not build.near:
+        return [
+            _tube([hip, knee, ankle], radii[[0, 2, 5]], sides=build.limb_sides)
+            for hip, knee, ankle in zip(at.hip, at.knee, at.ankle, strict=True)
+        ]
     return [
         _limb(hip, knee, ankle, radii, sides=build.limb_sides)
         for hip, knee, ankle in zip(at.hip, at.knee, at.ankle, strict=True)
@@ -177,7 +187,7 @@ def _arms(build: Build, at: Joints) -> tuple[list[Mesh], list[Mesh]]:
     for shoulder, elbow, wrist in zip(at.shoulder, at.elbow, at.wrist, strict=True):
         inside = shoulder + np.array([-0.25 * shoulder[0], 0, 0.012 * h])
         below = shoulder + 0.25 * (elbow - shoulder)
-        path = [inside, shoulder + [0, 0, 0.004 * h], below, elbow]
+        path = [inside, shoulder + np.array([0, 0, 0.004 * h]), below, elbow]
         upper.append(_tube(path, np.array([0.014, 0.026, 0.030, 0.0255]) * h * g, sides=build.limb_sides))
         lower.append(_tube([elbow, wrist], np.array([0.0245, 0.018]) * h * g, sides=build.limb_sides))
     return upper, lower
@@ -195,20 +205,18 @@ def _hands(build: Build, at: Joints) -> list[Mesh]:
 
 def _shoes(build: Build, at: Joints, pose: Pose) -> list[Mesh]:
     h = build.height_m
+    shape = ((0.029, 0.078, -0.039, 0.036), (0.027, 0.068, -0.012, 0.030), (0.024, 0.030, 0.022, 0.0))
+    rings = [
+        superellipse(wide * h, long * h, z * h, power=2.6, sides=build.limb_sides)
+        + np.array([0, ahead * h, 0])
+        for wide, long, z, ahead in shape
+    ]
     made = []
     for k, ankle in enumerate(at.ankle):
-        sole = superellipse(0.029 * h, 0.078 * h, -0.039 * h, power=2.8, sides=build.limb_sides) + np.array(
-            [0, 0.036 * h, 0]
-        )
-        upper = superellipse(0.027 * h, 0.068 * h, -0.012 * h, power=2.6, sides=build.limb_sides) + np.array(
-            [0, 0.030 * h, 0]
-        )
-        rim = superellipse(0.024 * h, 0.030 * h, 0.022 * h, power=2.2, sides=build.limb_sides)
         # A foot that is off the ground points down as its shank swings back.
         swing = max(0.0, pose.knees[k] - pose.hips[k] - 8) if not pose.seated else 0.0
-        made.append(
-            loft([rotated_forward(r, 0.6 * swing) + ankle for r in (sole, upper, rim)], crease_deg=60)
-        )
+        turned = [rotated_forward(ring, 0.6 * swing) + ankle for ring in rings]
+        made.append(loft(turned, crease_deg=60))
     return made
 
 

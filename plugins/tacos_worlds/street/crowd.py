@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from tacos_framework.values import Trajectory
 from tacos_worlds.indoor.floor_plan import Rect
@@ -18,6 +20,8 @@ TRIANGLES = 100_000
 _LIFE_TRIANGLES = 12_000
 """Left to parked cars where houses and roads have used up the rest."""
 _CAR_TRIANGLES = 350
+_NEAR_M = 70.0
+"""What stands farther from the agent's way than this is small in its pictures [m]."""
 _HEADROOM_M = 2.3
 
 
@@ -26,14 +30,19 @@ def populated(
     town: Town,
     placed: list[PlacedPiece],
     *,
+    way_m: NDArray[np.float64],
     people: int,
     duration_s: float,
     driving: int,
 ) -> tuple[list[PlacedPiece], list[tuple[Piece, Trajectory]]]:
     """A furnished town with people in it, and with fewer parked cars where it has too many triangles.
 
+    People are where the agent passes, and the cars that it never comes near go first.
+
     Parameters
     ----------
+    way_m
+        (N, 2) places that the agent passes [m].
     people
         How many there should be, standing and walking.
     duration_s
@@ -48,24 +57,36 @@ def populated(
     kerb_rng, car_rng = rng.spawn(2)
     still = [thing for thing in placed if thing.piece.class_name != "car"]
     spare = TRIANGLES - triangles_of(still) - driving * _CAR_TRIANGLES - people * PERSON_TRIANGLES
+    passed = cKDTree(way_m)
     inner = [kerb for kerb in kerbs(town) if kerb.inner]
-    found = draw_pedestrians(kerb_rng, inner, _obstacles(still), duration_s, people)
-    kept = _thinned(car_rng, placed, triangles_of(still) + max(spare, _LIFE_TRIANGLES))
+    near = [kerb for kerb in inner if passed.query(kerb.point(kerb.length_m / 2, 0.0))[0] < _NEAR_M]
+    found = draw_pedestrians(kerb_rng, near or inner, _obstacles(still), duration_s, people)
+    kept = _thinned(car_rng, placed, triangles_of(still) + max(spare, _LIFE_TRIANGLES), passed)
     standing = [PlacedPiece(someone.piece) for someone in found if someone.trajectory is None]
     walking = [(someone.piece, someone.trajectory) for someone in found if someone.trajectory is not None]
     return [*kept, *standing], walking
 
 
-def _thinned(rng: np.random.Generator, placed: list[PlacedPiece], triangles: int) -> list[PlacedPiece]:
-    """What stands in a town without as many of its parked cars as are too many, taken away at random."""
-    cars = [k for k, thing in enumerate(placed) if thing.piece.class_name == "car"]
+def _thinned(
+    rng: np.random.Generator, placed: list[PlacedPiece], triangles: int, passed: cKDTree
+) -> list[PlacedPiece]:
+    """What stands in a town without as many of its parked cars as are too many: those far off first."""
+    cars = np.array([k for k, thing in enumerate(placed) if thing.piece.class_name == "car"], np.int64)
+    middles = np.array([_middle(placed[k]) for k in cars.tolist()]).reshape(-1, 2)
+    far = passed.query(middles)[0] > _NEAR_M
+    order = np.lexsort((rng.permutation(len(cars)), ~far))
     surplus, gone = triangles_of(placed) - triangles, set()
-    for k in rng.permutation(cars).tolist() if cars else []:
+    for k in cars[order].tolist():
         if surplus <= 0:
             break
         surplus -= triangles_of([placed[k]])
         gone.add(k)
     return [thing for k, thing in enumerate(placed) if k not in gone]
+
+
+def _middle(thing: PlacedPiece) -> NDArray[np.float64]:
+    low, high = thing.piece.bounds_m
+    return np.asarray((low + high)[:2] / 2)
 
 
 def _obstacles(placed: Sequence[PlacedPiece]) -> list[Rect]:

@@ -16,9 +16,9 @@ from tacos_worlds.people.person import draw_person
 from tacos_worlds.people.pose import standing, walking
 from tacos_worlds.street.city import KERB_M, PAVEMENT_M, Kerb
 
-SIDES = 7
+SIDES = 6
 """Corners of a ring of a pedestrian's trunk: they are seen from across the street."""
-PERSON_TRIANGLES = 700
+PERSON_TRIANGLES = 560
 """No pedestrian has more."""
 _HALF_M = 0.35
 """Half of the width a pedestrian needs [m]."""

@@ -16,9 +16,9 @@ class StreetScene:
 
     Streets cross at right angles and differ in spacing; between them stand rows of shops, houses and offices,
     one block is a park, and two footbridges lead over streets. Cars park at the kerbs, and others drive;
-    people walk along the pavements. Sun and sky light it all, or, by night, street lamps and windows: those
-    light the street, while the lights of cars are only seen. The car drives on the right-hand lanes between the inner crossings, goes straight on
-    or turns at each, and slows down for it.
+    people walk along the pavements. Sun and sky light it all, or, by night, street lamps: those near the
+    agent's way light the street, while lit windows and the lights of cars are only seen. The car drives on
+    the right-hand lanes between the inner crossings, goes straight on or turns at each, and slows down for it.
 
     One generator state gives one town and one drive, always; every other state gives other streets.
 
@@ -59,7 +59,7 @@ class StreetScene:
         greenery: float = setting(0.3, help="Share of the streets that are lined with trees.", ge=0, le=1)
         parked_share: float = setting(
             0.4,
-            help="Share of the parking lots that are taken, in large towns less: see the budget of triangles.",
+            help="Share of the parking lots that are taken; in large towns only near the agent's way.",
             ge=0,
             le=1,
         )
@@ -93,7 +93,7 @@ class StreetScene:
         ----------
         illumination_lux
             Mean illuminance on a plane 1 m above the streets between the outermost crossings, in sun and
-            shadow [lux].
+            shadow; at dusk and by night above those that the car comes by [lux].
         """
         # Late: what builds worlds takes a while to import, and checking a recipe builds none.
         from tacos_worlds.street.assembly import assemble
@@ -128,8 +128,15 @@ class StreetScene:
         placed = furnish_town(
             thing_rng, town, greenery=config.greenery, parked_share=config.parked_share, dark=dark
         )
+        way_m = trajectory.at(np.arange(0.0, duration_s + 1.0))[:, :2, 3]
         placed, walkers = populated(
-            people_rng, town, placed, people=config.people, duration_s=duration_s, driving=len(drivers)
+            people_rng,
+            town,
+            placed,
+            way_m=way_m,
+            people=config.people,
+            duration_s=duration_s,
+            driving=len(drivers),
         )
         moving = [(driver.piece, driver.trajectory) for driver in drivers] + walkers
         world = assemble(
@@ -138,6 +145,7 @@ class StreetScene:
             StreetTextures(texture_rng, config.texture_px),
             sky,
             illumination_lux,
+            way_m if dark else None,
         )
         first = len(placed) + 1  # ids follow the background and what stands still
         return Episode(

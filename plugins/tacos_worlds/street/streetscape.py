@@ -177,7 +177,7 @@ def _line_far_kerb(rng: np.random.Generator, kerb: Kerb) -> list[Piece]:
     """The odd parked car and tree where the car never comes."""
     pieces = []
     for along in np.arange(14.0, kerb.length_m - 8, 45.0):
-        if rng.uniform() < 0.25:
+        if rng.uniform() < 0.2:
             pieces.append(kerb.place(draw_car(rng, far=True), along + rng.uniform(-3, 3), PARKING_M / 2))
         if rng.uniform() < 0.3:
             pieces.append(kerb.place(draw_tree(rng, far=True), along + 8.0, -1.0, KERB_M))

@@ -15,7 +15,9 @@ from tacos_worlds.indoor.piece import Builder, Piece, Top
 from tacos_worlds.indoor.things import reading, tableware, vessels
 
 THINGS: Mapping[str, tuple[float, tuple[Builder, ...]]] = {
-    "meal": (3.0, (vessels.bottle, vessels.fruit_bowl, vessels.vase, tableware.drinking_glass, reading.papers)),
+    "meal": (
+        3.0, (vessels.bottle, vessels.fruit_bowl, vessels.vase, tableware.drinking_glass, reading.papers)
+    ),
     "desk": (
         6.0, (reading.papers, reading.books, tableware.mug, reading.open_book, reading.papers, vessels.bottle)
     ),

@@ -25,7 +25,8 @@ def mug(rng: np.random.Generator, style: Style) -> Piece:
     """A mug with a handle, mostly full."""
     high, radius = rng.uniform(0.085, 0.105), rng.uniform(0.037, 0.044)
     wall = [
-        (radius * 0.9, 0), (radius, 0.01), (radius, high), (radius - 0.004, high), (radius - 0.005, 0.75 * high),
+        (radius * 0.9, 0), (radius, 0.01), (radius, high), (radius - 0.004, high),
+        (radius - 0.005, 0.75 * high),
     ]  # fmt: skip
     reach, low, top = radius + 0.026, 0.28 * high, 0.78 * high
     handle = tube(

@@ -102,13 +102,6 @@ def _ball(radius: float, at: tuple[float, float, float]) -> Mesh:
 def _leaf(root: Floats, tip: Floats) -> Mesh:
     across = np.cross(tip - root, [0, 0, 1.0])
     across *= 0.016 / max(float(np.linalg.norm(across)), 1e-9)
-    middle = (root + tip) / 2 + [0, 0, 0.01]
-    return sheet(
-        np.array(
-            [
-                [root - 0.2 * across, root + 0.2 * across],
-                [middle - across, middle + across],
-                [tip - 0.1 * across, tip + 0.1 * across],
-            ]
-        )
-    )
+    middle = (root + tip) / 2 + np.array([0, 0, 0.01])
+    widths = ((root, 0.2), (middle, 1.0), (tip, 0.1))
+    return sheet(np.array([[at - share * across, at + share * across] for at, share in widths]))

@@ -1,4 +1,4 @@
-"""What gives a front depth: bay windows, balconies, awnings, dormers, downpipes; and its windows lit by night."""
+"""What gives a front depth: bay windows, balconies, awnings, dormers, pipes; and windows lit by night."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tacos_plugins.lighting import white_at
 from tacos_worlds.indoor.finishes import Finish
 from tacos_worlds.indoor.mesh import Mesh, merged
 from tacos_worlds.indoor.shapes.boxes import slab
-from tacos_worlds.street.finishes import DARK_METAL, GALVANISED, ROOF_TILES, STONE
+from tacos_worlds.street.finishes import GALVANISED, ROOF_TILES, STONE
 from tacos_worlds.street.panels import panel
 
 Parts = list[tuple[Mesh, Finish]]
@@ -24,9 +24,9 @@ _WINDOW = (0.34, 0.66, 0.32, 0.74)
 """Left, right, lower and upper edge of the panes of every kind of window, in shares of their cell [1]."""
 _MULLION = 0.018
 _OFF_WALL_M = 0.02
-_LIT_CD_M2 = (8.0, 40.0)
-"""Luminance of lit windows beside lamps of 7000 lm: a room of 50 to 250 lux, seen through its panes [cd/m2]."""
-_SHOP_CD_M2 = (40.0, 120.0)
+_LIT_CD_M2 = (4.0, 18.0)
+"""Luminance of lit windows beside lamps of 7000 lm: rooms of 30 to 120 lux behind curtains [cd/m2]."""
+_SHOP_CD_M2 = (25.0, 70.0)
 _KELVIN = (2700.0, 3000.0, 4000.0)
 
 
@@ -115,14 +115,6 @@ def dormers(
 def downpipe(x_m: float, eaves_m: float) -> tuple[Mesh, Finish]:
     """A rain pipe at the joint of two houses."""
     return slab((0.09, 0.09, eaves_m - 0.5), (x_m, -0.06, 0.0)), GALVANISED
-
-
-def doorstep(x_m: float) -> Parts:
-    """A step and a small roof at a door."""
-    return [
-        (slab((1.5, 0.45, 0.15), (x_m, -0.22, 0.0)), STONE),
-        (slab((1.7, 0.7, 0.1), (x_m, -0.35, 3.2)), DARK_METAL),
-    ]
 
 
 def lit_windows(

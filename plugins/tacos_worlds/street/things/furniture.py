@@ -123,7 +123,7 @@ def traffic_light(rng: np.random.Generator, *, glows: bool = False) -> Piece:
     parts: list[tuple[Mesh, Finish]] = [(merged([post, case]), DARK_METAL)]
     colours = ((0.02, 0.75, 0.25), (0.9, 0.5, 0.02), (0.9, 0.03, 0.02))
     for number, (red, green, blue) in enumerate(colours):
-        lens = disc_stack([(0.11, 0.0), (0.07, 0.05)], sides=8).rotated(_FACING)
+        lens = disc_stack([(0.11, 0.0), (0.07, 0.05)], sides=6).rotated(_FACING)
         lens = lens.moved(-0.01, 0, 2.66 + 0.29 * number)
         glow = 1.0 if number == lit else 0.12
         shown = _SIGNAL_CD_M2 if glows and number == lit else 0.0
@@ -191,7 +191,7 @@ def shelter(rng: np.random.Generator) -> Piece:
 def advertisement(rng: np.random.Generator) -> Piece:
     """A column with posters."""
     poster = Finish("poster", variant=int(rng.integers(POSTER_VARIANTS)), roughness=0.95)
-    column = disc_stack([(0.62, 0.35), (0.62, 2.6)], sides=9)
+    column = disc_stack([(0.62, 0.35), (0.62, 2.6)], sides=10)
     around = np.arctan2(column.vertices_m[:, 1], column.vertices_m[:, 0]) / (2 * np.pi) * 3
     column = Mesh(
         column.vertices_m,

@@ -41,7 +41,7 @@ def _sprays(rng: np.random.Generator, centre_m: Floats, radius_m: float, count: 
     across = np.cross(outwards, rng.standard_normal((count, 3)))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     along = np.cross(outwards, across) * 0.8 + outwards * 0.6
-    size = radius_m * rng.uniform(1.5, 2.4, (count, 1)) / math.sqrt(count)
+    size = radius_m * rng.uniform(1.4, 2.2, (count, 1)) / math.sqrt(count)
     corners = np.stack([at - across * size, at + across * size, at + along * 1.6 * size], axis=1)
     uv = rng.uniform(0, 2.5, (count, 1, 2)) + np.array([[0, 0], [0.8, 0], [0.4, 0.8]]) * size[:, :, None]
     return Mesh(
@@ -58,7 +58,7 @@ def _foliage(rng: np.random.Generator, centre_m: Floats, radius_m: float, sprays
 
 def draw_tree(rng: np.random.Generator, *, far: bool = False) -> Piece:
     """A random street tree, 6 to 10 m high, with fewer leaves where it is only seen from `far`."""
-    sprays = (22, 10) if far else (84, 44)
+    sprays = (22, 10) if far else (66, 36)
     height = float(rng.uniform(6.0, 9.5))
     fork = 0.38 * height
     lean = rng.normal(0, 0.12, 2)
