@@ -100,8 +100,8 @@ def _lamps(placed: Sequence[PlacedPiece], way_m: NDArray[np.float64] | None) -> 
     if way_m is None or not lamps:
         return lamps
     places = np.array([lamp.position_m[:2] for lamp in lamps])
-    near = cKDTree(way_m).query(places)[0] < _LAMPS_M
-    return [lamp for lamp, kept in zip(lamps, near, strict=True) if kept]
+    near = np.flatnonzero(np.asarray(cKDTree(way_m).query(places)[0]) < _LAMPS_M)
+    return [lamps[k] for k in near.tolist()]
 
 
 def _part(mesh: Mesh, material: int, object_id: int, light_detail: float) -> MeshPart:
@@ -148,8 +148,10 @@ def _key(world: World, illumination_lux: float) -> str:
         for p in world.parts
     ]
     materials = [
-        (m.name, m.base_colour, m.texture, m.texture_size_m, m.normal_map)
-        + (m.roughness, m.metallic, m.emission_cd_m2)
+        (
+            *(m.name, m.base_colour, m.texture, m.texture_size_m, m.normal_map),
+            *(m.roughness, m.metallic, m.emission_cd_m2),
+        )
         for m in world.materials
     ]
     lights = [(light.position_m, light.flux_lm) for light in world.lights]

@@ -73,7 +73,7 @@ def _thinned(
     """What stands in a town without as many of its parked cars as are too many: those far off first."""
     cars = np.array([k for k, thing in enumerate(placed) if thing.piece.class_name == "car"], np.int64)
     middles = np.array([_middle(placed[k]) for k in cars.tolist()]).reshape(-1, 2)
-    far = passed.query(middles)[0] > _NEAR_M
+    far = np.asarray(passed.query(middles)[0]) > _NEAR_M
     order = np.lexsort((rng.permutation(len(cars)), ~far))
     surplus, gone = triangles_of(placed) - triangles, set()
     for k in cars[order].tolist():

@@ -18,12 +18,13 @@ from tacos_worlds.street.city import KERB_M, PAVEMENT_M, Kerb
 
 SIDES = 6
 """Corners of a ring of a pedestrian's trunk: they are seen from across the street."""
-PERSON_TRIANGLES = 560
+PERSON_TRIANGLES = 580
 """No pedestrian has more."""
 _HALF_M = 0.35
 """Half of the width a pedestrian needs [m]."""
 _SPEED_M_S = (1.1, 1.55)
-_TURN_S = 0.6
+_TURN_S = 1e-3
+"""To turn round in; a transform of the world would swing whoever turns slowly about its origin [s]."""
 _SHORTEST_M = 8.0
 _WALKING = 0.75
 _TRIES = 12

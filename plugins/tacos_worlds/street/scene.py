@@ -18,7 +18,8 @@ class StreetScene:
     one block is a park, and two footbridges lead over streets. Cars park at the kerbs, and others drive;
     people walk along the pavements. Sun and sky light it all, or, by night, street lamps: those near the
     agent's way light the street, while lit windows and the lights of cars are only seen. The car drives on
-    the right-hand lanes between the inner crossings, goes straight on or turns at each, and slows down for it.
+    the right-hand lanes between the inner crossings, goes straight on or turns at each, and slows down for
+    it.
 
     One generator state gives one town and one drive, always; every other state gives other streets.
 

@@ -41,7 +41,7 @@ def _sprays(rng: np.random.Generator, centre_m: Floats, radius_m: float, count: 
     across = np.cross(outwards, rng.standard_normal((count, 3)))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     along = np.cross(outwards, across) * 0.8 + outwards * 0.6
-    size = radius_m * rng.uniform(1.4, 2.2, (count, 1)) / math.sqrt(count)
+    size = radius_m * rng.uniform(1.4, 2.2, (count, 1)) / math.sqrt(max(count, 36))
     corners = np.stack([at - across * size, at + across * size, at + along * 1.6 * size], axis=1)
     uv = rng.uniform(0, 2.5, (count, 1, 2)) + np.array([[0, 0], [0.8, 0], [0.4, 0.8]]) * size[:, :, None]
     return Mesh(
