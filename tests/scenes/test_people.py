@@ -29,7 +29,7 @@ def test_who_is_upright_stands_on_the_ground_and_is_as_tall_as_people_are(seed, 
     rng = np.random.default_rng(seed)
     made = draw_person(rng, pose(rng), outdoors=True, sides=sides)
     low, high = made.bounds_m
-    assert low[2] == pytest.approx(0, abs=0.03)
+    assert low[2] == pytest.approx(0, abs=1e-9)
     assert 1.0 < high[2] < 2.05
     wide, deep = (high - low)[:2]
     assert 0.3 < wide < 0.9

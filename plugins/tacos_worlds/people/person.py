@@ -120,7 +120,10 @@ def person(build: Build, pose: Pose, clothes: Clothes) -> Piece:
     ]
     if build.near:
         parts.append((merged(_eyes(build, pose)), Finish("", (0.02, 0.017, 0.015), roughness=0.85)))
-    return Piece("person", tuple(parts)).moved(0, 0, -at.ground_m)
+    made = Piece("person", tuple(parts))
+    # On its feet a body rests on whatever is lowest of its soles: a toe, in the middle of a step.
+    ground = at.ground_m if pose.seated else float(made.bounds_m[0][2])
+    return made.moved(0, 0, -ground)
 
 
 def _rings(build: Build, rings: Rings, lean_deg: float, *, head: bool = False) -> Mesh:

@@ -36,7 +36,7 @@ def test_pedestrians_keep_to_the_pavement_and_out_of_each_others_way() -> None:
     clock = np.linspace(0, 60, 200)
     for someone in found:
         low, high = someone.piece.bounds_m
-        assert low[2] == pytest.approx(KERB_M, abs=0.03)
+        assert low[2] == pytest.approx(KERB_M, abs=1e-6)
         rest = np.append((low + high)[:2] / 2, [0, 1])
         poses = np.eye(4)[None] if someone.trajectory is None else someone.trajectory.at(clock)
         places = (poses @ rest)[:, :2]

@@ -64,7 +64,7 @@ def vase(rng: np.random.Generator, style: Style) -> Piece:
     high, radius = rng.uniform(0.16, 0.26), rng.uniform(0.045, 0.065)
     body = [(0.7 * radius, 0), (radius, 0.4 * high), (0.5 * radius, 0.85 * high), (0.62 * radius, high)]
     stalks, heads = [], []
-    for k in range(int(rng.integers(5, 9))):
+    for k in range(int(rng.integers(4, 7))):
         turn, out = 2.4 * k + rng.uniform(0, 0.5), rng.uniform(0.02, 0.10)
         tip = np.array([out * math.cos(turn), out * math.sin(turn), high + rng.uniform(0.10, 0.2)])
         stalks.append(
