@@ -14,13 +14,13 @@ def tacos_components() -> list[Component]:
             "scene",
             "indoor",
             "tacos_worlds.indoor.scene:IndoorScene",
-            summary="Procedural furnished rooms with thresholds at the doors and an agent walking through.",
+            summary="Procedural furnished rooms with people and thresholds at the doors, and an agent walking through.",
         ),
         Component(
             "scene",
             "street",
             "tacos_worlds.street.scene:StreetScene",
-            summary="A procedural town in sun and sky light, and a car driving through its streets.",
+            summary="A procedural town by day or by night, and a car driving through its streets.",
         ),
         Component(
             "scene",
