@@ -31,9 +31,9 @@ SIZE_PX = (640, 480)
 TILE_PX = (400, 300)
 COLUMNS = 3
 FIELD_DEG = 75.0
-LOOKED_AT = 16
+LOOKED_AT = 12
 """Frames of each world that are looked at; those with most things in sight are shown."""
-APART = 3
+APART = 2
 """Frames that are shown lie so many of these apart."""
 
 
@@ -48,14 +48,12 @@ class Place:
     settings: Mapping[str, Any] = field(default_factory=dict)
 
 
-ROOMS: Mapping[str, Any] = {"frames": 64, "frame_rate_hz": 1.0, "people": 0.8, "clutter": 0.8}
-DRIVE: Mapping[str, Any] = {"blocks": 2, "frames": 32, "frame_rate_hz": 1.0}
+ROOMS: Mapping[str, Any] = {"frames": 48, "frame_rate_hz": 1.0, "people": 0.8, "clutter": 0.8}
+DRIVE: Mapping[str, Any] = {"blocks": 1, "frames": 12, "frame_rate_hz": 1.0}
 PLACES = (
     Place(IndoorScene, 3, 200.0, 3, ROOMS),
-    Place(IndoorScene, 5, 200.0, 3, ROOMS),
     Place(StreetScene, 1, 20_000.0, 3, DRIVE),
-    Place(StreetScene, 4, 25.0, 1, {**DRIVE, "light": "dusk", "frames": 16}),
-    Place(StreetScene, 3, 10.0, 2, {**DRIVE, "light": "night", "frames": 16}),
+    Place(StreetScene, 3, 10.0, 3, {**DRIVE, "light": "night"}),
 )
 
 
