@@ -14,7 +14,7 @@ def tacos_components() -> list[Component]:
             "scene",
             "indoor",
             "tacos_worlds.indoor.scene:IndoorScene",
-            summary="Procedural furnished rooms with people and thresholds at the doors, and an agent walking through.",
+            summary="Procedural furnished rooms with thresholds at the doors and an agent walking through.",
         ),
         Component(
             "scene",
