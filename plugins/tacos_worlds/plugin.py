@@ -20,7 +20,7 @@ def tacos_components() -> list[Component]:
             "scene",
             "street",
             "tacos_worlds.street.scene:StreetScene",
-            summary="A procedural town in sun and sky light, and a car driving through its streets.",
+            summary="A procedural town by day or by night, and a car driving through its streets.",
         ),
         Component(
             "scene",

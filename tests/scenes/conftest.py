@@ -21,6 +21,7 @@ def draw(seed: int, size_m: tuple[float, float] = (15.0, 15.0)) -> Building:
         ceiling_height_m=3.0,
         min_room_m=5.0,
         clutter=0.5,
+        people=1.0,
         catalogue=Catalogue(),
     )
 

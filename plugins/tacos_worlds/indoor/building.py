@@ -27,6 +27,7 @@ MAX_LIGHTS = 12
 _LUMINOUS_EXITANCE_LM_M2 = 140.0
 _LARGE_ROOM_M2 = 45.0
 _CELLS_PER_FLOOR = 750
+_SMALL_THINGS_TRIANGLES = 9_000
 _FURNITURE_TRIANGLES = 45_000
 """Shared by all rooms; beyond its share a room gets no more than what makes it such a room."""
 
@@ -66,8 +67,9 @@ def draw_building(
     ceiling_height_m: float,
     min_room_m: float,
     clutter: float,
-    room_light: Sequence[float] = (1.0,),
+    people: float,
     catalogue: Catalogue,
+    room_light: Sequence[float] = (1.0,),
 ) -> Building:
     """A random furnished floor; every room draws from its own stream of random numbers.
 
@@ -95,7 +97,7 @@ def draw_building(
     temperature_k = float(room_rng.choice([5000.0, 5700.0, 6500.0]))
     furniture: list[Member] = []
     for room, stream in enumerate(room_rng.spawn(count)):
-        style_rng, window_rng, furnish_rng, wall_rng, light_rng = stream.spawn(5)
+        style_rng, window_rng, furnish_rng, wall_rng, light_rng, life_rng = stream.spawn(6)
         wet = kinds[room] == "bathroom"
         style = draw_style(style_rng, wet=wet)
         clear, sides = plan.clear(room), sides_of(plan, room)
@@ -123,7 +125,11 @@ def draw_building(
         floor = RoomFloor(clear, sides, plan.doors_of(room), reserved + leaves)
         lamps = lit[room] if dimmed == 1 else 0
         allowance = round(_FURNITURE_TRIANGLES * areas[room] / sum(areas))
-        Furnisher(furnish_rng, floor, style, catalogue, clutter, lamps, allowance).furnish(kinds[room])
+        furnisher = Furnisher(furnish_rng, floor, style, catalogue, clutter, lamps, allowance)
+        furnisher.furnish(kinds[room])
+        share = areas[room] / sum(areas)
+        company = 0.0 if wet else people
+        furnisher.bring_to_life(life_rng, people=company, triangles=round(_SMALL_THINGS_TRIANGLES * share))
         members = [m for arrangement in floor.placed for m in arrangement.members]
         furniture += members
         for side, passages, found in zip(sides, doors, windows, strict=True):

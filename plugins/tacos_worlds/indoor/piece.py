@@ -9,9 +9,50 @@ import numpy as np
 
 from tacos_framework.values import Light
 from tacos_worlds.indoor.finishes import Finish, Style
+from tacos_worlds.indoor.floor_plan import Rect
 from tacos_worlds.indoor.mesh import Mesh, rotation_z
 
 BACKGROUND = "background"
+
+
+@dataclass(frozen=True)
+class Top:
+    """A level surface that things can stand on.
+
+    Parameters
+    ----------
+    rect
+        Its free part, along the axes [m].
+    height_m
+        Above the floor [m].
+    use
+        What it is for, a key of `furnishing.tabletops.THINGS`.
+    """
+
+    rect: Rect
+    height_m: float
+    use: str
+
+
+@dataclass(frozen=True)
+class Seat:
+    """A place to sit.
+
+    Parameters
+    ----------
+    x_m, y_m, height_m
+        Where the hips of who sits there rest [m].
+    yaw_rad
+        Which way one looks from it, 0 for +y, counter-clockwise [rad].
+    back_deg
+        How far one leans back [deg].
+    """
+
+    x_m: float
+    y_m: float
+    height_m: float
+    yaw_rad: float = 0.0
+    back_deg: float = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +69,16 @@ class Piece:
         Lamps inside, in the frame of the piece.
     can_light
         Whether its last part is a shade that can glow.
+    tops, seats
+        Where things can stand on it and people sit on it.
     """
 
     class_name: str
     parts: tuple[tuple[Mesh, Finish], ...]
     lights: tuple[Light, ...] = ()
     can_light: bool = False
+    tops: tuple[Top, ...] = ()
+    seats: tuple[Seat, ...] = ()
 
     @property
     def bounds_m(self) -> tuple[np.ndarray, np.ndarray]:
@@ -56,6 +101,17 @@ class Piece:
             self,
             parts=tuple((mesh.moved(x, y, z), finish) for mesh, finish in self.parts),
             lights=tuple(replace(light, position_m=light.position_m + shift) for light in self.lights),
+            tops=tuple(
+                replace(
+                    t,
+                    rect=Rect(t.rect.x0 + x, t.rect.y0 + y, t.rect.x1 + x, t.rect.y1 + y),
+                    height_m=t.height_m + z,
+                )
+                for t in self.tops
+            ),
+            seats=tuple(
+                replace(s, x_m=s.x_m + x, y_m=s.y_m + y, height_m=s.height_m + z) for s in self.seats
+            ),
         )
 
     def scaled(self, factor: float) -> Piece:
@@ -65,21 +121,52 @@ class Piece:
             parts=tuple(
                 (replace(mesh, vertices_m=mesh.vertices_m * factor), finish) for mesh, finish in self.parts
             ),
+            tops=(),
+            seats=(),
         )
 
     def turned(self, yaw_rad: float) -> Piece:
-        """The piece turned about z."""
+        """The piece turned about z; its tops lie along the axes again, exactly so after quarters."""
         turn = rotation_z(yaw_rad).astype(np.float32)
         return replace(
             self,
             parts=tuple((mesh.turned(yaw_rad), finish) for mesh, finish in self.parts),
-            lights=tuple(replace(light, position_m=turn @ light.position_m) for light in self.lights),
+            lights=tuple(
+                replace(
+                    light,
+                    position_m=turn @ light.position_m,
+                    normal=None if light.normal is None else turn @ light.normal,
+                    half_u_m=turn @ light.half_u_m,
+                    half_v_m=turn @ light.half_v_m,
+                )
+                for light in self.lights
+            ),
+            tops=tuple(replace(top, rect=_turned_rect(top.rect, turn)) for top in self.tops),
+            seats=tuple(_turned_seat(seat, turn, yaw_rad) for seat in self.seats),
         )
 
 
-def piece(class_name: str, parts: Sequence[tuple[Mesh, Finish]], lights: Sequence[Light] = ()) -> Piece:
+def _turned_rect(rect: Rect, turn: np.ndarray) -> Rect:
+    corners = np.array([[x, y] for x in (rect.x0, rect.x1) for y in (rect.y0, rect.y1)]) @ turn[:2, :2].T
+    (x0, y0), (x1, y1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    return Rect(x0, y0, x1, y1)
+
+
+def _turned_seat(seat: Seat, turn: np.ndarray, yaw_rad: float) -> Seat:
+    x, y = (turn[:2, :2] @ np.array([seat.x_m, seat.y_m])).tolist()
+    return replace(seat, x_m=x, y_m=y, yaw_rad=seat.yaw_rad + yaw_rad)
+
+
+def piece(
+    class_name: str,
+    parts: Sequence[tuple[Mesh, Finish]],
+    lights: Sequence[Light] = (),
+    *,
+    tops: Sequence[Top] = (),
+    seats: Sequence[Seat] = (),
+) -> Piece:
     """A piece whose footprint is centred on the origin and which stands on the floor."""
-    made = Piece(class_name, tuple(parts), tuple(lights))
+    made = Piece(class_name, tuple(parts), tuple(lights), tops=tuple(tops), seats=tuple(seats))
     low, high = made.bounds_m
     centre = (low + high) / 2
     return made.moved(-float(centre[0]), -float(centre[1]), -float(low[2]))

@@ -81,7 +81,15 @@ class IndoorScene:
             "every other room dark. The mean illuminance of the scenario stays that over all rooms.",
             min_length=1,
         )
-        clutter: float = setting(0.5, help="How many toys and small things lie about.", ge=0.0, le=1.0)
+        clutter: float = setting(
+            0.5, help="How many toys lie about, and small things on tables and worktops.", ge=0.0, le=1.0
+        )
+        people: float = setting(
+            0.4,
+            help="Mean number of people in a room, sitting or standing; none in bathrooms.",
+            ge=0.0,
+            le=4.0,
+        )
         furniture_folder: str = setting(
             "",
             help="Folder of GLB or OBJ models, CLASS/NAME.glb, that replace the built-in furniture.",
@@ -146,8 +154,9 @@ class IndoorScene:
             ceiling_height_m=config.ceiling_height_m,
             min_room_m=config.min_room_m,
             clutter=config.clutter,
-            room_light=config.room_light,
+            people=config.people,
             catalogue=Catalogue(self._pieces),
+            room_light=config.room_light,
         )
         world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)
         return joined(world, self._stretches(walk_rng, building))

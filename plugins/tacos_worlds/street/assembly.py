@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from tacos_framework.cache import content_key
-from tacos_framework.values import MeshPart, Object, World
+from tacos_framework.values import Light, MeshPart, Object, World
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_worlds.indoor.finishes import Finish, materials_of
 from tacos_worlds.indoor.mesh import Mesh, merged
@@ -36,6 +37,7 @@ CLASS_NAMES = (
     "bollard",
     "planter",
     "advertisement",
+    "person",
 )
 PLANE_HEIGHT_M = 1.0
 """Height of the plane on which the illuminance is given [m]."""
@@ -44,6 +46,8 @@ _LIGHT_EDGE_M = 9.0
 """Daylight changes little within this outdoors [m]."""
 _LIGHT_MERGE_M = 1.5
 _LIGHT_RAYS = 32
+_LAMPS_M, _MEASURED_M = 75.0, 40.0
+"""How far from the agent's way lamps light the street, and how far the illuminance is measured [m]."""
 
 
 def assemble(
@@ -52,8 +56,13 @@ def assemble(
     textures: StreetTextures,
     daylight: Daylight,
     illumination_lux: float,
+    way_m: NDArray[np.float64] | None = None,
 ) -> World:
-    """The world of a town, lit to a mean illuminance 1 m above its inner streets."""
+    """The world of a town, lit to a mean illuminance 1 m above its inner streets.
+
+    With `way_m`, (N, 2) places that the agent passes, only lamps near it light the street, and the mean is
+    that of the streets there: each lamp has to be followed through the whole town.
+    """
     finishes: dict[Finish, int] = {}
     objects, parts, count = [Object("background", "background")], [], dict.fromkeys(CLASS_NAMES, 0)
     for object_id, thing in enumerate(placed, start=1):
@@ -72,11 +81,27 @@ def assemble(
         materials=materials_of(finishes, textures, {}),
         objects=tuple(objects),
         class_names=CLASS_NAMES,
-        lights=(daylight.sun,),
+        lights=(
+            *(() if daylight.sun is None else (daylight.sun,)),
+            *_lamps(placed, way_m),
+        ),
         ambient_cd_m2=daylight.ambient_cd_m2,
         sky_cd_m2=daylight.sky_cd_m2,
     )
-    return _lit(unlit, illumination_lux, measuring_plane(town))
+    plane = measuring_plane(town)
+    if way_m is not None:
+        plane = plane[cKDTree(way_m).query(plane[:, :2])[0] < _MEASURED_M]
+    return _lit(unlit, illumination_lux, plane)
+
+
+def _lamps(placed: Sequence[PlacedPiece], way_m: NDArray[np.float64] | None) -> list[Light]:
+    """The lamps of a town, or those near a way."""
+    lamps = [light for thing in placed for light in thing.piece.lights]
+    if way_m is None or not lamps:
+        return lamps
+    places = np.array([lamp.position_m[:2] for lamp in lamps])
+    near = np.flatnonzero(np.asarray(cKDTree(way_m).query(places)[0]) < _LAMPS_M)
+    return [lamps[k] for k in near.tolist()]
 
 
 def _part(mesh: Mesh, material: int, object_id: int, light_detail: float) -> MeshPart:
@@ -123,7 +148,10 @@ def _key(world: World, illumination_lux: float) -> str:
         for p in world.parts
     ]
     materials = [
-        (m.name, m.base_colour, m.texture, m.texture_size_m, m.normal_map, m.roughness, m.metallic)
+        (
+            *(m.name, m.base_colour, m.texture, m.texture_size_m, m.normal_map),
+            *(m.roughness, m.metallic, m.emission_cd_m2),
+        )
         for m in world.materials
     ]
     lights = [(light.position_m, light.flux_lm) for light in world.lights]

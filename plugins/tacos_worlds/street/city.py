@@ -122,13 +122,16 @@ class Kerb:
     length_m: float
     inner: bool
 
-    def place(self, piece: Piece, along_m: float, left_m: float, z_m: float = 0.0) -> Piece:
-        """A piece at a place of this frame, turned with it."""
+    def point(self, along_m: float, left_m: float) -> tuple[float, float]:
+        """(x, y) of a place of this frame [m]."""
         cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[self.heading]
         x, y = self.start_m
-        return piece.turned(self.heading * math.pi / 2).moved(
-            x + cos * along_m - sin * left_m, y + sin * along_m + cos * left_m, z_m
-        )
+        return x + cos * along_m - sin * left_m, y + sin * along_m + cos * left_m
+
+    def place(self, piece: Piece, along_m: float, left_m: float, z_m: float = 0.0) -> Piece:
+        """A piece at a place of this frame, turned with it."""
+        x, y = self.point(along_m, left_m)
+        return piece.turned(self.heading * math.pi / 2).moved(x, y, z_m)
 
 
 def kerbs(town: Town) -> tuple[Kerb, ...]:

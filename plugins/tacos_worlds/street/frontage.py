@@ -38,7 +38,9 @@ class _Side:
     corner_right: bool
 
 
-def row(rng: np.random.Generator, side: _Side, *, detailed: bool, tall_share: float) -> list[Piece]:
+def row(
+    rng: np.random.Generator, side: _Side, *, detailed: bool, tall_share: float, dark: bool
+) -> list[Piece]:
     """Buildings side by side from one end to the other."""
     count = max(1, round(side.length_m / float(rng.uniform(13.0, 17.0))))
     share = rng.uniform(*_LOT_M, count)
@@ -52,6 +54,7 @@ def row(rng: np.random.Generator, side: _Side, *, detailed: bool, tall_share: fl
             open_left=side.corner_left and number == 0,
             open_right=side.corner_right and number == count - 1,
             detailed=detailed,
+            dark=dark,
         )
         turned = made.moved(x, 0).turned(side.yaw_quarters * math.pi / 2)
         pieces.append(turned.moved(side.origin_m[0], side.origin_m[1], KERB_M))
@@ -59,7 +62,7 @@ def row(rng: np.random.Generator, side: _Side, *, detailed: bool, tall_share: fl
     return pieces
 
 
-def inner_block(rng: np.random.Generator, block: Rect) -> list[Piece]:
+def inner_block(rng: np.random.Generator, block: Rect, *, dark: bool = False) -> list[Piece]:
     """Buildings on all four sides of a block; the long rows own the corners."""
     line = building_line(block)
     w, h = line.size
@@ -69,10 +72,10 @@ def inner_block(rng: np.random.Generator, block: Rect) -> list[Piece]:
         _Side((line.x1, line.y1), 2, w, True, True),
         _Side((line.x0, line.y1 - _DEPTH_M), 3, h - 2 * _DEPTH_M, False, False),
     )
-    return [piece for side in sides for piece in row(rng, side, detailed=True, tall_share=0.0)]
+    return [piece for side in sides for piece in row(rng, side, detailed=True, tall_share=0.0, dark=dark)]
 
 
-def outer_block(rng: np.random.Generator, block: Rect, town: Town) -> list[Piece]:
+def outer_block(rng: np.random.Generator, block: Rect, town: Town, *, dark: bool = False) -> list[Piece]:
     """Plain rows along those sides of an outer block that face streets, and a tower behind them."""
     line, extent = building_line(block), town.extent
     w, h = line.size
@@ -96,17 +99,16 @@ def outer_block(rng: np.random.Generator, block: Rect, town: Town) -> list[Piece
         piece
         for number, side in sides.items()
         if faces[number]
-        for piece in row(rng, side, detailed=False, tall_share=0.12)
+        for piece in row(rng, side, detailed=False, tall_share=0.12, dark=dark)
     ]
     if min(w, h) > 4 * _DEPTH_M:
-        tower = building(
-            rng, draw_house(rng, 22.0, 18.0, tall=True), open_left=True, open_right=True, detailed=False
-        )
+        house = draw_house(rng, 22.0, 18.0, tall=True)
+        tower = building(rng, house, open_left=True, open_right=True, detailed=False, dark=dark)
         pieces.append(tower.moved(line.centre[0] - 11, line.centre[1] - 9, KERB_M))
     return pieces
 
 
-def street_ends(rng: np.random.Generator, town: Town) -> list[Piece]:
+def street_ends(rng: np.random.Generator, town: Town, *, dark: bool = False) -> list[Piece]:
     """A large building across each end of each street, where the view along it stops."""
     extent, width = town.extent, CARRIAGEWAY_M + 2 * PAVEMENT_M + 8.0
     gap = 4.0
@@ -117,6 +119,6 @@ def street_ends(rng: np.random.Generator, town: Town) -> list[Piece]:
     pieces = []
     for (x, y), quarters in ends:
         house = draw_house(rng, width, 14.0, tall=bool(rng.uniform() < 0.4))
-        made = building(rng, house, open_left=True, open_right=True, detailed=False)
+        made = building(rng, house, open_left=True, open_right=True, detailed=False, dark=dark)
         pieces.append(made.turned(quarters * math.pi / 2).moved(x, y, 0.0))
     return pieces

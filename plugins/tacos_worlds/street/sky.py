@@ -22,19 +22,19 @@ _SUN_K = 5500.0
 
 @dataclass(frozen=True, eq=False)
 class Daylight:
-    """Light from above that gives an open, level surface 1 lux.
+    """Light from above.
 
     Parameters
     ----------
     sun
-        The sun.
+        The sun; None once it is down.
     ambient_cd_m2
         (3,) mean luminance of the sky, weighted by the cosine from the zenith [cd/m2].
     sky_cd_m2
         (H, 2 H, 3) as `World.sky_cd_m2` [cd/m2].
     """
 
-    sun: Light
+    sun: Light | None
     ambient_cd_m2: NDArray[np.float32]
     sky_cd_m2: NDArray[np.float32]
 
@@ -42,7 +42,7 @@ class Daylight:
 def draw_daylight(
     rng: np.random.Generator, *, elevation_deg: float, sun_share: float, clouds: float
 ) -> Daylight:
-    """Daylight from a random side.
+    """Daylight from a random side, which gives an open, level surface 1 lux.
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,7 @@ class PlacedPiece:
 
 
 def furnish_town(
-    rng: np.random.Generator, town: Town, *, greenery: float, parked_share: float
+    rng: np.random.Generator, town: Town, *, greenery: float, parked_share: float, dark: bool = False
 ) -> list[PlacedPiece]:
     """All that stands still in a town.
 
@@ -64,6 +65,8 @@ def furnish_town(
         How many streets are lined with trees [1].
     parked_share
         Share of the parking lots that are taken [1].
+    dark
+        Whether lamps and windows are lit.
     """
     block_rng, kerb_rng, park_rng = rng.spawn(3)
     placed = [PlacedPiece(piece) for piece in roads(town)]
@@ -74,12 +77,12 @@ def furnish_town(
             PlacedPiece(pavement(block)),
             PlacedPiece(yard(block), 1.0 if number == park else FAR_DETAIL),
         ]
-        pieces = _park(park_rng, block) if number == park else inner_block(stream, block)
+        pieces = _park(park_rng, block) if number == park else inner_block(stream, block, dark=dark)
         placed += [PlacedPiece(piece) for piece in pieces]
     for block in town.outer_blocks():
         placed += [PlacedPiece(piece, FAR_DETAIL) for piece in (pavement(block), yard(block))]
-        placed += [PlacedPiece(piece, FAR_DETAIL) for piece in outer_block(block_rng, block, town)]
-    placed += [PlacedPiece(piece, FAR_DETAIL) for piece in street_ends(block_rng, town)]
+        placed += [PlacedPiece(piece, FAR_DETAIL) for piece in outer_block(block_rng, block, town, dark=dark)]
+    placed += [PlacedPiece(piece, FAR_DETAIL) for piece in street_ends(block_rng, town, dark=dark)]
 
     all_kerbs = kerbs(town)
     inner_kerbs = [k for k in all_kerbs if k.inner and k.length_m > 40]
@@ -90,10 +93,17 @@ def furnish_town(
     for kerb, stream in zip(all_kerbs, kerb_rng.spawn(len(all_kerbs)), strict=True):
         under_bridge = any(np.linalg.norm(_middle(kerb) - at) < CARRIAGEWAY_M + 1 for at in bridges_m)
         if kerb.inner:
-            placed += [PlacedPiece(p) for p in _line_kerb(stream, kerb, under_bridge, greenery, parked_share)]
+            placed += [
+                PlacedPiece(p) for p in _line_kerb(stream, kerb, under_bridge, greenery, parked_share, dark)
+            ]
         else:
             placed += [PlacedPiece(p, FAR_DETAIL) for p in _line_far_kerb(stream, kerb)]
     return placed
+
+
+def triangles_of(placed: Sequence[PlacedPiece]) -> int:
+    """Triangles of all pieces."""
+    return sum(len(mesh.triangles) for thing in placed for mesh, _ in thing.piece.parts)
 
 
 def _middle(kerb: Kerb) -> np.ndarray:
@@ -115,7 +125,12 @@ def _park(rng: np.random.Generator, block: Rect) -> list[Piece]:
 
 
 def _line_kerb(
-    rng: np.random.Generator, kerb: Kerb, under_bridge: bool, greenery: float, parked_share: float
+    rng: np.random.Generator,
+    kerb: Kerb,
+    under_bridge: bool,
+    greenery: float,
+    parked_share: float,
+    dark: bool,
 ) -> list[Piece]:
     """What stands along a kerb, and the cars that park at it."""
     length, pieces = kerb.length_m, []
@@ -128,12 +143,12 @@ def _line_kerb(
     def put(piece: Piece, along_m: float, left_m: float) -> None:
         pieces.append(kerb.place(piece, along_m, left_m, KERB_M))
 
-    at_end = traffic_light if rng.uniform() < 0.5 else sign
-    put(at_end(rng), length - 2.2, -0.5)
+    signals = rng.uniform() < 0.5
+    put(traffic_light(rng, glows=dark) if signals else sign(rng), length - 2.2, -0.5)
     put(street_name(rng), length - 0.6, -0.9)
     for along in np.arange(5.0, length - 6, 30.0) + rng.uniform(0, 4):
         if free(along, 1.0):
-            put(lamp_post(rng), along, -0.5)
+            put(lamp_post(rng, lit=dark), along, -0.5)
     if rng.uniform() < greenery:
         for along in np.arange(11.0, length - 8, float(rng.uniform(13.0, 18.0))):
             if free(along, 4.0):
@@ -162,8 +177,8 @@ def _line_far_kerb(rng: np.random.Generator, kerb: Kerb) -> list[Piece]:
     """The odd parked car and tree where the car never comes."""
     pieces = []
     for along in np.arange(14.0, kerb.length_m - 8, 45.0):
-        if rng.uniform() < 0.25:
-            pieces.append(kerb.place(draw_car(rng), along + rng.uniform(-3, 3), PARKING_M / 2))
+        if rng.uniform() < 0.2:
+            pieces.append(kerb.place(draw_car(rng, far=True), along + rng.uniform(-3, 3), PARKING_M / 2))
         if rng.uniform() < 0.3:
-            pieces.append(kerb.place(draw_tree(rng), along + 8.0, -1.0, KERB_M))
+            pieces.append(kerb.place(draw_tree(rng, far=True), along + 8.0, -1.0, KERB_M))
     return pieces

@@ -13,6 +13,7 @@ from tacos_worlds.indoor.mesh import Mesh
 from tacos_worlds.indoor.piece import Piece
 from tacos_worlds.street.city import LANE_M, Town
 from tacos_worlds.street.finishes import TYRE
+from tacos_worlds.street.night import with_lamps_on
 from tacos_worlds.street.panels import ground
 from tacos_worlds.street.things.vehicles import draw_car
 
@@ -46,12 +47,18 @@ class Driver:
 
 
 def draw_traffic(
-    rng: np.random.Generator, town: Town, agent: Trajectory, duration_s: float, count: int
+    rng: np.random.Generator,
+    town: Town,
+    agent: Trajectory,
+    duration_s: float,
+    count: int,
+    *,
+    lamps: bool = False,
 ) -> list[Driver]:
     """Up to `count` cars that come too close neither to each other nor to the agent.
 
     Each waits at the beginning of its lane until the whole way through the town is free for it, drives to the
-    end, and begins anew.
+    end, and begins anew. With `lamps` their lights are on.
     """
     lanes = _lanes(town)
     chosen = rng.permutation(len(lanes))[:count]
@@ -66,7 +73,7 @@ def draw_traffic(
         places = start + travelled[:, None] * direction
         taken.append((places, np.broadcast_to(direction, places.shape)))
         yaw = math.atan2(direction[1], direction[0])
-        car = draw_car(stream)
+        car = with_lamps_on(draw_car(stream)) if lamps else draw_car(stream)
         piece = Piece("car", (*car.parts, (_shade(car), TYRE))).turned(yaw).moved(*start.tolist())
         drivers.append(Driver(piece, _moved(clock_s, travelled, direction)))
     return drivers

@@ -38,7 +38,7 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
     Eight bits hold square roots well and software OpenGL filters bytes fastest. Each mipmap level is averaged
     in linear light and encoded then, so that distant surfaces keep their mean reflectance.
     """
-    images = [material.texture for material in materials if material.texture is not None]
+    images, _ = _distinct([material.texture for material in materials])
     encoded = _square_roots(linear_from_srgb(np.arange(256, dtype=np.uint8)))
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
@@ -49,8 +49,8 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
 
 
 def normal_stack(context: moderngl.Context, materials: Sequence[Material]) -> moderngl.TextureArray:
-    """One layer per material that has a normal map, after a flat layer 0."""
-    images = [material.normal_map for material in materials if material.normal_map is not None]
+    """One layer per normal map, after a flat layer 0."""
+    images, _ = _distinct([material.normal_map for material in materials])
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
         return [image, *(np.rint(level).astype(np.uint8) for level in pyramid(image.astype(np.float32))[1:])]
@@ -60,9 +60,29 @@ def normal_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
 
 def texture_layers(materials: Sequence[Material]) -> NDArray[np.int32]:
     """(materials, 2) int32: layer of each material in the colour and in the normal stack; 0 for none."""
-    has = np.array([[m.texture is not None, m.normal_map is not None] for m in materials], dtype=bool)
-    has = has.reshape(-1, 2)
-    return np.where(has, np.cumsum(has, axis=0), 0).astype(np.int32)
+    _, colour = _distinct([material.texture for material in materials])
+    _, normal = _distinct([material.normal_map for material in materials])
+    return np.array([colour, normal], np.int32).reshape(2, -1).T.copy()
+
+
+def _distinct(images: Sequence[NDArray[np.uint8] | None]) -> tuple[list[NDArray[np.uint8]], list[int]]:
+    """The images that differ, and for each one its place among them from 1, or 0 for none.
+
+    Many materials are tints of one texture; they share its memory, and that of one layer.
+    """
+    place: dict[tuple[object, ...], int] = {}
+    found: list[NDArray[np.uint8]] = []
+    layers = []
+    for image in images:
+        if image is None:
+            layers.append(0)
+            continue
+        memory = (image.__array_interface__["data"][0], image.shape, image.strides)
+        if memory not in place:
+            found.append(image)
+            place[memory] = len(found)
+        layers.append(place[memory])
+    return found, layers
 
 
 def material_table(materials: Sequence[Material], level: NDArray[np.int32]) -> NDArray[np.float32]:

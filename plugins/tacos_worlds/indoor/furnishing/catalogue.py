@@ -12,6 +12,7 @@ from tacos_worlds.indoor.furniture import (
     bed,
     chair,
     computer_tv,
+    kitchen,
     lamp,
     plant,
     sofa,
@@ -34,9 +35,21 @@ CLASS_NAMES = (
     "lamp",
     "toy",
     "threshold",
+    "person",
+    "book",
+    "bottle",
+    "bowl",
+    "clock",
+    "cup",
+    "kettle",
+    "paper",
+    "plate",
+    "remote",
+    "vase",
 )
-"""Classes of objects in this scene's worlds; the ten in the middle are furniture."""
-FURNITURE_CLASSES = CLASS_NAMES[1:-1]
+"""Classes of objects in this scene's worlds: furniture, what the agent steps over, people, small things."""
+FURNITURE_CLASSES = CLASS_NAMES[1 : CLASS_NAMES.index("threshold")]
+"""The ten that detectors look for, and that models of a user's own may replace."""
 
 BUILDERS: Mapping[str, tuple[str, Builder]] = {
     "sofa": ("sofa", sofa.sofa),
@@ -63,7 +76,7 @@ BUILDERS: Mapping[str, tuple[str, Builder]] = {
     "wardrobe": ("background", storage.wardrobe),
     "sideboard": ("background", storage.sideboard),
     "chest": ("background", storage.chest),
-    "kitchen_unit": ("background", storage.kitchen_unit),
+    "kitchen_unit": ("background", kitchen.kitchen_unit),
     "fridge": ("background", storage.fridge),
     "washing_machine": ("background", storage.washing_machine),
     "laundry_basket": ("background", storage.laundry_basket),

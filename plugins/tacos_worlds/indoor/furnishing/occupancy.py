@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -115,6 +115,30 @@ class RoomFloor:
         self._rugs += [rect for m, rect in rects if m.flat]
         kept = Arrangement(tuple(m for m, _ in rects))
         self.placed.append(kept.set_at(x_m, y_m, quarter_turns))
+        return True
+
+    def add_blocking(self, arrangement: Arrangement, *, over: Sequence[Rect]) -> bool:
+        """Leave an arrangement where it is, partly over what stands there already, if one can still walk.
+
+        Parameters
+        ----------
+        over
+            Floor that is taken and may be shared.
+        """
+        rects = [m.footprint for m in arrangement.members]
+        others = [rect for rect in self.taken if rect not in over]
+        if not all(self.clear.contains(rect) for rect in rects):
+            return False
+        if any(rect.overlaps(other) for rect in rects for other in [*others, *self._reserved]):
+            return False
+        walkable = self._walkable.copy()
+        for rect in rects:
+            self._block(walkable, rect)
+        if not self._connected(walkable):
+            return False
+        self._walkable = walkable
+        self.taken += rects
+        self.placed.append(arrangement)
         return True
 
     def _rug_fits(self, rect: Rect) -> bool:

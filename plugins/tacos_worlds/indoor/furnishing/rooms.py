@@ -13,6 +13,8 @@ from tacos_worlds.indoor.furnishing import groups
 from tacos_worlds.indoor.furnishing.arrangement import Arrangement, alone, member, together
 from tacos_worlds.indoor.furnishing.catalogue import Catalogue
 from tacos_worlds.indoor.furnishing.occupancy import RoomFloor
+from tacos_worlds.indoor.furnishing.occupants import welcome
+from tacos_worlds.indoor.furnishing.tabletops import lay_out
 from tacos_worlds.indoor.furniture.lamp import switched_on
 from tacos_worlds.indoor.piece import Piece
 
@@ -72,6 +74,21 @@ class Furnisher:
             if self.floor.triangle_count() < 1.1 * self.triangles:
                 self._toy()
         self.floor.replace_pieces(self._switched)
+
+    def bring_to_life(self, rng: np.random.Generator, *, people: float, triangles: int) -> None:
+        """People come in, and small things are left on tables.
+
+        Parameters
+        ----------
+        rng
+            A stream of random numbers of its own, so that the furniture stays as it is without them.
+        people
+            Their mean number [1].
+        triangles
+            Small things have no more than so many.
+        """
+        welcome(rng, self.floor, people=people)
+        lay_out(rng, self.floor, self.style, clutter=self.clutter, triangles=triangles)
 
     def make(self, kind: str) -> Piece:
         """One piece of furniture."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from tacos_worlds.indoor.finishes import BLACK_PLASTIC, Finish, Style
 from tacos_worlds.indoor.mesh import Mesh, rotation_x
-from tacos_worlds.indoor.piece import Piece, piece
+from tacos_worlds.indoor.piece import Piece, Seat, piece
 from tacos_worlds.indoor.shapes import box, cushion, disc_stack, tube
 
 
@@ -50,7 +50,7 @@ def dining_chair(rng: np.random.Generator, style: Style) -> Piece:
             parts.append((on_back(bar, (back + seat) / 2 - 0.03), style.wood))
     parts.append((box((0.02, depth - leg, 0.03), (width / 2 - leg / 2, 0, seat * 0.45)), style.wood))
     parts.append((box((0.02, depth - leg, 0.03), (-width / 2 + leg / 2, 0, seat * 0.45)), style.wood))
-    return piece("chair", parts)
+    return piece("chair", parts, seats=[Seat(0.0, -0.03, seat + 0.01, back_deg=5.0)])
 
 
 def office_chair(rng: np.random.Generator, style: Style) -> Piece:
@@ -80,4 +80,4 @@ def office_chair(rng: np.random.Generator, style: Style) -> Piece:
             side = x * (width / 2 + 0.02)
             parts.append((box((0.05, 0.24, 0.03), (side, 0.02, seat + 0.2), bevel_m=0.01), BLACK_PLASTIC))
             parts.append((box((0.03, 0.04, 0.24), (side, 0.0, seat - 0.03)), BLACK_PLASTIC))
-    return piece("chair", parts)
+    return piece("chair", parts, seats=[Seat(0.0, 0.0, seat + 0.04, back_deg=7.0)])

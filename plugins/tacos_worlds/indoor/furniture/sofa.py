@@ -8,7 +8,7 @@ import numpy as np
 
 from tacos_worlds.indoor.finishes import Finish, Style
 from tacos_worlds.indoor.mesh import Mesh, rotation_x
-from tacos_worlds.indoor.piece import Piece, piece
+from tacos_worlds.indoor.piece import Piece, Seat, piece
 from tacos_worlds.indoor.shapes import box, cushion, disc_stack
 
 
@@ -58,8 +58,10 @@ def _seat_row(rng: np.random.Generator, style: Style, *, seats: int) -> Piece:
         lean = lean.rotated(rotation_x(math.radians(rng.uniform(74, 80))))
         lean = lean.moved(x, -depth / 2 + back_depth + 0.11, seat_height + 0.22)
         parts.append((lean.with_uv_offset(0.05, 0.11 * seat), cloth))
+    pillows_m = []
     for _ in range(int(rng.integers(0, seats + 1))):
         x = rng.uniform(-0.42, 0.42) * inner
+        pillows_m.append(x)
         pillow = cushion((0.42, 0.42, 0.14), (0, 0, -0.07), round_m=0.065, puff_m=0.02)
         pillow = pillow.rotated(rotation_x(math.radians(62))).turned(rng.uniform(-0.3, 0.3))
         parts.append((pillow.moved(x, -depth / 2 + back_depth + 0.27, seat_height + 0.22), style.accent))
@@ -70,4 +72,7 @@ def _seat_row(rng: np.random.Generator, style: Style, *, seats: int) -> Piece:
                 parts.append((disc_stack([(0.014, 0), (0.026, leg + 0.01)], at, sides=8), style.wood))
             else:
                 parts.append((box((0.06, 0.06, leg + 0.01), at, bevel_m=0.004), style.wood))
-    return piece("sofa", parts)
+    places = [(seat - (seats - 1) / 2) * seat_width for seat in range(seats)]
+    free = [x for x in places if all(abs(x - pillow) > 0.45 for pillow in pillows_m)]
+    hips = -depth / 2 + back_depth + 0.34
+    return piece("sofa", parts, seats=[Seat(x, hips, seat_height, back_deg=14.0) for x in free])

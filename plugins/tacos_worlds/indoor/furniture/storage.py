@@ -1,4 +1,4 @@
-"""Furniture without a label: bookshelves, wardrobes, sideboards, kitchen units."""
+"""Furniture without a label: bookshelves, wardrobes, sideboards, machines."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from tacos_worlds.indoor.finishes import (
-    CHROME,
     DARK_GLASS,
     GREY_PLASTIC,
     STEEL,
@@ -16,9 +15,10 @@ from tacos_worlds.indoor.finishes import (
     Finish,
     Style,
 )
+from tacos_worlds.indoor.floor_plan import Rect
 from tacos_worlds.indoor.mesh import Mesh, merged, rotation_x
-from tacos_worlds.indoor.piece import BACKGROUND, Piece, piece
-from tacos_worlds.indoor.shapes import box, disc_stack, slab, tube
+from tacos_worlds.indoor.piece import BACKGROUND, Piece, Top, piece
+from tacos_worlds.indoor.shapes import box, disc_stack, slab
 from tacos_worlds.indoor.textures.printed import SPINE_M, SPINES
 
 _BOOKS = Finish("book_spines", roughness=0.7)
@@ -92,55 +92,27 @@ def wardrobe(rng: np.random.Generator, style: Style) -> Piece:
     """A wardrobe with two or three doors."""
     doors = int(rng.choice([2, 3]))
     width, depth, height = doors * rng.uniform(0.48, 0.55), rng.uniform(0.55, 0.62), rng.uniform(1.95, 2.2)
-    return _cupboard(style, width, depth, height, columns=doors, rows=1, plinth=0.07)
+    return cupboard(style, width, depth, height, columns=doors, rows=1, plinth=0.07)
 
 
 def sideboard(rng: np.random.Generator, style: Style) -> Piece:
     """A low cupboard, as one stands a television on."""
     width, depth, height = rng.uniform(1.3, 1.7), rng.uniform(0.38, 0.45), rng.uniform(0.45, 0.6)
-    return _cupboard(style, width, depth, height, columns=3, rows=int(rng.choice([1, 2])), plinth=0.1)
+    rows = int(rng.choice([1, 2]))
+    return _topped(cupboard(style, width, depth, height, columns=3, rows=rows, plinth=0.1))
 
 
 def chest(rng: np.random.Generator, style: Style) -> Piece:
     """A chest of drawers."""
-    return _cupboard(
-        style, rng.uniform(0.8, 1.1), 0.45, rng.uniform(0.75, 0.95), columns=2, rows=3, plinth=0.08
-    )
+    width, height = rng.uniform(0.8, 1.1), rng.uniform(0.75, 0.95)
+    return _topped(cupboard(style, width, 0.45, height, columns=2, rows=3, plinth=0.08))
 
 
-def kitchen_unit(rng: np.random.Generator, style: Style) -> Piece:
-    """A kitchen worktop with cupboards below, a hob and a sink."""
-    columns = int(rng.integers(3, 5))
-    width, depth = columns * 0.6, 0.6
-    base = _cupboard(style, width, depth - 0.02, 0.86, columns=columns, rows=1, plinth=0.1)
-    stone = Finish("marble", (0.35, 0.34, 0.33) if rng.uniform() < 0.5 else (0.8, 0.79, 0.76), roughness=0.3)
-    parts = [*base.parts, (box((width + 0.02, depth + 0.02, 0.035), (0, 0.01, 0.86), bevel_m=0.005), stone)]
-    hob = (columns // 2 - (columns - 1) / 2) * 0.6
-    parts.append(
-        (
-            box((0.56, 0.5, 0.008), (hob, 0, 0.895), bevel_m=0.003),
-            Finish("", (0.015, 0.015, 0.017), roughness=0.1),
-        )
-    )
-    sink = -(columns - 1) / 2 * 0.6
-    parts.append((box((0.44, 0.38, 0.006), (sink, 0.02, 0.895), bevel_m=0.002), STEEL))
-    parts.append(
-        (
-            tube([[sink, -0.2, 0.89], [sink, -0.2, 1.15], [sink, -0.1, 1.2], [sink, -0.03, 1.13]], 0.012),
-            CHROME,
-        )
-    )
-    parts.append(
-        (
-            disc_stack(
-                [(0.09, 0), (0.11, 0.01), (0.11, 0.13), (0.1, 0.13), (0.1, 0.03)],
-                (hob + 0.13, 0.1, 0.903),
-                sides=14,
-            ),
-            STEEL,
-        )
-    )
-    return piece(BACKGROUND, parts)
+def _topped(made: Piece) -> Piece:
+    """A cupboard that things may stand on; its handles reach beyond its top."""
+    width, depth, height = made.size_m
+    free = Rect(-width / 2 + 0.02, -depth / 2 + 0.02, width / 2 - 0.02, depth / 2 - 0.05)
+    return replace(made, tops=(Top(free, height, "board"),))
 
 
 def fridge(rng: np.random.Generator, style: Style) -> Piece:
@@ -181,9 +153,10 @@ def laundry_basket(rng: np.random.Generator, style: Style) -> Piece:
     return piece(BACKGROUND, [(disc_stack(profile, sides=20), Finish("wicker", roughness=0.9))])
 
 
-def _cupboard(
+def cupboard(
     style: Style, width: float, depth: float, height: float, *, columns: int, rows: int, plinth: float
 ) -> Piece:
+    """A box on a plinth with doors, or drawers where there is more than one row [m]."""
     parts: list[tuple[Mesh, Finish]] = [
         (box((width, depth, height - plinth), (0, 0, plinth), bevel_m=0.005), style.wood),
         (slab((width - 0.06, depth - 0.08, plinth), (0, -0.01, 0)), style.second_wood),

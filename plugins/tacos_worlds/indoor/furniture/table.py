@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from tacos_worlds.indoor.finishes import Finish, Style
+from tacos_worlds.indoor.floor_plan import Rect
 from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import Piece, piece
+from tacos_worlds.indoor.piece import Piece, Top, piece
 from tacos_worlds.indoor.shapes import box, disc_stack, loft, superellipse, tube
 
 
@@ -17,18 +19,18 @@ def dining_table(rng: np.random.Generator, style: Style) -> Piece:
     size = (rng.uniform(1.4, 1.9), rng.uniform(0.8, 0.95), rng.uniform(0.73, 0.77))
     if rng.uniform() < 0.25:
         diameter = rng.uniform(1.1, 1.3)
-        return _round_table(rng, style, diameter, size[2])
-    return _four_legs(rng, style, size, top=rng.uniform(0.025, 0.045))
+        return _round_table(rng, style, diameter, size[2], use="meal")
+    return _four_legs(rng, style, size, top=rng.uniform(0.025, 0.045), use="meal")
 
 
 def desk(rng: np.random.Generator, style: Style) -> Piece:
     """A desk with a drawer box or plain legs."""
     width, depth, height = rng.uniform(1.2, 1.6), rng.uniform(0.65, 0.75), rng.uniform(0.72, 0.75)
-    plain = _four_legs(rng, style, (width, depth, height), top=0.028)
+    plain = _four_legs(rng, style, (width, depth, height), top=0.028, use="desk")
     if rng.uniform() < 0.6:
         drawers = _drawers(style, (0.4, depth - 0.1, height - 0.03), int(rng.choice([2, 3])))
         at = width / 2 - 0.27
-        return Piece("table", plain.parts + tuple((mesh.moved(at, 0, 0), finish) for mesh, finish in drawers))
+        return replace(plain, parts=plain.parts + tuple((mesh.moved(at, 0, 0), f) for mesh, f in drawers))
     return plain
 
 
@@ -36,30 +38,31 @@ def coffee_table(rng: np.random.Generator, style: Style) -> Piece:
     """A low table, rectangular or round, sometimes with a shelf below."""
     height = rng.uniform(0.36, 0.46)
     if rng.uniform() < 0.4:
-        return _round_table(rng, style, rng.uniform(0.7, 0.95), height)
+        return _round_table(rng, style, rng.uniform(0.7, 0.95), height, use="low")
     width, depth = rng.uniform(0.9, 1.2), rng.uniform(0.5, 0.65)
-    made = _four_legs(rng, style, (width, depth, height), top=0.03)
+    made = _four_legs(rng, style, (width, depth, height), top=0.03, use="low")
     shelf = box((width - 0.12, depth - 0.12, 0.018), (0, 0, height * 0.35))
-    return Piece("table", (*made.parts, (shelf, style.wood)))
+    return replace(made, parts=(*made.parts, (shelf, style.wood)))
 
 
 def side_table(rng: np.random.Generator, style: Style) -> Piece:
     """A small table beside a bed or sofa: a drawer box on legs, or a round top on a column."""
     height = rng.uniform(0.45, 0.58)
     if rng.uniform() < 0.4:
-        return _round_table(rng, style, rng.uniform(0.4, 0.5), height)
+        return _round_table(rng, style, rng.uniform(0.4, 0.5), height, use="bedside")
     width, depth, leg = rng.uniform(0.4, 0.5), rng.uniform(0.36, 0.42), rng.uniform(0.08, 0.2)
     parts = [
         (mesh.moved(0, 0, leg), finish) for mesh, finish in _drawers(style, (width, depth, height - leg), 2)
     ]
     parts += _legs(rng, style, width - 0.04, depth - 0.04, leg + 0.005, 0.035)
-    return piece("table", parts)
+    return piece("table", parts, tops=[_top(width, depth, height, "bedside")])
 
 
 def _four_legs(
-    rng: np.random.Generator, style: Style, size: tuple[float, float, float], *, top: float
+    rng: np.random.Generator, style: Style, size: tuple[float, float, float], *, top: float, use: str
 ) -> Piece:
     width, depth, height = size
+    tops = [_top(width, depth, height, use)]
     metal_legs = rng.uniform() < 0.35
     thick = rng.uniform(0.045, 0.075)
     parts: list[tuple[Mesh, Finish]] = [
@@ -77,7 +80,7 @@ def _four_legs(
             path = [[foot, -y, 0.0], [head, -y, height - top], [head, y, height - top], [foot, y, 0.0]]
             for start, end in pairwise(path):
                 parts.append((tube([start, end], 0.016), style.metal))
-        return piece("table", parts)
+        return piece("table", parts, tops=tops)
     parts += _legs(rng, style, width, depth, height - top, thick)
     apron = 0.075
     for y in (-1, 1):
@@ -88,7 +91,13 @@ def _four_legs(
         parts.append(
             (box((0.02, depth - 0.16, apron), (x * (width / 2 - 0.06), 0, height - top - apron)), style.wood)
         )
-    return piece("table", parts)
+    return piece("table", parts, tops=tops)
+
+
+def _top(width: float, depth: float, height: float, use: str) -> Top:
+    """The top of a table but for its rim."""
+    x, y = width / 2 - 0.03, depth / 2 - 0.03
+    return Top(Rect(-x, -y, x, y), height, use)
 
 
 def _legs(
@@ -107,7 +116,9 @@ def _legs(
     return found
 
 
-def _round_table(rng: np.random.Generator, style: Style, diameter: float, height: float) -> Piece:
+def _round_table(
+    rng: np.random.Generator, style: Style, diameter: float, height: float, *, use: str
+) -> Piece:
     top = rng.uniform(0.022, 0.035)
     radius = diameter / 2
     rim = [
@@ -130,6 +141,7 @@ def _round_table(rng: np.random.Generator, style: Style, diameter: float, height
             (loft(rim), surface),
             (disc_stack(column, sides=16), style.metal if surface is not style.wood else style.wood),
         ],
+        tops=[_top(1.41 * radius, 1.41 * radius, height, use)],  # the square within
     )
 
 

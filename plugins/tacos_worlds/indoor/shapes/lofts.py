@@ -61,7 +61,9 @@ def superellipse(
     return np.column_stack([x, y, np.full(sides, z_m)])
 
 
-def tube(path_m: ArrayLike, radius_m: float | Sequence[float], *, sides: int = 8) -> Mesh:
+def tube(
+    path_m: ArrayLike, radius_m: float | Sequence[float], *, sides: int = 8, crease_deg: float = 50.0
+) -> Mesh:
     """A round tube along (N, 3) points, with flat ends; one radius, or one per point [m]."""
     path = np.asarray(path_m, dtype=np.float64)
     radii = np.broadcast_to(np.asarray(radius_m, dtype=np.float64), len(path))
@@ -75,4 +77,4 @@ def tube(path_m: ArrayLike, radius_m: float | Sequence[float], *, sides: int = 8
         across /= np.linalg.norm(across)
         up = np.cross(tangent, across)
         rings.append(point + radius * (np.cos(turn)[:, None] * across + np.sin(turn)[:, None] * up))
-    return loft(rings, crease_deg=50.0)
+    return loft(rings, crease_deg=crease_deg)

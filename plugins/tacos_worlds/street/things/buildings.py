@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,12 +26,16 @@ from tacos_worlds.street.finishes import (
 )
 from tacos_worlds.street.panels import panel
 from tacos_worlds.street.textures.walls import CELLS
+from tacos_worlds.street.things import fronts
 
 GROUND_FLOOR_M = 3.9
 _STEP_M = 7.0
 _BAY_M = 3.2
 
-_CANVAS = ((0.35, 0.05, 0.05), (0.05, 0.16, 0.09), (0.55, 0.50, 0.38), (0.06, 0.11, 0.25))
+_TINTS = ((1.0, 1.0, 1.0), (0.92, 0.95, 1.0), (1.0, 0.95, 0.86), (0.84, 0.84, 0.86), (0.95, 0.87, 0.80))
+"""Houses of one kind differ in age and paint: factors of their reflectance."""
+_LIT_SHARE = (0.32, 0.12)
+"""Share of the windows with light behind them, in dwellings and offices [1]."""
 
 Parts = list[tuple[Mesh, Finish]]
 
@@ -54,6 +58,8 @@ class House:
         Whether the ground floor holds shops.
     pitched
         Whether it has a tiled roof with its ridge along the street.
+    tint
+        Index into `_TINTS`.
     """
 
     width_m: float
@@ -63,6 +69,7 @@ class House:
     kind: int
     shop: bool
     pitched: bool
+    tint: int = 0
 
     @property
     def eaves_m(self) -> float:
@@ -81,11 +88,18 @@ def draw_house(rng: np.random.Generator, width_m: float, depth_m: float, *, tall
         kind=-1 if office else int(rng.integers(len(FRONTS))),
         shop=bool(rng.uniform() < 0.45),
         pitched=bool(not office and rng.uniform() < 0.5),
+        tint=int(rng.integers(len(_TINTS))),
     )
 
 
 def building(
-    rng: np.random.Generator, house: House, *, open_left: bool, open_right: bool, detailed: bool
+    rng: np.random.Generator,
+    house: House,
+    *,
+    open_left: bool,
+    open_right: bool,
+    detailed: bool,
+    dark: bool = False,
 ) -> Piece:
     """A building whose front lies along x at y = 0 and faces -y.
 
@@ -94,49 +108,98 @@ def building(
     open_left, open_right
         Whether the side at x = 0, or at the width, faces a street.
     detailed
-        With cornices, balconies and what stands on roofs.
+        With cornices, bay windows, balconies and what stands on roofs.
+    dark
+        With lights in its windows.
     """
     parts: Parts = []
     w, d = house.width_m, house.depth_m
     step_m = _STEP_M if detailed else math.inf
     variant = int(rng.integers(SHOP_VARIANTS))
-    parts += _front(rng, house, np.array([0.0, 0, 0]), np.array([1.0, 0, 0]), w, variant, step_m)
+    first = int(rng.integers(CELLS))
+    finish = _upper_finish(rng, house)
+    walls = [(np.array([0.0, 0, 0]), np.array([1.0, 0, 0]), w)]
     for is_open, origin, along in (
         (open_left, np.array([0.0, d, 0]), np.array([0.0, -1, 0])),
         (open_right, np.array([w, 0.0, 0]), np.array([0.0, 1, 0])),
     ):
         if is_open:
-            parts += _front(rng, house, origin, along, d, variant, step_m)
+            walls.append((origin, along, d))
         else:
             parts.append(_blank_wall(house, origin, along, d, step_m))
     parts.append(_blank_wall(house, np.array([w, d, 0.0]), np.array([-1.0, 0, 0]), w, step_m))
+    for origin, along, length in walls:
+        parts += _front(house, origin, along, length, first, variant, finish, step_m)
+        if dark:
+            parts += _lights(rng, house, origin, along, length, detailed)
     parts += _roof(house, detailed)
     if detailed:
         parts += _ornaments(rng, house, open_left, open_right)
+        parts += _relief(rng, house, first, finish, dark)
     return Piece("building", tuple(parts))
 
 
 def _upper_finish(rng: np.random.Generator, house: House) -> Finish:
     if house.kind < 0:
         return Finish("office", variant=int(rng.integers(OFFICE_VARIANTS)), roughness=0.95)
-    return front(house.kind)
+    return _aged(front(house.kind), house)
+
+
+def _aged(finish: Finish, house: House) -> Finish:
+    return replace(finish, tint=_TINTS[house.tint])
+
+
+def _bays(length_m: float) -> int:
+    return max(1, round(length_m / _BAY_M))
+
+
+def _lights(
+    rng: np.random.Generator, house: House, origin: np.ndarray, along: np.ndarray, length_m: float, near: bool
+) -> Parts:
+    """The windows of a front that are lit by night."""
+    bays = _bays(length_m)
+    share = _LIT_SHARE[house.kind < 0] * float(rng.uniform(0.5, 1.4))
+    found = fronts.lit_windows(
+        rng, origin, along, length_m / bays, bays, GROUND_FLOOR_M, house.floors, house.floor_m,
+        share=share, panes=near,
+    )  # fmt: skip
+    if near and (house.shop or house.kind < 0):
+        found += fronts.lit_shops(rng, origin, along, length_m / bays, bays)
+    return found
+
+
+def _relief(rng: np.random.Generator, house: House, first: int, finish: Finish, dark: bool) -> Parts:
+    """What stands out of the front: bay windows or balconies, awnings, dormers, a downpipe."""
+    bays, parts = _bays(house.width_m), [fronts.downpipe(0.05, house.eaves_m)]
+    shape = (bays, house.width_m, GROUND_FLOOR_M, house.floors, house.floor_m)
+    way = float(rng.uniform())
+    if house.kind >= 0 and house.floors >= 3:
+        if way < 0.3:
+            parts += fronts.balconies(*shape)
+        elif way < 0.6 and not dark:  # lit windows lie flat on the wall, behind bays
+            parts += fronts.bay_windows(*shape, first, finish)
+    if house.shop and house.kind >= 0 and rng.uniform() < 0.6:
+        parts += fronts.awnings(rng, house.width_m)
+    if house.pitched and rng.uniform() < 0.6:
+        parts += fronts.dormers(rng, house.width_m, house.depth_m, house.eaves_m, finish)
+    return parts
 
 
 def _front(
-    rng: np.random.Generator,
     house: House,
     origin: np.ndarray,
     along: np.ndarray,
     length_m: float,
+    first: int,
     variant: int,
+    finish: Finish,
     step_m: float,
 ) -> Parts:
     """A wall to the street: ground floor and upper floors, in whole bays."""
-    bays = max(1, round(length_m / _BAY_M))
-    first = int(rng.integers(CELLS))
+    bays = _bays(length_m)
     up = np.array([0.0, 0, 1])
     shop = house.shop or house.kind < 0
-    low = Finish("shops", variant=variant, roughness=0.95) if shop else entrance(house.kind)
+    low = Finish("shops", variant=variant, roughness=0.95) if shop else _aged(entrance(house.kind), house)
     upper_origin = origin + GROUND_FLOOR_M * up
     return [
         (
@@ -159,7 +222,7 @@ def _front(
                 v=(0.0, house.floors),
                 step_m=step_m,
             ),
-            _upper_finish(rng, house),
+            finish,
         ),
     ]
 
@@ -176,7 +239,7 @@ def _blank_wall(
         v=(0, cells),
         step_m=2 * step_m,
     )
-    return wall, blank(house.kind if house.kind >= 0 else len(FRONTS) - 1)
+    return wall, _aged(blank(house.kind if house.kind >= 0 else len(FRONTS) - 1), house)
 
 
 def _roof(house: House, detailed: bool) -> Parts:
@@ -195,7 +258,7 @@ def _roof(house: House, detailed: bool) -> Parts:
         [[0, 1, 2], [3, 4, 5]],
     )
     tiles = merged([front_side, back_side])
-    return [(tiles, ROOF_TILES), (gables, blank(max(house.kind, 0)))]
+    return [(tiles, ROOF_TILES), (gables, _aged(blank(max(house.kind, 0)), house))]
 
 
 def _ornaments(rng: np.random.Generator, house: House, open_left: bool, open_right: bool) -> Parts:
@@ -215,10 +278,6 @@ def _ornaments(rng: np.random.Generator, house: House, open_left: bool, open_rig
         x = float(rng.uniform(0.15, 0.85)) * w
         ridge = z + 0.38 * d
         parts.append((slab((0.9, 0.6, 1.6), (x, d / 2, ridge - 0.5)), blank(0)))
-    if house.kind >= 0 and house.floors >= 3 and rng.uniform() < 0.35:
-        parts += _balconies(house)
-    if house.shop and house.kind >= 0 and rng.uniform() < 0.6:
-        parts += _awnings(rng, house)
     return parts
 
 
@@ -227,31 +286,3 @@ def _on_roof(rng: np.random.Generator, w: float, d: float, z: float) -> Iterator
     for _ in range(int(rng.integers(1, 4))):
         size = (float(rng.uniform(1.0, 3.0)), float(rng.uniform(1.0, 2.5)), float(rng.uniform(0.8, 2.6)))
         yield slab(size, (float(rng.uniform(2, w - 2)), float(rng.uniform(d / 2, d - 2)), z))
-
-
-def _balconies(house: House) -> Parts:
-    """A balcony at every other bay of the upper floors but the highest."""
-    bays = max(1, round(house.width_m / _BAY_M))
-    bay_m = house.width_m / bays
-    slabs, rails = [], []
-    for floor in range(1, house.floors - 1):
-        z = GROUND_FLOOR_M + floor * house.floor_m + 0.15
-        for bay in range(0, bays, 2):
-            x = (bay + 0.5) * bay_m
-            slabs.append(slab((0.8 * bay_m, 1.0, 0.14), (x, -0.5, z)))
-            rails.append(slab((0.8 * bay_m, 0.04, 0.9), (x, -0.98, z + 0.14)))
-    return [(merged(slabs), STONE), (merged(rails), Finish("metal", (0.10, 0.11, 0.12), roughness=0.85))]
-
-
-def _awnings(rng: np.random.Generator, house: House) -> Parts:
-    """Sloping canvas over the windows of the shops."""
-    colour = _CANVAS[int(rng.integers(len(_CANVAS)))]
-    pieces = []
-    for x in np.arange(0.4, house.width_m - 3.0, 6.4):
-        width = min(5.6, house.width_m - x - 0.4)
-        high, low, out = 2.95, 2.45, 1.3
-        top = panel((x, -out, low), (width, 0, 0), (0, out, high - low))
-        under = panel((x + width, -out, low), (-width, 0, 0), (0, out, high - low))
-        hem = panel((x, -out, low - 0.22), (width, 0, 0), (0, 0, 0.22))
-        pieces += [top, under, hem]
-    return [(merged(pieces), Finish("metal", colour, roughness=0.95))] if pieces else []

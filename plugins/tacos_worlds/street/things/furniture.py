@@ -6,9 +6,12 @@ Each faces -x, towards the traffic that comes along x, and stands to the right o
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from tacos_framework.values import Light
+from tacos_plugins.lighting import emitter_luminance_cd_m2, white_at
 from tacos_worlds.indoor.finishes import Finish
 from tacos_worlds.indoor.mesh import Mesh, merged
 from tacos_worlds.indoor.piece import Piece
@@ -25,17 +28,41 @@ from tacos_worlds.street.panels import panel
 from tacos_worlds.street.things.trees import shrub
 
 _SIGN_M = 0.65
+_LENS_M = (0.2, 0.6)
+"""Edges of the glass of a street lamp [m]."""
+_SIGNAL_CD_M2 = 400.0
+"""Luminance of a traffic light that shows, beside lamps of `LAMP_LM` [cd/m2]."""
 
 
-def lamp_post(rng: np.random.Generator) -> Piece:
+LAMP_LM = 7000.0
+"""Luminous flux of a street lamp, before the scene's light is set to its illuminance [lm]."""
+_LAMP_K = 3000.0
+"""Warm white, as new street lamps are [K]."""
+
+
+def lamp_post(rng: np.random.Generator, *, lit: bool = False) -> Piece:
     """A street lamp, its head over the road."""
     height, reach = float(rng.uniform(7.0, 7.6)), 1.7
     pole = tube([(0, 0, 0), (0, 0, 1.2), (0, 0, height - 0.3)], [0.10, 0.07, 0.05], sides=4)
     arm = tube([(0, 0, height - 0.3), (0, 0.5, height), (0, reach, height + 0.08)], 0.035, sides=3)
     head = slab((0.26, 0.8, 0.12), (0, reach + 0.3, height + 0.02))
-    lens = panel((-0.1, reach + 0.6, height + 0.015), (0.2, 0, 0), (0, -0.6, 0))
+    wide, long = _LENS_M
+    lens = panel((-wide / 2, reach + 0.3 + long / 2, height + 0.015), (wide, 0, 0), (0, -long, 0))
     glass = Finish("", (0.72, 0.72, 0.68), roughness=0.9)
-    return Piece("lamp post", ((merged([pole, arm, head]), GALVANISED), (lens, glass)))
+    body = (merged([pole, arm, head]), GALVANISED)
+    if not lit:
+        return Piece("lamp post", (body, (lens, glass)))
+    flux = LAMP_LM * white_at(_LAMP_K)
+    red, green, blue = emitter_luminance_cd_m2(flux, _LENS_M[0] * _LENS_M[1]).tolist()
+    light = Light(
+        position_m=np.array([0, reach + 0.3, height + 0.005], np.float32),
+        flux_lm=flux.astype(np.float32),
+        normal=np.array([0, 0, -1], np.float32),
+        half_u_m=np.array([_LENS_M[0] / 2, 0, 0], np.float32),
+        half_v_m=np.array([0, _LENS_M[1] / 2, 0], np.float32),
+    )
+    glowing = replace(glass, emission_cd_m2=(red, green, blue))
+    return Piece("lamp post", (body, (lens, glowing)), lights=(light,))
 
 
 def sign(rng: np.random.Generator) -> Piece:
@@ -88,18 +115,21 @@ def _plate(corners: int, middle_m: float) -> tuple[Mesh, Mesh]:
     return face(0.0, -1), face(0.012, 1)
 
 
-def traffic_light(rng: np.random.Generator) -> Piece:
-    """Lights on a post."""
+def traffic_light(rng: np.random.Generator, *, glows: bool = False) -> Piece:
+    """Lights on a post, one of which glows by night."""
     lit = int(rng.integers(3))
     post = tube([(0.1, 0, 0), (0.1, 0, 3.4)], 0.06, sides=5)
     case = slab((0.22, 0.32, 0.95), (0.1, 0, 2.5))
     parts: list[tuple[Mesh, Finish]] = [(merged([post, case]), DARK_METAL)]
     colours = ((0.02, 0.75, 0.25), (0.9, 0.5, 0.02), (0.9, 0.03, 0.02))
     for number, (red, green, blue) in enumerate(colours):
-        lens = disc_stack([(0.11, 0.0), (0.07, 0.05)], sides=8).rotated(_FACING)
+        lens = disc_stack([(0.11, 0.0), (0.07, 0.05)], sides=6).rotated(_FACING)
         lens = lens.moved(-0.01, 0, 2.66 + 0.29 * number)
         glow = 1.0 if number == lit else 0.12
-        parts.append((lens, Finish("", (glow * red, glow * green, glow * blue), roughness=0.9)))
+        shown = _SIGNAL_CD_M2 if glows and number == lit else 0.0
+        emission = (shown * red, shown * green, shown * blue)
+        tint = (glow * red, glow * green, glow * blue)
+        parts.append((lens, Finish("", tint, roughness=0.9, emission_cd_m2=emission)))
     return Piece("traffic light", tuple(parts))
 
 
@@ -161,7 +191,7 @@ def shelter(rng: np.random.Generator) -> Piece:
 def advertisement(rng: np.random.Generator) -> Piece:
     """A column with posters."""
     poster = Finish("poster", variant=int(rng.integers(POSTER_VARIANTS)), roughness=0.95)
-    column = disc_stack([(0.62, 0.35), (0.62, 2.6)], sides=9)
+    column = disc_stack([(0.62, 0.35), (0.62, 2.6)], sides=10)
     around = np.arctan2(column.vertices_m[:, 1], column.vertices_m[:, 0]) / (2 * np.pi) * 3
     column = Mesh(
         column.vertices_m,

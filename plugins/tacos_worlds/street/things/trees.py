@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -40,7 +41,7 @@ def _sprays(rng: np.random.Generator, centre_m: Floats, radius_m: float, count: 
     across = np.cross(outwards, rng.standard_normal((count, 3)))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     along = np.cross(outwards, across) * 0.8 + outwards * 0.6
-    size = radius_m * rng.uniform(0.2, 0.36, (count, 1))
+    size = radius_m * rng.uniform(1.4, 2.2, (count, 1)) / math.sqrt(max(count, 36))
     corners = np.stack([at - across * size, at + across * size, at + along * 1.6 * size], axis=1)
     uv = rng.uniform(0, 2.5, (count, 1, 2)) + np.array([[0, 0], [0.8, 0], [0.4, 0.8]]) * size[:, :, None]
     return Mesh(
@@ -55,22 +56,23 @@ def _foliage(rng: np.random.Generator, centre_m: Floats, radius_m: float, sprays
     return merged([_lump(rng, centre_m, 0.86 * radius_m), _sprays(rng, centre_m, radius_m, sprays)])
 
 
-def draw_tree(rng: np.random.Generator) -> Piece:
-    """A random street tree, 6 to 10 m high."""
+def draw_tree(rng: np.random.Generator, *, far: bool = False) -> Piece:
+    """A random street tree, 6 to 10 m high, with fewer leaves where it is only seen from `far`."""
+    sprays = (22, 10) if far else (66, 36)
     height = float(rng.uniform(6.0, 9.5))
     fork = 0.38 * height
     lean = rng.normal(0, 0.12, 2)
     top = np.array([lean[0], lean[1], 0.74 * height])
     bole = [(0, 0, 0), (0.4 * lean[0], 0.4 * lean[1], fork), tuple(top)]
     wood = [tube(bole, [0.19, 0.14, 0.05], sides=6)]
-    crown = [_foliage(rng, top, 0.23 * height, 54)]
+    crown = [_foliage(rng, top, 0.23 * height, sprays[0])]
     turn = rng.uniform(0, 2 * np.pi)
     for _ in range(2):
         turn += np.pi + rng.normal(0, 0.4)
         reach = 0.17 * height
         end = np.array([reach * np.cos(turn), reach * np.sin(turn), rng.uniform(0.54, 0.66) * height])
         wood.append(tube([(0, 0, fork), tuple(end)], [0.09, 0.03], sides=3))
-        crown.append(_foliage(rng, end, float(rng.uniform(0.17, 0.2)) * height, 32))
+        crown.append(_foliage(rng, end, float(rng.uniform(0.17, 0.2)) * height, sprays[1]))
     leaves = Finish("leaves", _GREENS[int(rng.integers(len(_GREENS)))], roughness=0.95)
     return Piece("tree", ((merged(wood), BARK), (merged(crown), leaves)))
 

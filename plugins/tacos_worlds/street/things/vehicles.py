@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,9 @@ from tacos_worlds.street.finishes import (
 from tacos_worlds.street.panels import panel
 
 PLATE_VARIANTS = 3
-_WHEEL_SIDES = 7
+_WHEEL_SIDES = 8
+_COARSE_PARTS = 3
+"""So many of a car's parts show from afar: body, glass, tyres."""
 _PAINTS = (
     (0.62, 0.63, 0.64),
     (0.80, 0.80, 0.78),
@@ -98,13 +100,14 @@ VAN = Body(
 BODIES = (HATCHBACK, HATCHBACK, SALOON, SALOON, ESTATE, VAN)
 
 
-def draw_car(rng: np.random.Generator) -> Piece:
-    """A random car or van."""
+def draw_car(rng: np.random.Generator, *, far: bool = False) -> Piece:
+    """A random car or van, without its small parts where it is only seen from `far`."""
     body = BODIES[int(rng.integers(len(BODIES)))]
     white_van = body is VAN and rng.uniform() < 0.6
     tint = (0.78, 0.78, 0.76) if white_van else _PAINTS[int(rng.integers(len(_PAINTS)))]
     plate = int(rng.integers(PLATE_VARIANTS))
-    return car(body, Finish("car_paint", tint, roughness=0.35), plate=plate)
+    made = car(body, Finish("car_paint", tint, roughness=0.35), plate=plate)
+    return replace(made, parts=made.parts[:_COARSE_PARTS]) if far else made
 
 
 def car(body: Body, paint: Finish, *, plate: int = 0) -> Piece:
@@ -146,9 +149,10 @@ def car(body: Body, paint: Finish, *, plate: int = 0) -> Piece:
     return Piece(
         "car",
         (
-            (merged([lower, *roof, *pillars, *mirrors]), paint),
+            (merged([lower, *roof, *pillars]), paint),
             (glass, CAR_GLASS),
             (merged([tyre for tyre, _ in wheels]), TYRE),
+            (merged(mirrors), paint),
             (merged([rim for _, rim in wheels]), RIM),
             (merged(lamps), HEADLIGHT),
             (merged(tails), TAIL_LIGHT),
