@@ -66,6 +66,9 @@ class GpuWorld:
         self.gloss = _buffer(context, _gloss_vertices(lit, np.zeros(len(lit.mesh.position_m), np.int32)))
         self.geometry = _buffer(context, _geometry_vertices(lit))
         self.indices = _buffer(context, lit.mesh.triangles)
+        # Also kept where software draws without OpenGL (see `visibility`).
+        self.position_m, self.triangles = lit.mesh.position_m, lit.mesh.triangles
+        self.surface_of_vertex = lit.surface
         self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
         self.textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "colours": colour_stack(context, world.materials),

@@ -4,7 +4,6 @@
 uniform mat4 clip_from_world;
 
 in vec3 in_position;
-invariant gl_Position; // is compared with the depth that geometry_buffer.vert leaves
 #if defined(TEXTURED) || defined(BUMPY)
 in vec2 in_uv; // texture coordinates [tiles]
 in ivec2 in_layers;
