@@ -18,7 +18,8 @@ from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.painter import Painter, Programs
 from tacos_plugins.renderers.moderngl.panorama import FaceStore
-from tacos_plugins.renderers.moderngl.probes import look_around, nearest_visible, probe_places
+from tacos_plugins.renderers.moderngl.probe_map import map_probes
+from tacos_plugins.renderers.moderngl.probes import look_around, probe_places
 from tacos_plugins.renderers.moderngl.rendered_views import Multisampling
 from tacos_plugins.renderers.moderngl.targets import TargetPool
 
@@ -80,8 +81,8 @@ class Device:
 
         places = probe_places(world, lit.tracer)
         probes = [look_around(place, world.lights, view) for place in places]
-        above = lit.mesh.position_m + np.float32(0.05) * lit.mesh.normal
-        painter.world.set_probes(probes, lit, nearest_visible(places, above, lit.tracer))
+        bounds = painter.world.lower_m, painter.world.upper_m
+        painter.world.set_probes(probes, map_probes(places, *bounds, lit.tracer))
 
 
 def device() -> Device:

@@ -16,12 +16,13 @@ from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
+from tacos_plugins.renderers.moderngl.probes import MOST_PROBES
 from tacos_plugins.renderers.moderngl.programs import compile_program
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
 from tacos_plugins.renderers.moderngl.targets import RenderTarget
 from tacos_plugins.renderers.moderngl.visibility import draw, pixel_from_camera
 
-_UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_boxes", "probes")
+_UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_map", "probes")
 
 
 class Programs:
@@ -29,7 +30,7 @@ class Programs:
 
     def __init__(self, context: moderngl.Context):
         filters = not describe_gl().is_software and context.max_anisotropy > 1
-        self._extra = ("FILTER_IN_HARDWARE",) if filters else ()
+        self._extra = (f"MOST_PROBES {MOST_PROBES}", *(("FILTER_IN_HARDWARE",) if filters else ()))
         self.geometry = compile_program(context, "geometry_buffer.vert", "geometry_buffer.frag")
         self.sky = compile_program(context, "sky.vert", "sky.frag")
         self.context = context
@@ -225,6 +226,10 @@ class Painter:
         program["eye"] = tuple(map(float, view.eye_m))
         program["probe_scale"] = PROBE_SCALE
         program["probe_levels"] = len(self.world.levels)
+        boxes = np.zeros((MOST_PROBES, 3, 3), np.float32)
+        boxes[: len(self.world.probe_boxes_m)] = self.world.probe_boxes_m
+        _write(program, "probe_boxes", boxes.tobytes())
+        program["map_origin"] = self.world.map_origin
 
 
 def _set_pixel_rays(program: moderngl.Program, view: Viewpoint) -> None:
