@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -20,6 +20,6 @@ def compiled(loop: Loop) -> Loop:
     can be written, it is compiled anew in each process.
     """
     try:
-        return numba.njit(loop, cache=True, **_OPTIONS)  # type: ignore[no-any-return]
+        return cast(Loop, numba.njit(loop, cache=True, **_OPTIONS))
     except RuntimeError:  # "no locator available": numba found no folder to write to
-        return numba.njit(loop, **_OPTIONS)  # type: ignore[no-any-return]
+        return cast(Loop, numba.njit(loop, **_OPTIONS))

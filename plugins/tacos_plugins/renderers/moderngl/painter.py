@@ -20,7 +20,6 @@ from tacos_plugins.renderers.moderngl.probes import MOST_PROBES
 from tacos_plugins.renderers.moderngl.programs import compile_program
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
 from tacos_plugins.renderers.moderngl.targets import RenderTarget
-from tacos_plugins.renderers.moderngl.visibility import draw, pixel_from_camera
 
 _UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_map", "probes")
 
@@ -132,6 +131,9 @@ class Painter:
         chunks: NDArray[np.intp],
     ) -> None:
         """Draw (H, W) inverse depth [1/m] and surface number without OpenGL; 0 for nothing."""
+        # Compiled loops take a moment to import, which checking a recipe need not wait for.
+        from tacos_plugins.renderers.moderngl.visibility import draw, pixel_from_camera
+
         inverse_depth.fill(0)
         surface.fill(0)
         world, from_camera = self.world, pixel_from_camera(view.camera)

@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import flush
-from tacos_plugins.renderers.moderngl.coverage import find_edges
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.targets import RenderTarget, TargetPool
-from tacos_plugins.renderers.moderngl.visibility import at_centres
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +136,10 @@ class EdgeBlending:
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
+        # Compiled loops take a moment to import, which checking a recipe need not wait for.
+        from tacos_plugins.renderers.moderngl.coverage import find_edges
+        from tacos_plugins.renderers.moderngl.visibility import at_centres
+
         view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
         fine = painter.viewpoint(self._half_pixels, world_from_camera, self._near_m)
         chunks = painter.in_view(fine)  # which sees half a pixel more on every side

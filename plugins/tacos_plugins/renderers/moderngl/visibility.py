@@ -232,7 +232,7 @@ def _fill(
     nearest = np.float32(max(corners[0, 2], corners[1, 2], corners[2, 2]))
     farthest = np.float32(min(corners[0, 2], corners[1, 2], corners[2, 2]))
     slope = np.float32(along_x)
-    number = np.int32(number)
+    own = np.int32(number)
     for y in range(first, last + 1):
         left, right = least, most
         for edge in range(3):
@@ -258,7 +258,7 @@ def _fill(
             before = depths[x]
             is_nearer = here > before
             depths[x] = here if is_nearer else before
-            numbers[x] = number if is_nearer else numbers[x]
+            numbers[x] = own if is_nearer else numbers[x]
 
 
 @compiled
