@@ -28,7 +28,7 @@ def drawn(corners, closed=False):
 
 
 def met(corners):
-    """The same by the ray of each pixel and the plane of each triangle, and pixels too near an edge to tell."""
+    """The same by the ray of each pixel and the plane of each triangle; and pixels too near an edge."""
     row, column = np.indices(SHAPE)
     ray = np.stack([(column - 24.3) / 30, (row - 19.7) / 30, np.ones(SHAPE)], axis=-1)
     depth, number, unsure = np.full(SHAPE, np.inf), np.zeros(SHAPE, int), np.zeros(SHAPE, bool)
