@@ -18,6 +18,14 @@ RIGS = {
         "stereo:StereoRig",
         "Two parallel cameras a baseline apart.",
     ),
+    "ring": (
+        "ring:RingRig",
+        "Equal cameras evenly around the agent, as many as are wanted.",
+    ),
+    "front-back-sides": (
+        "front_back_sides:FrontBackSidesRig",
+        "A camera ahead, and others behind and to the sides where they are wanted.",
+    ),
 }
 
 RENDERERS = {
@@ -190,6 +198,17 @@ SENSORS = {
     ),
 }
 
+CONTROLS = {
+    "mean-level": (
+        "mean_level:MeanLevel",
+        "Exposure time, then gain, by the mean level of the frames before, with a lag.",
+    ),
+    "gradient": (
+        "gradient:Gradient",
+        "Exposure time, then gain, towards the image with most gradients (Shim et al. 2014).",
+    ),
+}
+
 TASKS = {
     "orb-features": (
         "orb_features:OrbFeatures",
@@ -198,6 +217,10 @@ TASKS = {
     "obstacle-visibility": (
         "obstacle_visibility:ObstacleVisibility",
         "Share of thresholds on the path that were seen before they were stepped on, and how early.",
+    ),
+    "surround-coverage": (
+        "surround_coverage:SurroundCoverage",
+        "What all cameras of a rig have in view around the agent: directions, and things well seen.",
     ),
     "sgbm": (
         "sgbm:Sgbm",
@@ -279,6 +302,7 @@ FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "renderer": RENDERERS,
     "effect": EFFECTS,
     "sensor": SENSORS,
+    "control": CONTROLS,
     "task": TASKS,
     "optimizer": OPTIMIZERS,
     "executor": EXECUTORS,

@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tacos_framework.contracts.control import Controller
 from tacos_framework.contracts.effect import (
     FILE_STAGES,
     LIGHT_STAGES,
@@ -53,6 +54,7 @@ __all__ = [
     "VERBS",
     "Asked",
     "Budget",
+    "Controller",
     "DesignProblem",
     "Effect",
     "Evaluated",
@@ -88,6 +90,7 @@ PROTOCOLS: Mapping[str, type[Any]] = {
     "effect": Effect,
     "sensor": Sensor,
     "transform": Transform,
+    "control": Controller,
     "task": Task,
     "optimizer": Optimizer,
     "executor": Executor,
@@ -101,6 +104,7 @@ VERBS: Mapping[str, tuple[str, ...]] = {
     "effect": (),
     "sensor": ("expect", "moments", "draw", "dn_per_electron"),
     "transform": ("transform",),
+    "control": ("adjust",),
     "task": ("begin",),
     "optimizer": ("ask", "tell", "stop", "state", "restore"),
     "executor": ("map", "close"),

@@ -11,8 +11,8 @@ from pydantic import ValidationError
 from tacos_framework.cache import LRUCache, content_key
 from tacos_framework.contracts import Scores, State
 from tacos_framework.errors import CandidateFailed, UserError
-from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
-from tacos_framework.plan import REFUSED, ConfiguredComponent, EffectPart, Plan
+from tacos_framework.formation import ImageFormation, PlacedControl, PlacedEffect, PlacedSensor
+from tacos_framework.plan import EXPOSURE, REFUSED, ConfiguredComponent, EffectPart, Plan
 from tacos_framework.plugins import culprit_of
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import NamedScenario
@@ -198,6 +198,10 @@ class Simulation:
         overrides = overrides_of(values, plan.recipe.effect_names)
         components = {name: placed(name, part, overrides.nodes) for name, part in plan.nodes.items()}
         effects = [placed(part.name, part, overrides.effects) for part in plan.effects]
+        control = None
+        if plan.exposure is not None:
+            part, _ = overrides.exposure.parts(EXPOSURE, plan.exposure)
+            control = PlacedControl(part.origin, part.instance)
         key = content_key(values)
         with plan.rig.calling("build"):
             rig = self._rig.build(variables)
@@ -213,7 +217,7 @@ class Simulation:
                 scenario=scenario,
                 components=components,
                 overrides=overrides.nodes.settings,
-                formation=ImageFormation(exposure, effects),
+                formation=ImageFormation(exposure, effects, control),
                 kept=self._episodes,
                 key=key,
                 clock=clock,

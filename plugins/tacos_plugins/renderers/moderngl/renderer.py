@@ -89,6 +89,11 @@ class ModernglRenderer:
     def __init__(self, config: Config):
         self._config = config
 
+    @property
+    def averages_exposure(self) -> bool:
+        """Whether light is that of several moments of the exposure."""
+        return self._config.motion_samples > 1
+
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch.
 
