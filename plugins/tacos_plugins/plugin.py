@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from tacos_framework.components import Command, Component
 from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.hookspecs import hookimpl
-from tacos_plugins.authoring.commands import commands
+from tacos_plugins.authoring import commands as authoring
+from tacos_plugins.kept_worlds import commands as kept_worlds
 
 RIGS = {
     "monocular": (
@@ -336,8 +338,18 @@ def _components() -> Iterator[Component]:
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos catalog``, ``tacos schema``, ``tacos completion``, ``tacos new-plugin``."""
-    return commands()
+    """``tacos catalog``, ``tacos schema``, ``tacos completion``, ``tacos new-plugin``, ``tacos cache``."""
+    return [*authoring.commands(), *kept_worlds.commands()]
+
+
+@hookimpl
+def tacos_episode_stores() -> list[Any]:
+    """Worlds on the disk of this machine, unless its user wants none."""
+    from tacos_plugins.kept_worlds.episodes import StoredEpisodes
+    from tacos_plugins.kept_worlds.store import store_of_user
+
+    store = store_of_user()
+    return [] if store is None else [StoredEpisodes(store)]
 
 
 @hookimpl

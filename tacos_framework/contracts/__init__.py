@@ -41,7 +41,7 @@ from tacos_framework.contracts.optimizer import Asked, DesignProblem, Evaluated,
 from tacos_framework.contracts.procedure import Procedure
 from tacos_framework.contracts.renderer import Renderer
 from tacos_framework.contracts.rig import RigBuilder
-from tacos_framework.contracts.scene import Scene
+from tacos_framework.contracts.scene import EpisodeStore, Scene
 from tacos_framework.contracts.sensor import Sensor
 from tacos_framework.contracts.task import Budget, Scorer, Scores, State, Task, Trainable, learns
 from tacos_framework.contracts.transform import Transform
@@ -57,6 +57,7 @@ __all__ = [
     "Controller",
     "DesignProblem",
     "Effect",
+    "EpisodeStore",
     "Evaluated",
     "Executor",
     "JobRunner",
