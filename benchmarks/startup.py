@@ -21,7 +21,7 @@ COMMANDS = {
     "tacos-run headset_quick --check": "run_main(['headset_quick', '--check'])",
     "tacos-run headset_quick --explain": "run_main(['headset_quick', '--explain'])",
 }
-HEAVY = ("numpy", "torch", "networkx", "cv2")
+HEAVY = ("numpy", "torch", "networkx", "cv2", "numba")
 
 
 def main() -> None:

@@ -29,6 +29,10 @@ class DrawList:
     commands: NDArray[np.uint32]
     groups: tuple[tuple[int, int, int, int], ...]
 
+    def runs(self, first: int, count: int) -> NDArray[np.int64]:
+        """(count, 2) first triangle and number of triangles of some commands."""
+        return self.commands[first : first + count, [2, 0]].astype(np.int64) // 3
+
 
 class Culling:
     """The chunks of a world and the surfaces in them.

@@ -19,7 +19,8 @@ from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.kept_light import kept
 from tacos_plugins.renderers.moderngl.painter import Painter, Programs
 from tacos_plugins.renderers.moderngl.panorama import FaceStore
-from tacos_plugins.renderers.moderngl.probes import Probe, look_around, nearest_visible, probe_places
+from tacos_plugins.renderers.moderngl.probe_map import ProbeMap, map_probes
+from tacos_plugins.renderers.moderngl.probes import Probe, look_around, probe_places
 from tacos_plugins.renderers.moderngl.rendered_views import Multisampling
 from tacos_plugins.renderers.moderngl.targets import TargetPool
 
@@ -67,14 +68,14 @@ class Device:
         painter = Painter(self._programs, GpuWorld(self.context, world, lit))
         if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
             around = kept("probes", world, texel_m, lambda: self._look_around(painter, world, lit))
-            painter.world.set_probes(around[0], lit, around[1])
+            painter.world.set_probes(*around)
         log.info("lit and uploaded %d triangles in %.1f s", world.triangle_count, perf_counter() - start)
         return painter
 
     def _look_around(
         self, painter: Painter, world: World, lit: BakedMesh
-    ) -> tuple[tuple[Probe, ...], NDArray[np.int32]]:
-        """What is around glossy surfaces for them to mirror, and which of it each vertex mirrors.
+    ) -> tuple[tuple[Probe, ...], ProbeMap]:
+        """What is around glossy surfaces for them to mirror, and which of it each place mirrors.
 
         Metals would be black otherwise.
         """
@@ -87,8 +88,8 @@ class Device:
 
         places = probe_places(world, lit.tracer)
         probes = tuple(look_around(place, world.lights, view) for place in places)
-        above = lit.mesh.position_m + np.float32(0.05) * lit.mesh.normal
-        return probes, nearest_visible(places, above, lit.tracer)
+        bounds = painter.world.lower_m, painter.world.upper_m
+        return probes, map_probes(places, *bounds, lit.tracer)
 
 
 def device() -> Device:

@@ -14,6 +14,7 @@ from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh
 from tacos_plugins.renderers.moderngl.culling import Culling
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
+from tacos_plugins.renderers.moderngl.probe_map import ProbeMap
 from tacos_plugins.renderers.moderngl.probes import Probe
 from tacos_plugins.renderers.moderngl.textures import (
     colour_stack,
@@ -33,7 +34,7 @@ SURFACE_VERTEX = np.dtype(
     ]
 )
 GLOSS_VERTEX = np.dtype(
-    [("in_normal", "f4", 3), ("in_tangent", "f4", 4), ("in_share", "f4"), ("in_gloss", "i4", 2)]
+    [("in_normal", "f4", 3), ("in_tangent", "f4", 4), ("in_share", "f4"), ("in_gloss", "i4")]
 )
 GEOMETRY_VERTEX = np.dtype([("in_position", "f4", 3), ("in_surface", "i4")])
 
@@ -57,15 +58,20 @@ class GpuWorld:
         self.culling = Culling(lit.chunks, lit.mesh.triangles, lit.surface)
         self.object_of_surface = np.zeros(int(lit.surface.max(initial=0)) + 1, np.int32)
         self.object_of_surface[lit.surface] = lit.mesh.object_id
-        self._lower_m, self._upper_m = _bounds(lit.mesh.position_m)
+        self.lower_m, self.upper_m = _bounds(lit.mesh.position_m)
         self.ambient_cd_m2 = world.ambient_cd_m2
         self.has_sky = world.sky_cd_m2 is not None
+        self.probe_boxes_m = np.zeros((1, 3, 3), np.float32)  # of each: place, lower and upper corner
+        self.map_origin = (0.0, 0.0, 1.0)  # of the map of probes: x and y [m], and cells per metre
         self.levels, level_of_material = roughness_levels(world.materials)
         self.kinds = [SurfaceKind(bits) for bits in np.unique(lit.chunks.kind).tolist()]
         self.surface = _buffer(context, _surface_vertices(world, lit))
-        self.gloss = _buffer(context, _gloss_vertices(lit, np.zeros(len(lit.mesh.position_m), np.int32)))
+        self.gloss = _buffer(context, _gloss_vertices(lit))
         self.geometry = _buffer(context, _geometry_vertices(lit))
         self.indices = _buffer(context, lit.mesh.triangles)
+        # Also kept where software draws without OpenGL (see `visibility`).
+        self.position_m, self.triangles = lit.mesh.position_m, lit.mesh.triangles
+        self.surface_of_vertex = lit.surface
         self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
         self.textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "colours": colour_stack(context, world.materials),
@@ -73,30 +79,20 @@ class GpuWorld:
             "light_map": _map(context, lit.light_map),
             "bend_map": _map(context, lit.bend_map),
             "materials": _table(context, material_table(world.materials, level_of_material)),
-            "probe_boxes": _table(context, np.zeros((1, 3, 4), np.float32)),
+            "probe_map": _table(context, np.zeros((1, 1, 1), np.float32)),
             "probes": _layers(context, np.zeros((len(self.levels), 2, 2, 3), np.float32)),
         }
         if world.sky_cd_m2 is not None:
             self.textures["sky"] = _panorama(context, world.sky_cd_m2)
 
-    def set_probes(self, probes: Sequence[Probe], lit: BakedMesh, of_vertex: NDArray[np.int32]) -> None:
-        """Let glossy surfaces mirror probes; before, they mirror darkness.
-
-        Parameters
-        ----------
-        lit
-            The light this world was made with.
-        of_vertex
-            (V,) the probe each vertex mirrors.
-        """
-        boxes = np.zeros((len(probes), 3, 4), np.float32)
-        for row, probe in zip(boxes, probes, strict=True):
-            row[:, :3] = probe.position_m, probe.lower_m, probe.upper_m
-        for name in ("probe_boxes", "probes"):
+    def set_probes(self, probes: Sequence[Probe], mapped: ProbeMap) -> None:
+        """Let glossy surfaces mirror the probes that a map gives each place; before, they mirror darkness."""
+        self.probe_boxes_m = np.array([(p.position_m, p.lower_m, p.upper_m) for p in probes], np.float32)
+        for name in ("probe_map", "probes"):
             self.textures[name].release()
-        self.textures["probe_boxes"] = _table(self._context, boxes)
         self.textures["probes"] = _layers(self._context, prefiltered(probes, self.levels))
-        self.gloss.write(_gloss_vertices(lit, of_vertex).tobytes())
+        self.textures["probe_map"] = _table(self._context, mapped.packed()[..., None])
+        self.map_origin = (float(mapped.origin_m[0]), float(mapped.origin_m[1]), 1 / mapped.cell_m)
 
     def surface_arrays(self, program: moderngl.Program) -> moderngl.VertexArray:
         """Vertex array that feeds a surface program."""
@@ -108,7 +104,7 @@ class GpuWorld:
 
     def far_m(self, eye_m: NDArray[np.float64]) -> float:
         """A depth beyond everything that can be seen from an optical centre [m]."""
-        farthest = np.maximum(np.abs(self._lower_m - eye_m), np.abs(self._upper_m - eye_m))
+        farthest = np.maximum(np.abs(self.lower_m - eye_m), np.abs(self.upper_m - eye_m))
         return 1.01 * float(np.linalg.norm(farthest)) + 1.0
 
     @property
@@ -166,7 +162,7 @@ def _surface_vertices(world: World, lit: BakedMesh) -> NDArray[np.void]:
     return vertices
 
 
-def _gloss_vertices(lit: BakedMesh, probe_of_vertex: NDArray[np.int32]) -> NDArray[np.void]:
+def _gloss_vertices(lit: BakedMesh) -> NDArray[np.void]:
     mesh = lit.mesh
     tangent, bitangent = lit.frames[:, 0], lit.frames[:, 1]
     side = np.einsum("ij,ij->i", np.cross(mesh.normal, tangent), bitangent)
@@ -175,7 +171,7 @@ def _gloss_vertices(lit: BakedMesh, probe_of_vertex: NDArray[np.int32]) -> NDArr
     vertices["in_tangent"][:, :3] = tangent
     vertices["in_tangent"][:, 3] = np.where(side < 0, -1, 1)
     vertices["in_share"] = lit.vertex_light.unshadowed_share
-    vertices["in_gloss"] = np.column_stack([mesh.material, probe_of_vertex])
+    vertices["in_gloss"] = mesh.material
     return vertices
 
 
@@ -203,8 +199,8 @@ def _texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
 
 
 def _table(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Texture:
-    rows, columns, _ = data.shape
-    texture = context.texture((columns, rows), 4, data.tobytes(), dtype="f4")
+    rows, columns, channels = data.shape
+    texture = context.texture((columns, rows), channels, data.tobytes(), dtype="f4")
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
 

@@ -12,11 +12,12 @@ from tacos_plugins.kept_worlds.store import store_of_user
 from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, SurfaceLight
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.flatten import Chunks, FlatMesh
+from tacos_plugins.renderers.moderngl.probe_map import ProbeMap
 from tacos_plugins.renderers.moderngl.probes import Probe
 
 Made = TypeVar("Made")
 
-CLASSES: Sequence[type[Any]] = (BakedMesh, FlatMesh, Chunks, SurfaceLight, Probe)
+CLASSES: Sequence[type[Any]] = (BakedMesh, FlatMesh, Chunks, SurfaceLight, Probe, ProbeMap)
 """What light consists of."""
 
 

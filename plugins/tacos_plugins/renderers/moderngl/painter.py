@@ -16,11 +16,12 @@ from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
+from tacos_plugins.renderers.moderngl.probes import MOST_PROBES
 from tacos_plugins.renderers.moderngl.programs import compile_program
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
 from tacos_plugins.renderers.moderngl.targets import RenderTarget
 
-_UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_boxes", "probes")
+_UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_map", "probes")
 
 
 class Programs:
@@ -28,9 +29,8 @@ class Programs:
 
     def __init__(self, context: moderngl.Context):
         filters = not describe_gl().is_software and context.max_anisotropy > 1
-        self._extra = ("FILTER_IN_HARDWARE",) if filters else ()
-        self.geometry = compile_program(context, "geometry_buffer.vert", "geometry_buffer.frag", ("DEPTH",))
-        self.surfaces = compile_program(context, "geometry_buffer.vert", "geometry_buffer.frag")
+        self._extra = (f"MOST_PROBES {MOST_PROBES}", *(("FILTER_IN_HARDWARE",) if filters else ()))
+        self.geometry = compile_program(context, "geometry_buffer.vert", "geometry_buffer.frag")
         self.sky = compile_program(context, "sky.vert", "sky.frag")
         self.context = context
         self._surface: dict[SurfaceKind, moderngl.Program] = {}
@@ -50,12 +50,17 @@ class Programs:
 
 @dataclass(frozen=True, eq=False)
 class Viewpoint:
-    """A camera at a place: its pose both ways, and the projection of the world into its clip space."""
+    """A camera at a place: its pose both ways, and the projection of the world into its clip space.
+
+    Inverse depth becomes a depth of OpenGL's window by constant and slope in `window_of_inverse` [1, m].
+    """
 
     camera: Camera
     world_from_camera: NDArray[np.float64]
     camera_from_world: NDArray[np.float64]
     clip_from_world: NDArray[np.float64]
+    near_m: float
+    window_of_inverse: tuple[float, float]
 
     def onto(self, moved: NDArray[np.float64]) -> Viewpoint:
         """The view from which a thing at rest looks as it does from here once (4, 4) `moved` [m]."""
@@ -64,6 +69,8 @@ class Viewpoint:
             world_from_camera=invert_pose(moved) @ self.world_from_camera,
             camera_from_world=self.camera_from_world @ moved,
             clip_from_world=self.clip_from_world @ moved,
+            near_m=self.near_m,
+            window_of_inverse=self.window_of_inverse,
         )
 
     @property
@@ -88,7 +95,6 @@ class Painter:
         self._context, self._programs = programs.context, programs
         self._shaded = {kind: world.surface_arrays(programs.surface(kind)) for kind in world.kinds}
         self._geometry = world.geometry_arrays(programs.geometry)
-        self._surfaces = world.geometry_arrays(programs.surfaces)
         self._sky = programs.context.vertex_array(programs.sky, [])
         self._moved: Mapping[int, NDArray[np.float64]] = {}
 
@@ -109,22 +115,55 @@ class Painter:
     def geometry(self, view: Viewpoint, target: RenderTarget, chunks: NDArray[np.intp]) -> None:
         """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
         self._clear(target, (np.inf, 0.0, 0.0, 0.0))
-        self._draw_alike(self._programs.geometry, self._geometry, view, chunks)
+        program = self._programs.geometry
+        draws = self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
+        for mover, bits, first, count in draws.groups:
+            seen = self._seen(view, mover)
+            _write(program, "clip_from_world", _columns(seen.clip_from_world))
+            _write(program, "depth_from_world", seen.camera_from_world[2].astype("f4").tobytes())
+            self._draw(self._geometry, SurfaceKind(bits), draws.commands[first : first + count])
 
-    def surfaces(self, view: Viewpoint, target: RenderTarget, chunks: NDArray[np.intp]) -> None:
-        """Draw the surface number into a target of 1 channel; 0 for nothing."""
-        self._clear(target, (0.0, 0.0, 0.0, 0.0))
-        self._draw_alike(self._programs.surfaces, self._surfaces, view, chunks)
+    def visibility(
+        self,
+        view: Viewpoint,
+        inverse_depth: NDArray[np.float32],
+        surface: NDArray[np.int32],
+        chunks: NDArray[np.intp],
+    ) -> None:
+        """Draw (H, W) inverse depth [1/m] and surface number without OpenGL; 0 for nothing."""
+        # Compiled loops take a moment to import, which checking a recipe need not wait for.
+        from tacos_plugins.renderers.moderngl.visibility import draw, pixel_from_camera
 
-    def colour(self, view: Viewpoint, target: RenderTarget, chunks: NDArray[np.intp]) -> None:
+        inverse_depth.fill(0)
+        surface.fill(0)
+        world, from_camera = self.world, pixel_from_camera(view.camera)
+        draws = world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
+        for mover, bits, first, count in draws.groups:
+            pixel_from_world = from_camera @ self._seen(view, mover).camera_from_world[:3]
+            runs = draws.runs(first, count)
+            mesh = (world.position_m, world.triangles, world.surface_of_vertex)
+            closed = bool(bits & SurfaceKind.CLOSED)
+            draw(inverse_depth, surface, *mesh, runs, pixel_from_world, view.near_m, closed)
+
+    def colour(
+        self,
+        view: Viewpoint,
+        target: RenderTarget,
+        chunks: NDArray[np.intp],
+        behind: NDArray[np.float32] | None = None,
+    ) -> None:
         """Draw luminance into a target of 4 channels [cd/m2].
 
-        Over the depth buffer of a target that holds the geometry buffer of the same view, only what is seen
-        is shaded.
+        Parameters
+        ----------
+        behind
+            (H, W) window depths beyond which nothing is seen, and nothing need be shaded [1].
         """
         world = self.world
         red, green, blue = map(float, world.ambient_cd_m2)
         self._clear(target, (red, green, blue, 1.0))
+        if behind is not None:
+            target.fill_depth(behind)
         for unit, name in enumerate(_UNITS):
             world.textures[name].use(unit)
         self._context.depth_func = "<="
@@ -149,33 +188,19 @@ class Painter:
             world_from_camera=world_from_camera,
             camera_from_world=camera_from_world,
             clip_from_world=projection_matrix(camera, near_m, far_m) @ camera_from_world,
+            near_m=near_m,
+            window_of_inverse=(far_m / (far_m - near_m), -far_m * near_m / (far_m - near_m)),
         )
 
     def release(self) -> None:
         """Give the world and all that belongs to it back."""
-        for arrays in (*self._shaded.values(), self._geometry, self._surfaces, self._sky):
+        for arrays in (*self._shaded.values(), self._geometry, self._sky):
             arrays.release()
         self.world.release()
 
     def _clear(self, target: RenderTarget, colour: tuple[float, float, float, float]) -> None:
         target.framebuffer.use()
         target.framebuffer.clear(color=colour, depth=1.0)
-
-    def _draw_alike(
-        self,
-        program: moderngl.Program,
-        arrays: moderngl.VertexArray,
-        view: Viewpoint,
-        chunks: NDArray[np.intp],
-    ) -> None:
-        """Draw chunks with one program, whatever they are made of."""
-        draws = self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
-        for mover, bits, first, count in draws.groups:
-            seen = self._seen(view, mover)
-            _write(program, "clip_from_world", _columns(seen.clip_from_world))
-            if "depth_from_world" in program:
-                _write(program, "depth_from_world", seen.camera_from_world[2].astype("f4").tobytes())
-            self._draw(arrays, SurfaceKind(bits), draws.commands[first : first + count])
 
     def _seen(self, view: Viewpoint, mover: int) -> Viewpoint:
         """The view of an object that may have moved."""
@@ -203,6 +228,10 @@ class Painter:
         program["eye"] = tuple(map(float, view.eye_m))
         program["probe_scale"] = PROBE_SCALE
         program["probe_levels"] = len(self.world.levels)
+        boxes = np.zeros((MOST_PROBES, 3, 3), np.float32)
+        boxes[: len(self.world.probe_boxes_m)] = self.world.probe_boxes_m
+        _write(program, "probe_boxes", boxes.tobytes())
+        program["map_origin"] = self.world.map_origin
 
 
 def _set_pixel_rays(program: moderngl.Program, view: Viewpoint) -> None:

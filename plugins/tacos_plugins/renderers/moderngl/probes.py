@@ -1,4 +1,4 @@
-"""Reflection probes: where they stand, the room around them, and which surface mirrors which."""
+"""Reflection probes: where they stand, the room around them, and what is seen there."""
 
 from __future__ import annotations
 
@@ -160,15 +160,3 @@ def paint_light(
     cut = hit[0].any() or hit[-1].any() or hit[:, 0].any() or hit[:, -1].any()
     factor = 1.0 if cut else true_sr / covered_sr
     luminance[hit & (along < depth_m + _ON_SURFACE_M)] = (intensity / area * factor).astype(np.float32)
-
-
-def nearest_visible(
-    place_m: NDArray[np.float64], point_m: NDArray[np.float32], tracer: RayTracer
-) -> NDArray[np.int32]:
-    """(N,) the nearest of (P, 3) places that each point sees, or the nearest where it sees none."""
-    cost = np.empty((len(point_m), len(place_m)), np.float32)
-    for index, place in enumerate(place_m):
-        to = place.astype(np.float32) - point_m
-        hidden = tracer.blocked(point_m, to)
-        cost[:, index] = np.linalg.norm(to, axis=1) + np.where(hidden, 1e3, 0)
-    return cost.argmin(axis=1).astype(np.int32)

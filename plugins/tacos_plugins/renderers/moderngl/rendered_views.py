@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import flush
-from tacos_plugins.renderers.moderngl.coverage import find_edges
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.targets import RenderTarget, TargetPool
 
@@ -123,38 +122,33 @@ class EdgeBlending:
         self._targets, self._camera, self._near_m = targets, camera, near_m
         self._half_pixels = half_pixel_camera(camera)
         height, width = camera.height_px, camera.width_px
-        self._geometry = targets.scratch("geometry", (height, width, 2))
-        self._seen = targets.scratch("seen", (height, width))
-        self._surface = targets.scratch("surface", (2 * height + 1, 2 * width + 1, 1))
+        self._shape = (height, width)
+        self._inverse_depth = targets.scratch("inverse depth", (2 * height + 1, 2 * width + 1))
+        self._surface = targets.scratch("surface", (2 * height + 1, 2 * width + 1)).view(np.int32)
+        self._seen, self._behind = (targets.scratch(name, self._shape) for name in ("seen", "behind"))
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
-        camera, finer = self._camera, self._half_pixels
-        view = painter.viewpoint(camera, world_from_camera, self._near_m)
-        fine = painter.viewpoint(finer, world_from_camera, self._near_m)
-        size = (camera.width_px, camera.height_px)
-        geometry = self._targets.get(size, channels=2)
-        coverage = self._targets.get((finer.width_px, finer.height_px), channels=1)
-        colour = self._targets.get(size, channels=4, depth_of=2)
+        # Compiled loops take a moment to import, which checking a recipe need not wait for.
+        from tacos_plugins.renderers.moderngl.coverage import find_edges
+        from tacos_plugins.renderers.moderngl.visibility import at_centres
 
+        view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
+        fine = painter.viewpoint(self._half_pixels, world_from_camera, self._near_m)
         chunks = painter.in_view(fine)  # which sees half a pixel more on every side
-        painter.geometry(view, geometry, chunks)
-        geometry.read(self._geometry)
-        seen = self._seen
-        np.copyto(seen, self._geometry[..., 1])
-        chunks = painter.with_surfaces(chunks, seen)
-        painter.surfaces(fine, coverage, chunks)
-        coverage.read(self._surface)  # before colour is asked for, as reading waits for all that was
-        painter.colour(view, colour, chunks)
-        flush()
+        painter.visibility(fine, self._inverse_depth, self._surface, chunks)
+        depth_m = np.empty(self._shape, np.float32)
+        seen, behind = self._seen, self._behind
+        at_centres(self._inverse_depth, self._surface, view.window_of_inverse, depth_m, seen, behind)
 
-        surface = self._surface[..., 0]
-        surface[1::2, 1::2] = seen  # rounding may differ between sizes of image
-        edges = find_edges(surface)  # while other threads draw colour
-        luminance = np.empty((*seen.shape, 3), np.float32)
+        colour = self._targets.get(self._shape[::-1], channels=4, fills_depth=True)
+        painter.colour(view, colour, painter.with_surfaces(chunks, seen), behind)
+        flush()
+        edges = find_edges(self._surface)  # while other threads draw colour
+        luminance = np.empty((*self._shape, 3), np.float32)
         colour.read(luminance)
         edges.blend(luminance)
-        return RenderedView(luminance, self._geometry[..., 0].copy(), seen)
+        return RenderedView(luminance, depth_m, seen)
 
 
 def half_pixel_camera(camera: Camera) -> Camera:

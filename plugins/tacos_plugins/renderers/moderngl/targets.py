@@ -27,8 +27,8 @@ class RenderTarget:
         1, 2 or 4 floats per pixel [1].
     samples
         Samples per pixel; 1 lies at the pixel centre [1].
-    depth
-        A depth buffer of that size to draw over, of which another target is the owner.
+    fills_depth
+        Whether depth can be filled in before something is drawn.
     """
 
     def __init__(
@@ -37,17 +37,16 @@ class RenderTarget:
         size: tuple[int, int],
         channels: int,
         samples: int,
-        depth: moderngl.Renderbuffer | None = None,
+        fills_depth: bool = False,
     ):
-        self._context, self._owns_depth = context, depth is None
-        self.nbytes = 4 * size[0] * size[1] * samples * (channels + (depth is None))
+        self._context = context
+        self.nbytes = 4 * size[0] * size[1] * samples * (channels + 1)
         several = samples if samples > 1 else 0
-        self.depth = depth or context.depth_renderbuffer(size, samples=several)
+        self._filled = context.depth_texture(size) if fills_depth else None
         self.framebuffer = context.framebuffer(
             context.renderbuffer(size, channels, samples=several, dtype="f4"),
-            self.depth,
+            self._filled or context.depth_renderbuffer(size, samples=several),
         )
-        self.framebuffer.depth_mask = self._owns_depth
         self._resolved = None
         if several:
             self._resolved = context.framebuffer(context.renderbuffer(size, channels, dtype="f4"))
@@ -60,6 +59,11 @@ class RenderTarget:
         """Begin to copy (H, W, channels) float32 into a buffer of the device, samples averaged."""
         self._source().read_into(into, components=channels, dtype="f4")
 
+    def fill_depth(self, depth: NDArray[np.float32]) -> None:
+        """Set (H, W) window depths [1]."""
+        assert self._filled is not None
+        self._filled.write(depth)
+
     def _source(self) -> moderngl.Framebuffer:
         if self._resolved is None:
             return self.framebuffer
@@ -71,11 +75,10 @@ class RenderTarget:
         for framebuffer in (self.framebuffer, self._resolved):
             if framebuffer is None:
                 continue
-            for attachment in framebuffer.color_attachments:
-                attachment.release()
+            for attachment in (*framebuffer.color_attachments, framebuffer.depth_attachment):
+                if attachment is not None:
+                    attachment.release()
             framebuffer.release()
-        if self._owns_depth:
-            self.depth.release()
 
 
 class TargetPool:
@@ -88,24 +91,17 @@ class TargetPool:
         self._context = context
         self._memory: dict[str, NDArray[np.float32]] = {}
         self._buffers: OrderedDict[tuple[int, int], moderngl.Buffer] = OrderedDict()
-        self._targets: OrderedDict[tuple[int, int], dict[tuple[int, int, int], RenderTarget]] = OrderedDict()
+        self._targets: OrderedDict[tuple[int, int], dict[tuple[int, int, bool], RenderTarget]] = OrderedDict()
 
     def get(
-        self, size: tuple[int, int], channels: int, samples: int = 1, depth_of: int | None = None
+        self, size: tuple[int, int], channels: int, samples: int = 1, fills_depth: bool = False
     ) -> RenderTarget:
-        """The target, made on first use.
-
-        Parameters
-        ----------
-        depth_of
-            Channels of the target of the same size whose depth is tested against and kept.
-        """
+        """The target, made on first use; the parameters are those of `RenderTarget`."""
         of_size = self._targets.setdefault(size, {})
         self._targets.move_to_end(size)
-        key = (channels, samples, depth_of or 0)
+        key = (channels, samples, fills_depth)
         if key not in of_size:
-            depth = None if depth_of is None else self.get(size, depth_of, samples).depth
-            of_size[key] = RenderTarget(self._context, size, channels, samples, depth)
+            of_size[key] = RenderTarget(self._context, size, channels, samples, fills_depth)
             self._make_room()
         return of_size[key]
 

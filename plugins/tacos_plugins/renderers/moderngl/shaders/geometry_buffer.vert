@@ -1,5 +1,5 @@
 #version 330
-// Truth: which smooth surface is seen and, with DEPTH, its distance along the optical axis.
+// Truth: which smooth surface is seen and its distance along the optical axis.
 
 uniform mat4 clip_from_world;
 
@@ -7,17 +7,12 @@ in vec3 in_position;
 in int in_surface;
 
 flat out float surface;
-#ifdef DEPTH
 uniform vec4 depth_from_world; // third row of camera_from_world
 out float depth_m;
-#endif
-invariant gl_Position; // colour is drawn over the depth this leaves
 
 void main() {
     vec4 world = vec4(in_position, 1.0);
     gl_Position = clip_from_world * world;
     surface = float(in_surface); // exact up to 2^24
-#ifdef DEPTH
     depth_m = dot(depth_from_world, world);
-#endif
 }

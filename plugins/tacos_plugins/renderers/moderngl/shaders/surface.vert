@@ -4,7 +4,6 @@
 uniform mat4 clip_from_world;
 
 in vec3 in_position;
-invariant gl_Position; // is compared with the depth that geometry_buffer.vert leaves
 #if defined(TEXTURED) || defined(BUMPY)
 in vec2 in_uv; // texture coordinates [tiles]
 in ivec2 in_layers;
@@ -26,17 +25,13 @@ out vec2 bend;
 in vec3 in_normal;
 in vec4 in_tangent; // w: sign of the bitangent
 in float in_share;  // share of direct light that shadows leave
-in ivec2 in_gloss;  // material and probe
+in int in_gloss;    // material
 out vec3 normal;
 // Of the material: fetched once a vertex, as it costs several times more once a pixel.
 uniform sampler2D materials;   // three texels each, see textures.material_table
-uniform sampler2D probe_boxes; // three texels each: centre; lower and upper corner of the box [m]
 flat out vec4 base_roughness;
 flat out vec4 emission_metallic;
-flat out vec4 centre_layer; // of the probe, and the layer of `probes`
-flat out vec3 lower;
-flat out vec3 upper;
-uniform int probe_levels; // layers per probe
+flat out float level; // of roughness, among the layers of a probe
 #ifdef BUMPY
 out vec4 tangent;
 #endif
@@ -61,13 +56,10 @@ void main() {
 #endif
 #ifdef GLOSSY
     normal = in_normal;
-    vec4 kind = texelFetch(materials, ivec2(1, in_gloss.x), 0); // roughness, metallic, level
-    base_roughness = vec4(texelFetch(materials, ivec2(0, in_gloss.x), 0).rgb, kind.x);
-    emission_metallic = vec4(texelFetch(materials, ivec2(2, in_gloss.x), 0).rgb, kind.y);
-    centre_layer = vec4(
-        texelFetch(probe_boxes, ivec2(0, in_gloss.y), 0).xyz, float(in_gloss.y * probe_levels) + kind.z);
-    lower = texelFetch(probe_boxes, ivec2(1, in_gloss.y), 0).xyz;
-    upper = texelFetch(probe_boxes, ivec2(2, in_gloss.y), 0).xyz;
+    vec4 kind = texelFetch(materials, ivec2(1, in_gloss), 0); // roughness, metallic, level
+    base_roughness = vec4(texelFetch(materials, ivec2(0, in_gloss), 0).rgb, kind.x);
+    emission_metallic = vec4(texelFetch(materials, ivec2(2, in_gloss), 0).rgb, kind.y);
+    level = kind.z;
 #ifdef BUMPY
     tangent = in_tangent;
 #endif

@@ -1,0 +1,25 @@
+"""Loops over pixels, compiled on first use (numba) and kept on disk for the next process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numba
+
+_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}  # division by zero is not looked for
+
+Loop = TypeVar("Loop", bound=Callable[..., Any])
+
+
+def compiled(loop: Loop) -> Loop:
+    """A function of arrays and numbers as machine code.
+
+    Sums keep their order (no `fastmath`), so every process gives the same bits. The code is kept beside the
+    module, in the user's cache folder where that cannot be written, or where NUMBA_CACHE_DIR says; where none
+    can be written, it is compiled anew in each process.
+    """
+    try:
+        return cast(Loop, numba.njit(loop, cache=True, **_OPTIONS))
+    except RuntimeError:  # "no locator available": numba found no folder to write to
+        return cast(Loop, numba.njit(loop, **_OPTIONS))

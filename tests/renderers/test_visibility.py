@@ -1,0 +1,86 @@
+"""Surfaces drawn without OpenGL, beside planes met by rays one at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tacos_plugins.renderers.moderngl.visibility import draw
+
+SHAPE = (40, 50)
+NEAR_M = 0.1
+PIXEL = np.array([[30.0, 0.0, 24.3, 0.0], [0.0, 30.0, 19.7, 0.0], [0.0, 0.0, 1.0, 0.0]])
+
+
+def drawn(corners, closed=False):
+    """(H, W) depth and triangle number, from 1, of (T, 3, 3) corners in front of a camera."""
+    corners = np.asarray(corners, np.float32)
+    count = len(corners)
+    inverse, number = np.zeros(SHAPE, np.float32), np.zeros(SHAPE, np.int32)
+    vertices = np.arange(3 * count, dtype=np.int32)
+    runs = np.array([[0, count]], np.int64)
+    mesh = (corners.reshape(-1, 3), vertices.reshape(-1, 3), vertices // 3 + 1)
+    draw(inverse, number, *mesh, runs, PIXEL, NEAR_M, closed)
+    with np.errstate(divide="ignore"):
+        return 1 / inverse, number
+
+
+def met(corners):
+    """The same by the ray of each pixel and the plane of each triangle; and pixels too near an edge."""
+    row, column = np.indices(SHAPE)
+    ray = np.stack([(column - 24.3) / 30, (row - 19.7) / 30, np.ones(SHAPE)], axis=-1)
+    depth, number, unsure = np.full(SHAPE, np.inf), np.zeros(SHAPE, int), np.zeros(SHAPE, bool)
+    for index, (a, b, c) in enumerate(np.asarray(corners, np.float64), start=1):
+        normal = np.cross(b - a, c - a)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            z = (normal @ a) / (ray @ normal)
+            point = ray * z[..., None]
+            edges = [
+                np.cross(q - p, point - p) @ normal / (normal @ normal) for p, q in ((a, b), (b, c), (c, a))
+            ]
+        inside = np.min(edges, axis=0)
+        unsure |= ~np.isfinite(z) | (np.abs(inside) < 0.02) | (np.abs(z - NEAR_M) < 1e-2)
+        hit = (inside > 0) & (z >= NEAR_M)
+        unsure |= hit & (np.abs(z - depth) < 1e-3)
+        nearer = hit & (z < depth)
+        depth[nearer], number[nearer] = z[nearer], index
+    return depth, number, unsure
+
+
+place = st.tuples(*[st.floats(-3, 3), st.floats(-3, 3), st.floats(-1, 5)])
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(place, place, place), min_size=1, max_size=5))
+def test_nearest_surface_and_depth_are_those_that_rays_meet(corners):
+    corners = np.array(corners)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    corners = corners[area > 0.5]
+    if len(corners) == 0:
+        return
+    depth, number = drawn(corners)
+    expected_depth, expected, unsure = met(corners)
+    sure = ~unsure
+    np.testing.assert_array_equal(number[sure], expected[sure])
+    np.testing.assert_allclose(depth[sure], expected_depth[sure], rtol=2e-3)
+
+
+@given(st.lists(st.tuples(st.integers(0, 200), st.integers(0, 160)), min_size=1, max_size=1))
+def test_triangles_about_a_point_cover_each_sample_once(middle):
+    # Corners on sample places and between them: samples on shared edges belong to exactly one triangle.
+    (x, y), rim = middle[0], [(-8, -8), (216, -8), (216, 176), (-8, 176)]
+    to_camera = np.linalg.inv(PIXEL[:, :3])
+    fan = [[to_camera @ (u / 4, v / 4, 1) for u, v in ((x, y), rim[i], rim[(i + 1) % 4])] for i in range(4)]
+    covered = sum((drawn([part])[1] > 0).astype(int) for part in fan)
+    assert (covered == 1).all()
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_backs_are_drawn_unless_the_part_is_closed(closed):
+    facing = np.array(
+        [[(-1, -1, 2.0), (-1, 1, 2.0), (1, 0, 2.0)]]
+    )  # counter-clockwise as seen from the camera
+    assert drawn(facing, closed)[1].any()
+    assert drawn(facing[:, ::-1], closed)[1].any() == (not closed)
