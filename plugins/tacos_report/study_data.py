@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_bytes, read_json, read_lines
+from tacos_framework.files.text import parse_json
+from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_report.analysis import Analysis, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
 
@@ -184,12 +186,9 @@ def read_study(folder: Path) -> StudyData:
 def _read_result(folder: Path) -> dict[str, Any]:
     path = folder / "result.json"
     remedy = "Name the folder that tacos-run wrote with --out."
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy)) from None
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise UserError(Fault(str(path), f"not readable as JSON: {error}", remedy=remedy)) from None
+    if not path.exists():
+        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy))
+    result = read_json(path, remedy=remedy)
     if not isinstance(result, dict):
         raise UserError(Fault(str(path), "not a JSON object", "the result of a study", remedy))
     return result
@@ -197,15 +196,17 @@ def _read_result(folder: Path) -> dict[str, Any]:
 
 def _read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
     """The generations, and whether the last line was torn by a kill while it was written."""
-    lines = [line for line in _text(path).splitlines() if line.strip()]
+    lines = [line for line in read_lines(path) if line.strip()] if path.exists() else []
     generations: list[Generation] = []
     for index, line in enumerate(lines):
         try:
-            row = json.loads(line)
-        except json.JSONDecodeError as error:
+            row = parse_json(line, f"{path}:{index + 1}")
+        except UserError:
             if index == len(lines) - 1:
                 return tuple(generations), True
-            raise UserError(Fault(f"{path}:{index + 1}", f"not readable as JSON: {error}")) from None
+            raise
+        if not isinstance(row, dict):
+            raise UserError(Fault(f"{path}:{index + 1}", "not a JSON object", "a generation"))
         generations.append(_generation(row))
     return tuple(generations), False
 
@@ -262,15 +263,13 @@ def _inside(folder: Path, name: str) -> Path | None:
 
 
 def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    return read_bytes(path, "lines_mb").decode("utf-8", "replace") if path.exists() else ""
 
 
 def _document(recipe: str) -> Mapping[str, Any]:
-    import yaml
-
     try:
-        return mapping(yaml.safe_load(recipe))
-    except yaml.YAMLError:
+        return mapping(read_yaml(recipe).data)
+    except UserError:
         return {}
 
 

@@ -1,6 +1,6 @@
 """What an image file says of its size, and whether it is whole, before anything is decoded.
 
-Decoders believe the header: a file of a megabyte may claim gigabytes, and rows that lack become black or grey.
+Decoders believe the header: a file of a megabyte may claim gigabytes, and rows that are missing become black.
 Pure functions of bytes.
 
 References

@@ -28,7 +28,9 @@ class Limits:
     text_mb
         Size of a YAML file, or of a table [MB].
     json_mb
-        Size of a JSON file, or of one line of a file of lines [MB]; in memory it may be twenty times that.
+        Size of a JSON file [MB]; in memory it may be twenty times that.
+    lines_mb
+        Size of a log, or of a file with a JSON object a line [MB].
     image_mb
         Decoded samples of one image [MB], and size of its file.
     array_mb
@@ -50,6 +52,7 @@ class Limits:
 
     text_mb: float = 1.0
     json_mb: float = 32.0
+    lines_mb: float = 400.0
     image_mb: float = 256.0
     array_mb: float = 400.0
     captures_mb: float = 8000.0

@@ -121,7 +121,8 @@ def glb_chunks(content: bytes, where: str) -> tuple[bytes, bytes | None]:
             raise ValueError("it is not a binary glTF file of version 2")
         if whole != len(content):
             raise ValueError(f"it should be {whole} bytes long and is {len(content)}")
-        chunks, offset = {}, _HEAD
+        chunks: dict[bytes, bytes] = {}
+        offset = _HEAD
         while offset < whole:
             length, kind = struct.unpack_from("<I4s", content, offset)
             offset += _CHUNK_HEAD
@@ -242,7 +243,8 @@ def _triangles(file: _Gltf) -> int:
     per_mesh = [sum(_primitive(file, part) for part in mesh.primitives) for mesh in file.meshes]
     if not file.scenes:
         return 0
-    placed, seen, level = 0, set(), list(file.scenes[file.scene].nodes)
+    placed, level = 0, list(file.scenes[file.scene].nodes)
+    seen: set[int] = set()
     for _ in range(_DEEPEST):
         if not level:
             return placed

@@ -75,7 +75,8 @@ def read_mesh_file(
     where
         What names the file in messages; the path, when left out.
     most_triangles
-        Triangles it may have at most, copies in the scene counted each; by default the limit ``mesh_triangles``.
+        Triangles it may have at most, copies in the scene counted each; by default the limit
+        ``mesh_triangles``.
     options
         Passed on to `trimesh.load_scene`, such as ``process=False``.
 
