@@ -46,7 +46,9 @@ def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path
         descriptor = os.open(path, _FLAGS | getattr(os, "O_BINARY", 0))
     except FileNotFoundError:
         expected = "" if where == str(path) else str(path)
-        raise UserError(Fault(where, f"there is no file {path.name!r}", expected, "Check the path.")) from None
+        raise UserError(
+            Fault(where, f"there is no file {path.name!r}", expected, "Check the path.")
+        ) from None
     except ValueError as error:  # a NUL in the path
         raise UserError(Fault(where, f"{str(path)!r} is not a path: {error}")) from error
     except OSError as error:
