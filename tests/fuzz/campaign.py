@@ -1,8 +1,8 @@
 """Thousands of damaged files for a reader, in a process with limits; run by hand.
 
-``python -m tests.fuzz.campaign --inputs 10000 [READER ...]`` prints a line for each reader: how many inputs gave a
-value, how many were refused, and how many were defects (another exception than `UserError`, more than 10 s,
-more than 1 GiB), which are written to ``crashes/``. The draws depend on the seed alone.
+``python -m tests.fuzz.campaign --inputs 10000 [READER ...]`` prints a line for each reader: how many inputs
+gave a value, how many were refused, and how many were defects (another exception than `UserError`, more than
+10 s, more than 1 GiB), which are written to ``crashes/``. The draws depend on the seed alone.
 """
 
 from __future__ import annotations

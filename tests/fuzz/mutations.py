@@ -6,6 +6,7 @@ import json
 import random
 import struct
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any
 
 PIECES = (
@@ -147,7 +148,7 @@ def _damage_tree(tree: Any, draw: random.Random) -> None:
             other = draw.choice(places)
             place[key] = json.loads(json.dumps(other))
         else:
-            place[key] = draw.choice(VALUES)
+            place[key] = deepcopy(draw.choice(VALUES))
 
 
 def _containers(value: Any) -> list[Any]:
