@@ -159,7 +159,7 @@ CONTENT_POLICY = (
 )
 """What a browser may do with a page: show it, with pictures inside of it. No script runs, nothing is fetched.
 
-Styles stand beside what they are of, where a policy knows no hashes; what a result holds is escaped all the same.
+Styles stand beside what they are of, which no hash can name; what a result holds is escaped all the same.
 """
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
+import os
 import random
 import resource
 import sys
@@ -50,6 +51,7 @@ def attempt(name: str, content: bytes, folder: Path) -> bool:
 def _run(name: str, seed: int, start: int, stop: int, pipe: Connection) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_FENCE_BYTES, _FENCE_BYTES))
     warnings.simplefilter("ignore")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # what decoders in C say of each file
     with tempfile.TemporaryDirectory() as folder:
         before = 0
         for number in range(start, stop):
