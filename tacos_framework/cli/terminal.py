@@ -39,7 +39,7 @@ class PrintableStream:
 def printable_output() -> Iterator[None]:
     """What is printed meanwhile holds no control characters."""
     streams: tuple[Any, Any] = sys.stdout, sys.stderr
-    sys.stdout, sys.stderr = map(PrintableStream, streams)  # type: ignore[assignment]
+    sys.stdout, sys.stderr = map(PrintableStream, streams)
     try:
         yield
     finally:

@@ -41,6 +41,8 @@ class Limits:
         Size of a file of weights [MB].
     mesh_mb
         Size of a file of triangles, with all it refers to [MB].
+    obj_mb
+        Size of an OBJ file, which is text and takes twenty times as much [MB].
     mesh_triangles
         Triangles of one such file, copies in the scene counted each.
 
@@ -58,6 +60,7 @@ class Limits:
     captures_mb: float = 8000.0
     weights_mb: float = 1000.0
     mesh_mb: float = 128.0
+    obj_mb: float = 32.0
     mesh_triangles: float = 2e6
 
     def bytes_of(self, name: str) -> int:

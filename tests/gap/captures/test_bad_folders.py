@@ -363,3 +363,16 @@ def test_a_scene_of_another_size(tmp_path):
 
     fault = only(faults(flat_folder(tmp_path, simulated=None, scene="bench.yaml"), render=render))
     assert "renders images of (12, 22, 1)" in fault
+
+
+def test_captures_may_not_name_files_elsewhere(tmp_path):
+    folder = tmp_path / "captures"
+    folder.mkdir()
+    np.save(tmp_path / "secret.npy", np.full((HEIGHT, WIDTH), 100, np.uint8))
+    (folder / "link.npy").symlink_to(tmp_path / "secret.npy")
+    for name in ("../secret.npy", str(tmp_path / "secret.npy"), "link.npy"):
+        assert "leads out of" in only(faults(flat_folder(folder, simulated=name))), name
+    described = {"id": "flat", "kind": "flat", "real": "../*.npy", "simulated": 100}
+    assert "leaves the folder" in only(faults(describe(folder, described)))
+    (folder / "patches.csv").symlink_to("/etc/passwd")
+    assert "leads out of" in only(faults(flat_folder(folder, chart={"patches": "patches.csv"})))
