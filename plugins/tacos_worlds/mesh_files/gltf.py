@@ -93,6 +93,37 @@ class _Image(BaseModel):
     mimeType: str = ""
 
 
+class _TextureInfo(BaseModel):
+    index: Count
+
+
+class _Reflection(BaseModel):
+    baseColorFactor: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    baseColorTexture: _TextureInfo | None = None
+    metallicFactor: FiniteFloat | None = None
+    roughnessFactor: FiniteFloat | None = None
+    metallicRoughnessTexture: _TextureInfo | None = None
+
+
+class _Material(BaseModel):
+    pbrMetallicRoughness: _Reflection = _Reflection()
+    normalTexture: _TextureInfo | None = None
+    occlusionTexture: _TextureInfo | None = None
+    emissiveTexture: _TextureInfo | None = None
+    emissiveFactor: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+
+    @property
+    def textures(self) -> list[int]:
+        """Indices of the textures it has."""
+        own = self.pbrMetallicRoughness
+        named = (own.baseColorTexture, own.metallicRoughnessTexture, self.normalTexture)
+        return [each.index for each in (*named, self.occlusionTexture, self.emissiveTexture) if each]
+
+
+class _Texture(BaseModel):
+    source: Count | None = None
+
+
 class _Gltf(BaseModel):
     extensionsRequired: list[str] = []
     buffers: list[_Buffer] = []
@@ -103,8 +134,8 @@ class _Gltf(BaseModel):
     scenes: list[_Scene] = []
     scene: Count = 0
     images: list[_Image] = []
-    materials: list[dict[str, Any]] = []
-    textures: list[dict[str, Any]] = []
+    materials: list[_Material] = []
+    textures: list[_Texture] = []
 
 
 def glb_chunks(content: bytes, where: str) -> tuple[bytes, bytes | None]:
@@ -227,6 +258,11 @@ def _check_views(file: _Gltf, sizes: Sequence[int], where: str) -> None:
 
 
 def _check_pictures(file: _Gltf, buffers: Sequence[bytes], references: References) -> None:
+    """Pictures are whole, and materials name pictures that are there."""
+    for material in file.materials:
+        for index in material.textures:
+            if (source := file.textures[index].source) is not None:
+                file.images[source]
     for i, image in enumerate(file.images):
         if image.uri is not None:
             references.picture(references.bytes_of(image.uri, quoted=True), f"picture {i}")

@@ -25,6 +25,7 @@ SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 UNREADABLE = (
     ValueError,
     LookupError,
+    NameError,  # UnboundLocalError, of headers that trimesh did not expect
     TypeError,
     AttributeError,
     AssertionError,
