@@ -162,9 +162,9 @@ def read_study(folder: Path) -> StudyData:
         Where ``result.json`` is missing or is not a JSON object.
     """
     result = _read_result(folder)
-    generations, torn = _read_generations(folder / "generations.jsonl")
+    generations, torn = read_generations(folder / "generations.jsonl")
     recipe = _text(folder / "recipe.yaml")
-    document = _document(recipe)
+    document = document_of(recipe)
     notes = list(texts(result.get("notes")))
     if torn:
         notes.append("The last line of generations.jsonl is incomplete and was left out.")
@@ -195,8 +195,8 @@ def _read_result(folder: Path) -> dict[str, Any]:
     return result
 
 
-def _read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
-    """The generations, and whether the last line was torn by a kill while it was written."""
+def read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
+    """The generations of a study, and whether the last line was torn by a kill while it was written."""
     lines = [line for line in read_lines(path) if line.strip()] if path.exists() else []
     generations: list[Generation] = []
     for index, line in enumerate(lines):
@@ -272,7 +272,7 @@ def _text(path: Path) -> str:
     return read_bytes(path, "lines_mb").decode("utf-8", "replace") if path.exists() else ""
 
 
-def _document(recipe: str) -> Mapping[str, Any]:
+def document_of(recipe: str) -> Mapping[str, Any]:
     try:
         return mapping(read_yaml(recipe).data)
     except UserError:
