@@ -22,7 +22,8 @@ from tacos_framework.randomness import generator
 from tacos_framework.values import Camera, Exposure, Rig
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.sensors.affine_noise import AffineNoise
-from tacos_plugins.sensors.gaussian import fill_normal
+from tacos_plugins.sensors.gaussian import NormalNumbers
+from tacos_plugins.tasks.faster_rcnn.labels import class_numbers, frame_labels
 from tacos_plugins.tasks.orb_features import grey_image
 from tacos_worlds.indoor.scene import IndoorScene
 
@@ -70,6 +71,7 @@ def main() -> None:
     sensor = PlacedSensor("sensor.affine-noise", "frames", AffineNoise(AffineNoise.Config()), {})
     formation, draws = ImageFormation(exposure), EpisodeDraws(7, ("benchmark",))
     orb = cv2.ORB_create(nfeatures=2000, fastThreshold=7)
+    classes = class_numbers(episode.world, episode.world.class_names[1:])
     normal = np.empty(camera.width_px * camera.height_px * 3, np.float32)
     for frame in range(1, len(episode)):
         batch = episode[frame : frame + 1]
@@ -79,7 +81,13 @@ def main() -> None:
         grey = watch.of("grey", lambda i=image: grey_image(i, 0.0, 255.0))
         watch.of("ORB", lambda g=grey: orb.detectAndCompute(g, None))
         rng = draws.rng(frame, "benchmark")
-        watch.of("normal numbers (of the sensor)", lambda r=rng: fill_normal(normal, r))
+        watch.of("normal numbers (of the sensor)", lambda r=rng: NormalNumbers(r).fill(normal))
+        watch.of(
+            "labels",
+            lambda c=capture: frame_labels(
+                c.views[0].object_id[0], classes, minimum_area_px=100, minimum_share=0.001
+            ),
+        )
         watch.of(
             "normal numbers, by numpy",
             lambda r=rng: r.standard_normal(dtype=np.float32, out=normal),

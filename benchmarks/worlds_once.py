@@ -1,18 +1,21 @@
-"""How often worlds are built when a few cameras are scored on several scenes by two workers.
+"""How often worlds are built and lit when a few cameras are scored on several scenes by two workers.
 
 OMP_NUM_THREADS=1 python benchmarks/worlds_once.py --cameras 4 --scenes 4
 
 Before, a job was a camera on all scenes, and every worker built every world; now a job is a camera in one
-world and says so, and a worker is given jobs of the worlds it has. Results are compared, too.
+world and says so, and a worker is given jobs of the worlds it has. Then the same with a
+store on disk, empty and full. Results are compared, too.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from tempfile import TemporaryDirectory
 
 from tacos_framework import load_recipe
 from tacos_framework.plan import make_plan
@@ -20,6 +23,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.shards import score_sharded
 from tacos_plugins.executors.process import ProcessExecutor
+from tacos_plugins.kept_worlds.store import FOLDER_VARIABLE
 
 
 @dataclass(frozen=True)
@@ -56,10 +60,14 @@ def main() -> None:
     def now(executor: ProcessExecutor, evaluate: Evaluator) -> Iterator[Evaluation]:
         return score_sharded(jobs, plan.fitness, executor, evaluate)  # type: ignore[arg-type]
 
-    found = [measured(way, Evaluator(recipe), workers) for way in (before, now)]
+    with TemporaryDirectory() as folder:
+        found = []
+        for way, store in ((before, "off"), (now, "off"), (now, folder), (now, folder)):
+            os.environ[FOLDER_VARIABLE] = store
+            found.append(measured(way, Evaluator(recipe), workers))
     same = [[e.fitness for e in evaluations] for evaluations in found]
     assert all(evaluation.failed is None for evaluations in found for evaluation in evaluations)
-    print("the same fitness" if same[0] == same[1] else f"other fitness: {same}")
+    print("the same fitness" if all(each == same[0] for each in same) else f"other fitness: {same}")
 
 
 def measured(

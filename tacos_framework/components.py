@@ -19,6 +19,7 @@ KINDS = (
     "effect",
     "sensor",
     "transform",
+    "control",
     "task",
     "optimizer",
     "executor",

@@ -10,6 +10,9 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from re import match
 from typing import Any
 
+DEVICE_VARIABLE = "TACOS_DEVICE"
+"""Environment variable that says where workers, too, compute and render: ``cpu``, or a GPU's number."""
+
 
 @dataclass(frozen=True)
 class EnvironmentFinding:

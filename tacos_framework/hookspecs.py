@@ -44,6 +44,11 @@ def tacos_reference_pages() -> Sequence[ReferencePage]:  # type: ignore[empty-bo
 
 
 @hookspec
+def tacos_episode_stores() -> Sequence[Any]:  # type: ignore[empty-body]
+    """Offer to keep the episodes that scenes make (`tacos_framework.contracts.EpisodeStore`); one is used."""
+
+
+@hookspec
 def tacos_study_started(recipe: Any, out: Any) -> None:
     """A study begins, or goes on: its `Recipe` and its results folder (`pathlib.Path`)."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import textwrap
@@ -15,6 +16,8 @@ sys.path.insert(0, str(Path(__file__).parent))  # `toy_plugin`, also in spawned 
 import toy_plugin
 
 from tacos_framework.plugins import Plugins
+
+os.environ["TACOS_CACHE"] = "off"  # tests build their worlds; those of the store say where theirs is
 
 collect_ignore = ["fuzz/harness.py"]  # run by hand: needs atheris
 

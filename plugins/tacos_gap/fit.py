@@ -127,16 +127,17 @@ def _searched(problem: Problem, single: Problem, state: _State, iterations: int,
     Jacobians come from the problem of `single` simulations: their differences share their noise.
     """
     for _ in range(iterations if len(state.steps) else 0):
-        moved = _improved(problem, state)
+        worth = max(WORTH_A_STEP / (0.5 * problem.weight), sketch * _cost(state.z))
+        moved = _improved(problem, state, worth)
         if moved is None:
-            if state.is_exact or iterations == 1:
+            if state.is_exact or iterations == 1 or (sketch and _promised(state, _first_move(state)) < worth):
                 break
             jacobian, _ = jacobian_at(single, state.hypothesis)
             state = replace(state, jacobian=jacobian, damping=1e-2, reach=REACH, is_exact=True)
             continue
         gain = _cost(state.z) - _cost(moved.z)
         state = moved
-        if 0.5 * problem.weight * gain < WORTH_A_STEP or gain < sketch * _cost(state.z):
+        if gain < worth:
             break
     return _fitted(problem, state.hypothesis, state.z, state.jacobian, state.steps)
 
@@ -218,17 +219,34 @@ def jacobian_of(
     return (np.stack(columns, axis=1) if columns else np.zeros((len(z), 0))), steps
 
 
-def _improved(problem: Problem, state: _State) -> _State | None:
-    """A better point, trying ever shorter steps; None when there is none."""
-    theta, straight = theta_of(state.hypothesis), robust(state.z)
+def _move(state: _State, damping: float) -> NDArray[np.float64]:
+    """(P,) damped Gauss-Newton step (Levenberg 1944) [steps that matter]."""
     normal = state.jacobian.T @ state.jacobian
-    gradient = state.jacobian.T @ straight
+    damped = normal + damping * (np.diag(np.diag(normal)) + 1e-9 * np.eye(len(normal)))
+    return np.asarray(-np.linalg.lstsq(damped, state.jacobian.T @ robust(state.z), rcond=None)[0])
+
+
+def _first_move(state: _State) -> NDArray[np.float64]:
+    move = _move(state, state.damping)
+    return move * min(1.0, state.reach / max(float(np.abs(move).max()), 1e-9))
+
+
+def _promised(state: _State, move: NDArray[np.float64]) -> float:
+    """What a step gains if the Jacobian is right: where that is nothing, it needs no simulation."""
+    straight = robust(state.z)
+    return float(np.sum(straight**2) - np.sum((straight + state.jacobian @ move) ** 2))
+
+
+def _improved(problem: Problem, state: _State, worth: float) -> _State | None:
+    """A better point, trying ever shorter steps as long as they promise to be worth it; None if none is."""
+    theta, straight = theta_of(state.hypothesis), robust(state.z)
     damping, reach = state.damping, state.reach
     for _ in range(TRIES):
-        scaled = normal + damping * (np.diag(np.diag(normal)) + 1e-9 * np.eye(len(normal)))
-        move = -np.linalg.lstsq(scaled, gradient, rcond=None)[0]
+        move = _move(state, damping)
         length = float(np.abs(move).max())
         move *= min(1.0, reach / max(length, 1e-9))
+        if _promised(state, move) < worth:
+            return None
         candidate = with_theta(state.hypothesis, theta + move * state.steps)
         changed = problem.residual(candidate)
         if changed is not None and _cost(changed) < _cost(state.z):

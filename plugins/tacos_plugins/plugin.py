@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from tacos_framework.components import Command, Component
 from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.hookspecs import hookimpl
-from tacos_plugins.authoring.commands import commands
+from tacos_plugins.authoring import commands as authoring
+from tacos_plugins.kept_worlds import commands as kept_worlds
 
 RIGS = {
     "monocular": (
@@ -17,6 +19,14 @@ RIGS = {
     "stereo": (
         "stereo:StereoRig",
         "Two parallel cameras a baseline apart.",
+    ),
+    "ring": (
+        "ring:RingRig",
+        "Equal cameras evenly around the agent, as many as are wanted.",
+    ),
+    "front-back-sides": (
+        "front_back_sides:FrontBackSidesRig",
+        "A camera ahead, and others behind and to the sides where they are wanted.",
     ),
 }
 
@@ -190,6 +200,17 @@ SENSORS = {
     ),
 }
 
+CONTROLS = {
+    "mean-level": (
+        "mean_level:MeanLevel",
+        "Exposure time, then gain, by the mean level of the frames before, with a lag.",
+    ),
+    "gradient": (
+        "gradient:Gradient",
+        "Exposure time, then gain, towards the image with most gradients (Shim et al. 2014).",
+    ),
+}
+
 TASKS = {
     "orb-features": (
         "orb_features:OrbFeatures",
@@ -198,6 +219,10 @@ TASKS = {
     "obstacle-visibility": (
         "obstacle_visibility:ObstacleVisibility",
         "Share of thresholds on the path that were seen before they were stepped on, and how early.",
+    ),
+    "surround-coverage": (
+        "surround_coverage:SurroundCoverage",
+        "What all cameras of a rig have in view around the agent: directions, and things well seen.",
     ),
     "sgbm": (
         "sgbm:Sgbm",
@@ -279,6 +304,7 @@ FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "renderer": RENDERERS,
     "effect": EFFECTS,
     "sensor": SENSORS,
+    "control": CONTROLS,
     "task": TASKS,
     "optimizer": OPTIMIZERS,
     "executor": EXECUTORS,
@@ -312,8 +338,18 @@ def _components() -> Iterator[Component]:
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos catalog``, ``tacos schema``, ``tacos completion``, ``tacos new-plugin``."""
-    return commands()
+    """``tacos catalog``, ``tacos schema``, ``tacos completion``, ``tacos new-plugin``, ``tacos cache``."""
+    return [*authoring.commands(), *kept_worlds.commands()]
+
+
+@hookimpl
+def tacos_episode_stores() -> list[Any]:
+    """Worlds on the disk of this machine, unless its user wants none."""
+    from tacos_plugins.kept_worlds.episodes import StoredEpisodes
+    from tacos_plugins.kept_worlds.store import store_of_user
+
+    store = store_of_user()
+    return [] if store is None else [StoredEpisodes(store)]
 
 
 @hookimpl

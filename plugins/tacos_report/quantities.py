@@ -20,6 +20,14 @@ _WORDS = {
     "pixel_um": "Pixel size",
     "pixels_per_deg": "Angular resolution",
     "f_number_min": "Smallest f-number",
+    "cameras": "Number of cameras",
+    "covered_deg": "Angle in view around",
+    "first_yaw_deg": "Turn of the first camera",
+    "side_yaw_deg": "Turn of the side cameras",
+    "side_hfov_deg": "Field of view to the sides",
+    "back_hfov_deg": "Field of view behind",
+    "total_megapixels": "Pixels of all cameras",
+    "total_power_w": "Power of all cameras",
     "fitness": "Fitness",
 }
 _NARROW_SPACE = "\u202f"

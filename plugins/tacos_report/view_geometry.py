@@ -7,6 +7,7 @@ of the focal length: x right, y down, the optical axis at (0, 0).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 Point = tuple[float, float]
 
@@ -41,6 +42,29 @@ def wedge(
             reach = min(reach, (apex[1] - floor) / -math.sin(angle))
         outline.append((apex[0] + reach * math.cos(angle), apex[1] + reach * math.sin(angle)))
     return outline
+
+
+def outlooks(derived: Mapping[str, float]) -> list[tuple[float, float]]:
+    """Where the cameras of a rig look: turn to the left, and horizontal field of view, of each [deg].
+
+    A rig tells by what it derives: ``cameras`` is the number of an even ring, of which ``first_yaw_deg`` is
+    the first; ``side_yaw_deg`` with ``side_hfov_deg`` is a pair of sides, ``back_hfov_deg`` a camera behind.
+
+    >>> outlooks({"hfov_deg": 80.0, "cameras": 2.0, "first_yaw_deg": 30.0})
+    [(30.0, 80.0), (210.0, 80.0)]
+    >>> outlooks({"hfov_deg": 60.0, "cameras": 2.0, "back_hfov_deg": 100.0})
+    [(0.0, 60.0), (180.0, 100.0)]
+    """
+    first = derived.get("first_yaw_deg", 0.0), derived["hfov_deg"]
+    others = []
+    if (side := derived.get("side_hfov_deg")) is not None:
+        others += [(derived["side_yaw_deg"], side), (-derived["side_yaw_deg"], side)]
+    if (back := derived.get("back_hfov_deg")) is not None:
+        others.append((180.0, back))
+    if others:
+        return [first, *others]
+    count = int(derived.get("cameras", 1))
+    return [(first[0] + i * 360 / count, first[1]) for i in range(count)]
 
 
 def half_extents(hfov_deg: float, vfov_deg: float) -> Point:

@@ -54,6 +54,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "check-gpu",
+            "tacos_validation.gpu_checked.check:CheckGpu",
+            summary="Whether the GPU renders what software renders, and how fast a study goes on it.",
+        ),
+        Component(
+            "procedure",
             "validate-cameras",
             "tacos_validation.cameras_validated.validate:ValidateCameras",
             summary="Whether a simulator ranks real cameras as reality does, before and after a diagnosis.",

@@ -125,7 +125,12 @@ def one_frame(batch: FrameBatch, index: int) -> FrameBatch:
         episode=batch.episode[index : index + 1],
         views=tuple(view.frame(index) for view in batch.capture.views),
     )
-    return replace(batch, capture=capture, images=tuple(image[index : index + 1] for image in batch.images))
+    return replace(
+        batch,
+        capture=capture,
+        images=tuple(image[index : index + 1] for image in batch.images),
+        exposures=tuple(taken[index : index + 1] for taken in batch.exposures),
+    )
 
 
 def set_up(

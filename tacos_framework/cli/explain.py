@@ -6,14 +6,14 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from tacos_framework.contracts import LIGHT_STAGES, STAGES, acts_after_noise
-from tacos_framework.plan import EffectPart, Plan
+from tacos_framework.plan import EXPOSURE, EffectPart, Plan
 from tacos_framework.plan.procedure import ProcedurePlan
 from tacos_framework.recipe import NamedScenario
 
 
 def explain(plan: Plan) -> str:
     """The resolved graph, effective settings, where effects act, what each design variable reaches."""
-    sections = (_graph, _effects, _scenarios, _variables, _scored_by)
+    sections = (_graph, _effects, _scenarios, _exposure, _variables, _scored_by)
     return "\n\n".join("\n".join(section(plan)) for section in sections)
 
 
@@ -90,6 +90,14 @@ def _scenarios(plan: Plan) -> Iterator[str]:
         yield from (line for line in _settings(scenario) if not line.startswith("      name: "))
 
 
+def _exposure(plan: Plan) -> Iterator[str]:
+    if plan.exposure is None:
+        yield "Exposure: fixed"
+        return
+    yield f"Exposure: each camera sets its own from frame to frame, by {plan.exposure.use}"
+    yield from _settings(plan.exposure.config, _designed(plan, EXPOSURE, EXPOSURE))
+
+
 def _variables(plan: Plan) -> Iterator[str]:
     yield "Design variables"
     for variable in plan.space.variables:
@@ -109,6 +117,8 @@ def _what_it_sets(plan: Plan, variable: str) -> str:
         several = len(plan.recipe.scenarios) > 1
         whose = f"scenario {target.owner}" if target.owner else "all scenarios" if several else "the scenario"
         return f"{target.setting} of {whose}"
+    if plan.exposure is not None and target.kind == EXPOSURE:
+        return f"{target.setting} of the exposure control ({plan.exposure.use})"
     effects = {part.name: part for part in plan.effects}
     part = plan.nodes[target.owner] if target.kind == "node" else effects[target.owner]
     camera = f" at camera {target.camera}" if target.camera else ""
@@ -123,6 +133,8 @@ def _readers(plan: Plan, variable: str) -> list[str]:
     if target.kind == "effect":
         (part,) = [part for part in plan.effects if part.name == target.owner]
         return list(plan.graph.of_kind("renderer" if part.cls.stage in LIGHT_STAGES else "sensor"))
+    if target.kind == EXPOSURE:
+        return list(plan.graph.of_kind("sensor"))
     asked = "rig"
     if target.kind == "scenario":
         asked = "illumination_lux" if target.setting == "illumination_lux" else "exposure"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import re
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -12,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tacos_framework.cli.exits import DONE, FAILED, INTERRUPTED, exit_status
+from tacos_framework.environment import DEVICE_VARIABLE
 from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
@@ -51,6 +54,7 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--resume", action="store_true", help="go on with the run in --out")
     parser.add_argument("--workers", metavar="N", type=int, help="evaluate in N processes")
     parser.add_argument("--executor", metavar="NAME", help="executor component, executor.NAME")
+    parser.add_argument("--device", metavar="N", type=_device, help="GPU to compute and render on, or cpu")
     parser.add_argument("--check", action="store_true", help="report all faults of the recipe, then stop")
     parser.add_argument(
         "--explain", action="store_true", help="show the resolved graph and settings, then stop"
@@ -59,9 +63,17 @@ def parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _device(text: str) -> str:
+    if not re.fullmatch(r"auto|cpu|(cuda:)?\d+", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is neither cpu nor the number of a GPU")
+    return text
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``tacos-run``."""
     arguments = parser().parse_args(argv)
+    if arguments.device:
+        os.environ[DEVICE_VARIABLE] = arguments.device
     command = shlex.join(["tacos-run", *(sys.argv[1:] if argv is None else argv)])
     return exit_status(lambda: _run(arguments, command))
 

@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tacos_framework.contracts.control import Controller
 from tacos_framework.contracts.effect import (
     FILE_STAGES,
     LIGHT_STAGES,
@@ -40,7 +41,7 @@ from tacos_framework.contracts.optimizer import Asked, DesignProblem, Evaluated,
 from tacos_framework.contracts.procedure import Procedure
 from tacos_framework.contracts.renderer import Renderer
 from tacos_framework.contracts.rig import RigBuilder
-from tacos_framework.contracts.scene import Scene
+from tacos_framework.contracts.scene import EpisodeStore, Scene
 from tacos_framework.contracts.sensor import Sensor
 from tacos_framework.contracts.task import Budget, Scorer, Scores, State, Task, Trainable, learns
 from tacos_framework.contracts.transform import Transform
@@ -53,8 +54,10 @@ __all__ = [
     "VERBS",
     "Asked",
     "Budget",
+    "Controller",
     "DesignProblem",
     "Effect",
+    "EpisodeStore",
     "Evaluated",
     "Executor",
     "JobRunner",
@@ -88,6 +91,7 @@ PROTOCOLS: Mapping[str, type[Any]] = {
     "effect": Effect,
     "sensor": Sensor,
     "transform": Transform,
+    "control": Controller,
     "task": Task,
     "optimizer": Optimizer,
     "executor": Executor,
@@ -101,6 +105,7 @@ VERBS: Mapping[str, tuple[str, ...]] = {
     "effect": (),
     "sensor": ("expect", "moments", "draw", "dn_per_electron"),
     "transform": ("transform",),
+    "control": ("adjust",),
     "task": ("begin",),
     "optimizer": ("ask", "tell", "stop", "state", "restore"),
     "executor": ("map", "close"),

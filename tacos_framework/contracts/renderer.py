@@ -9,7 +9,14 @@ from tacos_framework.values import Capture, Episode, Exposure, Rig
 
 
 class Renderer(Protocol):
-    """Gives the light that reaches each pixel, and the truth behind it."""
+    """Gives the light that reaches each pixel, and the truth behind it.
+
+    A further member is optional:
+
+    ``averages_exposure: bool``
+        True where its settings make light an average over the exposure time. Recipes that control the
+        exposure refuse such a renderer: light is rendered before the time is known.
+    """
 
     Config: ClassVar[type[Settings]]
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -26,4 +27,15 @@ class Scene(Protocol):
 
         Illuminance is the mean on a horizontal plane 1 m above the floor (or ground) [lux].
         """
+        ...
+
+
+@runtime_checkable
+class EpisodeStore(Protocol):
+    """Keeps episodes beyond a simulation, so that each is made once; see the hook `tacos_episode_stores`."""
+
+    def episode(
+        self, scene: type[Any], config: Settings, follows_from: Mapping[str, Any], make: Callable[[], Episode]
+    ) -> Episode:
+        """What `make` gives, or has given for the same scene class, settings and plain data to start from."""
         ...

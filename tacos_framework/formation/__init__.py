@@ -6,6 +6,7 @@
 ``chain``           the effects of one image at their places
 ``draws``           what is drawn and remembered along an episode, frame by frame
 ``arrays``          from light or expected samples to the values of a file, on arrays
+``controlled``      the loop from a frame to the exposure of the next
 ``views``           effects on the light of rendered views, truth moved along
 ``image_formation`` all of it for captures and frames, as a study calls it
 ==================  ========================================================================================
@@ -22,12 +23,13 @@ from tacos_framework.formation.chain import EffectChain
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.image_formation import ImageFormation
 from tacos_framework.formation.image_units import in_image_units
-from tacos_framework.formation.placed import PlacedEffect, PlacedSensor
+from tacos_framework.formation.placed import PlacedControl, PlacedEffect, PlacedSensor
 
 __all__ = [
     "EffectChain",
     "EpisodeDraws",
     "ImageFormation",
+    "PlacedControl",
     "PlacedEffect",
     "PlacedSensor",
     "SensorAt",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +13,9 @@ from tacos_framework.contracts import FILE_STAGES, LIGHT_STAGES
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.formation.arrays import SensorAt, digital, file_type, form_files
 from tacos_framework.formation.chain import EffectChain
+from tacos_framework.formation.controlled import ExposureLoop
 from tacos_framework.formation.draws import EpisodeDraws
-from tacos_framework.formation.placed import PlacedEffect, PlacedSensor
+from tacos_framework.formation.placed import PlacedControl, PlacedEffect, PlacedSensor
 from tacos_framework.formation.views import light_context, with_light_effects
 from tacos_framework.plugins.guarded import blameless
 from tacos_framework.values import (
@@ -36,15 +38,24 @@ class ImageFormation:
         Of the scenario.
     effects
         The effects of the recipe, in any order.
+    control
+        Who sets the exposure from frame to frame, beginning with the scenario's; None where it is fixed.
+        Then light waits for the sensor, as its exposure is not known before, and effects on it with it.
     """
 
-    def __init__(self, exposure: Exposure, effects: Sequence[PlacedEffect] = ()):
+    def __init__(
+        self,
+        exposure: Exposure,
+        effects: Sequence[PlacedEffect] = (),
+        control: PlacedControl | None = None,
+    ):
         self.exposure = exposure
         self.effects = tuple(effects)
+        self.control = control
 
     def light(self, capture: Capture, draws: EpisodeDraws) -> Capture:
         """What a renderer gave, with the effects on light."""
-        return self._light(capture, self.effects, draws)
+        return capture if self.control else self._light(capture, self.effects, draws)
 
     def with_effect(
         self, image: Capture | FrameBatch, effect: PlacedEffect, draws: EpisodeDraws
@@ -58,7 +69,7 @@ class ImageFormation:
             if stage not in FILE_STAGES:
                 raise TypeError(f"{effect.use} of the stage {stage} acts before there are frames")
             return self._files(image, effect, draws)
-        if stage in LIGHT_STAGES:
+        if stage in LIGHT_STAGES and not self.control:
             return self._light(image, [effect], draws)
         return replace(image, pending=(*image.pending, effect))
 
@@ -70,6 +81,9 @@ class ImageFormation:
         FrameBatch
             uint8 up to a white level of 255, else uint16 [DN].
         """
+        if self.control:
+            loop = ExposureLoop(self.control, self.exposure, partial(self._at, capture.pending, sensor))
+            return loop.frames(replace(capture, pending=()), sensor.name, draws)
         effects = (*self.effects, *capture.pending)
         images = [self._exposed(view, capture, sensor, effects, draws) for view in capture.views]
         first = sensor.at(capture.views[0].camera.name)
@@ -79,6 +93,21 @@ class ImageFormation:
             black_level_dn=first.black_level_dn,
             white_level_dn=first.white_level_dn,
         )
+
+    def _at(
+        self,
+        pending: Sequence[PlacedEffect],
+        sensor: PlacedSensor,
+        capture: Capture,
+        exposure: Exposure,
+        draws: EpisodeDraws,
+    ) -> FrameBatch:
+        """Frames of light that has waited, under one exposure."""
+        fixed = ImageFormation(exposure, self.effects)
+        capture = fixed.light(capture, draws)
+        for effect in pending:
+            capture = fixed.with_effect(capture, effect, draws)  # type: ignore[assignment]
+        return fixed.expose(capture, sensor, draws)
 
     def _exposed(
         self,
@@ -125,9 +154,10 @@ class ImageFormation:
 
     def _files(self, frames: FrameBatch, effect: PlacedEffect, draws: EpisodeDraws) -> FrameBatch:
         """Frames with one effect; the batch itself where it is off."""
+        exposures = frames.exposures or [(self.exposure,) * len(frames.episode)] * len(frames.images)
         images = [
-            self._processed(frames, image, view, effect, draws)
-            for image, view in zip(frames.images, frames.capture.views, strict=True)
+            self._processed(frames, image, view, taken, effect, draws)
+            for image, view, taken in zip(frames.images, frames.capture.views, exposures, strict=True)
         ]
         same = all(after is before for after, before in zip(images, frames.images, strict=True))
         return frames if same else replace(frames, images=tuple(images))
@@ -137,12 +167,13 @@ class ImageFormation:
         frames: FrameBatch,
         image: NDArray[np.unsignedinteger],
         view: View,
+        exposures: Sequence[Exposure],
         effect: PlacedEffect,
         draws: EpisodeDraws,
     ) -> NDArray[np.unsignedinteger]:
         context = ImageContext(
-            exposure_s=self.exposure.time_s,
-            gain_db=self.exposure.gain_db,
+            exposure_s=exposures[0].time_s,
+            gain_db=exposures[0].gain_db,
             f_number=self.exposure.f_number,
             black_level_dn=frames.black_level_dn,
             white_level_dn=frames.white_level_dn,
@@ -158,7 +189,12 @@ class ImageFormation:
                     after = acting.on(
                         after,
                         geometry=geometry,
-                        context=replace(context, depth_m=view.depth_m[i]),
+                        context=replace(
+                            context,
+                            exposure_s=exposures[i].time_s,
+                            gain_db=exposures[i].gain_db,
+                            depth_m=view.depth_m[i],
+                        ),
                         draws=draws,
                         frame=frames.episode.first_frame + i,
                     )

@@ -44,6 +44,14 @@ class PlacedEffect:
 
 
 @dataclass(frozen=True)
+class PlacedControl:
+    """A controller of the exposure, built: the component, for messages, and the controller."""
+
+    use: str
+    controller: Any
+
+
+@dataclass(frozen=True)
 class PlacedSensor:
     """A sensor model, built, and those of cameras with settings of their own.
 

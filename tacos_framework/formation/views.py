@@ -56,9 +56,7 @@ def with_light_effects(
         The capture itself where every effect is off.
     """
     views = [
-        _joined(
-            [_frame(capture, view, chosen, exposure, draws, i) for i in range(len(capture.episode))], view
-        )
+        joined([_frame(capture, view, chosen, exposure, draws, i) for i in range(len(capture.episode))], view)
         for view, chosen in zip(capture.views, effects, strict=True)
     ]
     same = all(after is before for after, before in zip(views, capture.views, strict=True))
@@ -94,7 +92,7 @@ def _frame(
     return frame
 
 
-def _joined(frames: Sequence[View], view: View) -> View:
+def joined(frames: Sequence[View], view: View) -> View:
     """The frames of a view together; the view itself where none has changed."""
     if len(frames) == 1:
         return frames[0]

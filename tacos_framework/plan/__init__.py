@@ -7,6 +7,7 @@
 ``findings``    what all sections share: components found by name, and every fault with its place
 ``nodes``       the graph
 ``effects``     the effects, their names and cameras
+``exposure``    what controls the exposure
 ``rig``         what builds the cameras, and which of its variables are fixed
 ``design``      what is free, and within which bounds
 ``targets``     what a design variable's name says it sets
@@ -28,6 +29,15 @@ from __future__ import annotations
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.plan import REFUSED, Plan
 from tacos_framework.plan.planner import make_plan
-from tacos_framework.plan.targets import Target, target_of
+from tacos_framework.plan.targets import EXPOSURE, Target, target_of
 
-__all__ = ["REFUSED", "ConfiguredComponent", "EffectPart", "Plan", "Target", "make_plan", "target_of"]
+__all__ = [
+    "EXPOSURE",
+    "REFUSED",
+    "ConfiguredComponent",
+    "EffectPart",
+    "Plan",
+    "Target",
+    "make_plan",
+    "target_of",
+]

@@ -31,10 +31,11 @@ def find_space(
     fixed: Mapping[str, Any],
     nodes: Mapping[str, ConfiguredComponent],
     effects: Mapping[str, EffectPart],
+    exposure: ConfiguredComponent | None,
 ) -> DesignSpace | None:
     """The design variables; None where there is no rig, or a variable is at fault."""
     design = findings.recipe.design
-    settable = Settable(findings, rig, nodes, effects)
+    settable = Settable(findings, rig, nodes, effects, exposure)
     variables = []
     for name, entry in design.items():
         unit = settable.unit(name)

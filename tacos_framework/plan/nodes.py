@@ -10,17 +10,23 @@ from tacos_framework.graph import NODE_KINDS, Graph, Node, Signature, signature_
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.starting import with_starting_values
+from tacos_framework.plan.targets import EXPOSURE
 from tacos_framework.recipe import NodeUse
 
 _NO_NODES = {
     "rig": "Put it under rig:.",
+    "control": "Put it under exposure:.",
     "optimizer": "Put it under optimizer:.",
     "executor": "Put it under executor:.",
     "procedure": "A procedure has a recipe of its own, with this at its top.",
 }
 """Kinds that cannot be nodes, and where they stand instead."""
 
-_RESERVED = {"effects": "the effects of the recipe", "scenario": "the scenario"}
+_RESERVED = {
+    "effects": "the effects of the recipe",
+    "scenario": "the scenario",
+    EXPOSURE: "the exposure control",
+}
 """Names under which design variables mean something else."""
 
 

@@ -49,6 +49,8 @@ class Plan:
         Effects in the order of image formation.
     objectives
         Aims that a front trades off; none where the fitness alone counts.
+    exposure
+        What controls the exposure; None where it is fixed.
     """
 
     recipe: Recipe
@@ -64,6 +66,7 @@ class Plan:
     executor: ConfiguredComponent
     cameras: tuple[OffTheShelf, ...] = ()
     objectives: tuple[Objective, ...] = ()
+    exposure: ConfiguredComponent | None = None
 
     def target(self, variable: str) -> Target:
         """What a design variable of that name sets."""

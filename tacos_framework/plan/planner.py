@@ -10,6 +10,7 @@ from tacos_framework.plan.bounded import boundable, find_constraints, find_objec
 from tacos_framework.plan.checks import check_scenarios, check_scores, find_cameras
 from tacos_framework.plan.design import find_space
 from tacos_framework.plan.effects import find_effects
+from tacos_framework.plan.exposure import find_exposure
 from tacos_framework.plan.feasibility import check_feasible
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.nodes import find_nodes
@@ -48,8 +49,9 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     nodes, graph = find_nodes(findings)
     rig, fixed = find_rig(findings)
     effects = find_effects(findings)
+    exposure = find_exposure(findings, nodes)
     check_scenarios(findings)
-    space = find_space(findings, rig, fixed, nodes, effects)
+    space = find_space(findings, rig, fixed, nodes, effects, exposure)
     known = boundable(rig, fixed, space)
     constraints = find_constraints(findings, known)
     objectives = find_objectives(findings, known, nodes)
@@ -75,6 +77,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
         executor=executor,
         cameras=cameras,
         objectives=objectives,
+        exposure=exposure,
     )
     check_feasible(findings, plan)
     return plan

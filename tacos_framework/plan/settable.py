@@ -10,7 +10,7 @@ from typing import Any
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
-from tacos_framework.plan.targets import Target, target_of
+from tacos_framework.plan.targets import EXPOSURE, Target, target_of
 from tacos_framework.recipe import NamedScenario, Scenario
 from tacos_framework.settings import check
 from tacos_framework.variables.design_space import CatalogChoice, Categorical, Continuous, Variable
@@ -27,6 +27,7 @@ class Settable:
     rig: ConfiguredComponent | None
     nodes: Mapping[str, ConfiguredComponent]
     effects: Mapping[str, EffectPart]
+    exposure: ConfiguredComponent | None = None
 
     def target(self, variable: str) -> Target:
         """What a design variable sets."""
@@ -104,6 +105,8 @@ class Settable:
 
     def _part(self, target: Target) -> ConfiguredComponent | None:
         """The component a target belongs to; None where it is at fault, or none."""
+        if target.kind == EXPOSURE:
+            return self.exposure
         parts: Mapping[str, Mapping[str, ConfiguredComponent]] = {"node": self.nodes, "effect": self.effects}
         return parts.get(target.kind, {}).get(target.owner)
 
@@ -119,6 +122,11 @@ class Settable:
     def _is_part(self, variable: str, target: Target) -> bool:
         """Whether there is such a node or effect, and for one camera where the variable is of one."""
         recipe = self.findings.recipe
+        if target.kind == EXPOSURE:
+            at_fault = recipe.where((EXPOSURE,)) in {fault.where for fault in self.findings.faults}
+            if recipe.exposure is None and not at_fault:
+                self._fault(variable, "the exposure is fixed", "exposure: {use: control.NAME}")
+            return recipe.exposure is not None
         known, expected = recipe.keys_of("nodes"), ""
         if target.kind == "effect":
             known, expected = recipe.effect_names, "effects.NAME.setting, with an effect of the recipe"

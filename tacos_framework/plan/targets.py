@@ -1,10 +1,14 @@
-"""What a design variable sets: a variable of the rig, or a setting of a node, an effect, the scenario."""
+"""What a design variable sets: a variable of the rig, or a setting of a node, an effect, the exposure
+control, or the scenario."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
+
+EXPOSURE = "exposure"
+"""The key of a recipe, and what design variables call the exposure control it names."""
 
 
 @dataclass(frozen=True)
@@ -16,14 +20,15 @@ class Target:
     kind
         Whose variable or setting it is.
     owner
-        Name of the node, effect or scenario; empty for the rig, and for all scenarios together.
+        Name of the node, effect or scenario; empty for the rig, and for all scenarios together; ``exposure``
+        for its control.
     setting
         Name of the variable or setting.
     camera
         The camera it is set for; None for all.
     """
 
-    kind: Literal["rig", "scenario", "node", "effect"]
+    kind: Literal["rig", "scenario", "exposure", "node", "effect"]
     owner: str
     setting: str
     camera: str | None = None
@@ -50,6 +55,8 @@ def target_of(name: str, effects: Sequence[str]) -> Target:
     if head == "scenario":
         owner, _, setting = rest.rpartition(".")
         return Target("scenario", owner, setting)
+    if head == EXPOSURE:
+        return Target("exposure", EXPOSURE, rest)
     if head == "effects":
         owner, _, rest = rest.partition(".")
         if owner.isdecimal() and int(owner) < len(effects):

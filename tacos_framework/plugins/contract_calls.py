@@ -152,6 +152,7 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("draw", ("samples_dn",), (*_SENSOR, "rng", "photon_scale")),
         Call("dn_per_electron", _SENSOR),
     ),
+    "control": (_CONFIG, Call("adjust", ("frame_dn",), ("exposure", "context"))),
     "task": (_CONFIG, Call("begin", (), ("state",))),
     "trainable": (
         Call("initial_state", (), ("rng",)),

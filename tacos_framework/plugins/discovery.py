@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pluggy
 
@@ -18,6 +18,9 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.failures import PluginFailure, in_words, tried
 from tacos_framework.plugins.observers import Observer, Observers
 from tacos_framework.plugins.registry import Registered, Registry
+
+if TYPE_CHECKING:
+    from tacos_framework.contracts import EpisodeStore
 
 GROUP = "tacos"
 """The entry-point group plugins register in."""
@@ -186,6 +189,14 @@ class Plugins:
             for plugin in self._plugins
             for page in self._offered(plugin, "tacos_reference_pages", ReferencePage)
         ]
+
+    def episode_store(self) -> EpisodeStore | None:
+        """What keeps the episodes that scenes make; None where no plugin offers to."""
+        from tacos_framework.contracts import EpisodeStore  # numpy is not for those who only list plugins
+
+        kind: Any = EpisodeStore  # a Protocol
+        stores = (s for p in self._plugins for s in self._offered(p, "tacos_episode_stores", kind))
+        return next(stores, None)
 
     def write_reports(self, folder: Path) -> tuple[list[Path], list[PluginFailure]]:
         """Have plugins report on a results folder: the files they wrote, and what failed."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 from tacos_framework.recipe.loading import find_recipe, load_recipe, read_any_recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure
 from tacos_framework.recipe.recipe import (
+    FIXED,
     FORMAT,
     Aim,
     Between,
@@ -37,6 +38,7 @@ from tacos_framework.recipe.recipe import (
 )
 
 __all__ = [
+    "FIXED",
     "FORMAT",
     "Aim",
     "Between",

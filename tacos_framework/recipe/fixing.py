@@ -18,7 +18,8 @@ def fix_variable(data: dict[str, Any], name: str, value: Any, where: str) -> tup
     data
         The recipe; its ``design`` is a mapping.
     name
-        ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.quality``, ``scenario.gain_db``.
+        ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.quality``, ``scenario.gain_db``,
+        ``exposure.target``.
     value
         Its value.
     where
@@ -59,6 +60,8 @@ def _places(data: dict[str, Any], name: str) -> list[Path]:
         return [("rig", name)] if isinstance(data.get("rig"), dict) else []
     if head == "scenario":
         return _in_scenarios(data, rest)
+    if head == "exposure":
+        return [("exposure", rest)] if isinstance(data.get("exposure"), dict) else []
     owner, _, setting = rest.rpartition(".")
     if head == "effects":
         effects = data.get("effects")

@@ -11,7 +11,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PrivateAttr,
+    Tag,
+    model_validator,
+)
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.recipe.effect_names import effect_names
@@ -173,11 +182,26 @@ def _count_of_scenarios(raw: Any) -> str:
     return "<several>" if isinstance(raw, list | tuple) else "<one>"
 
 
+def _none_if_fixed(raw: Any) -> Any:
+    if isinstance(raw, str) and raw != FIXED:
+        raise ValueError("fixed, or a component: {use: control.NAME}")
+    return None if raw == FIXED else raw
+
+
+FIXED = "fixed"
+"""``exposure: fixed``: every frame is taken with the exposure of the scenario."""
+
+ExposureControl = Annotated[Use | None, BeforeValidator(_none_if_fixed)]
+"""``exposure:``, fixed or a component that controls it."""
+
 Scenarios = Annotated[
     Annotated[Scenario, Tag("<one>")] | Annotated[tuple[NamedScenario, ...], Tag("<several>")],
     Discriminator(_count_of_scenarios),
 ]
 """``scenario:``, a mapping or a list of them."""
+
+_WITH_METADATA: Mapping[str, Any] = {"scenario": Scenarios, "exposure": ExposureControl}
+"""Sections whose annotation says more than its type, of which a field keeps the type alone."""
 
 
 class Weighted(Settings):
@@ -316,6 +340,9 @@ class Recipe(Settings):
     scenario: Scenarios = setting(
         Scenario(), help="Light and exposure; or a list of several, each with a name and a weight."
     )
+    exposure: ExposureControl = setting(
+        None, help="Who sets exposure time and gain from frame to frame; fixed as in the scenario if absent."
+    )
     effects: tuple[EffectUse, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
     nodes: dict[Name, NodeUse] = setting(help="The graph: components, wired by their ports.", min_length=1)
     fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
@@ -423,7 +450,7 @@ def recipe_from(
                     Fault(document.where(()), f"{key!r} is missing", "", f"Add it: {field.description}")
                 )
             continue
-        annotation = Scenarios if key == "scenario" else field.annotation  # a field keeps no discriminator
+        annotation = _WITH_METADATA.get(key, field.annotation)
         value, found = _section(document, key, annotation, data[key])
         faults += found
         if value is not None:

@@ -25,7 +25,7 @@ from tacos_framework.simulation.evaluation import (
     with_fitness,
 )
 from tacos_framework.simulation.evaluator import Evaluator
-from tacos_framework.simulation.jobs import SampleJob, ScoreJob
+from tacos_framework.simulation.jobs import PrepareJob, SampleJob, ScoreJob
 from tacos_framework.simulation.simulation import Simulation
 from tacos_framework.simulation.training import state_key
 
@@ -33,6 +33,7 @@ __all__ = [
     "EpisodeSpec",
     "Evaluation",
     "Evaluator",
+    "PrepareJob",
     "Raised",
     "SampleJob",
     "ScoreJob",

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.cache import LRUCache, content_key
+from tacos_framework.contracts import EpisodeStore
 from tacos_framework.formation import EpisodeDraws, ImageFormation
 from tacos_framework.graph import Node
 from tacos_framework.plan import Plan
@@ -46,6 +47,8 @@ class EvaluationContext:
         Content key of the candidate's values.
     clock
         Takes the time of each node.
+    store
+        Keeps episodes for other processes and studies, where there is one.
     """
 
     plan: Plan
@@ -58,6 +61,7 @@ class EvaluationContext:
     kept: LRUCache[Episode]
     key: str
     clock: Clock
+    store: EpisodeStore | None = None
 
     def episode(self, scene: str, spec: EpisodeSpec) -> Episode:
         """The episode of a scene node that a spec names."""
@@ -66,16 +70,24 @@ class EvaluationContext:
             overrides["frames"] = spec.frames
         lux = self.scenario.illumination_lux
 
+        part, names = self.plan.nodes[scene], (*spec.name, scene)
+
         def make() -> Episode:
-            component = self.plan.nodes[scene].make(overrides) if overrides else self.components[scene]
-            supplied = {"rng": generator(spec.seed, *spec.name, scene), "illumination_lux": lux}
+            component = part.make(overrides) if overrides else self.components[scene]
+            supplied = {"rng": generator(spec.seed, *names), "illumination_lux": lux}
             wanted = self.plan.graph.nodes[scene].signature.supplied
-            with self.plan.nodes[scene].calling(f"episode in node {scene!r}"):
+            with part.calling(f"episode in node {scene!r}"):
                 made: Episode = component.episode(**{n: supplied[n] for n in supplied if n in wanted})
             return made
 
+        def stored() -> Episode:
+            if self.store is None:
+                return make()
+            follows_from = {"seed": spec.seed, "names": names, "illumination_lux": lux}
+            return self.store.episode(part.cls, part.with_settings(overrides).config, follows_from, make)
+
         whole = self.kept.get(
-            (scene, replace(spec, block=(0, 1), scenario=None), lux, content_key(overrides)), make
+            (scene, replace(spec, block=(0, 1), scenario=None), lux, content_key(overrides)), stored
         )
         return block_of(whole, *spec.block)
 

@@ -45,8 +45,10 @@ class Evaluator:
     def simulation(self) -> Simulation:
         """The simulation of this process."""
         if self._simulation is None:
-            plan = self._plan or make_plan(self.recipe, self._plugins or self._discover())
-            self._simulation = Simulation(plan)
+            plugins = self._plugins or self._discover()
+            self._simulation = Simulation(
+                self._plan or make_plan(self.recipe, plugins), plugins.episode_store()
+            )
         return self._simulation
 
     def _discover(self) -> Plugins:

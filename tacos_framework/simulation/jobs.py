@@ -61,6 +61,31 @@ class ScoreJob:
 
 
 @dataclass(frozen=True)
+class PrepareJob:
+    """Build and light the world that tasks will train in, while other workers train or score."""
+
+    values: Mapping[str, Any]
+    training: EpisodeSpec
+
+    @property
+    def affinity(self) -> Hashable:
+        """Its world."""
+        return self.training.world
+
+    def run(self, simulation: Simulation) -> Evaluation:
+        """The time it took; what fails here fails where it is needed, and is told there."""
+        try:
+            return simulation.prepare(self.values, self.training)
+        except Exception as error:  # noqa: BLE001 - nothing is lost but time
+            return self.lost(f"{type(error).__name__}: {error}")
+
+    def lost(self, reason: str) -> Evaluation:
+        """Nothing was prepared."""
+        log.info("no world was prepared: %s", reason)
+        return Evaluation(values=self.values)
+
+
+@dataclass(frozen=True)
 class SampleJob:
     """Take sample frames with a camera, to look at."""
 

@@ -41,14 +41,15 @@ class Overrides:
 
     Parameters
     ----------
-    nodes, effects
-        Settings of nodes, and of the effects of the recipe.
+    nodes, effects, exposure
+        Settings of nodes, of the effects of the recipe, and of its exposure control.
     scenarios
         ``{name: {key: value}}``; what holds for all of them stands under ``""``.
     """
 
     nodes: SettingOverrides = field(default_factory=SettingOverrides)
     effects: SettingOverrides = field(default_factory=SettingOverrides)
+    exposure: SettingOverrides = field(default_factory=SettingOverrides)
     scenarios: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def of_scenario(self, name: str) -> dict[str, Any]:
@@ -73,7 +74,7 @@ def overrides_of(values: Mapping[str, Any], effects: Sequence[str]) -> Overrides
     ({'isp': {'gamma': 2.2}}, {'jpeg': {'left': {'quality': 50}}})
     """
     found = Overrides()
-    groups = {"node": found.nodes, "effect": found.effects}
+    groups = {"node": found.nodes, "effect": found.effects, "exposure": found.exposure}
     for name, value in values.items():
         target = target_of(name, effects)
         if target.kind == "scenario":

@@ -9,10 +9,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from tacos_framework.cache import LRUCache, content_key
-from tacos_framework.contracts import Scores, State
+from tacos_framework.contracts import EpisodeStore, Scores, State
 from tacos_framework.errors import CandidateFailed, UserError
-from tacos_framework.formation import ImageFormation, PlacedEffect, PlacedSensor
-from tacos_framework.plan import REFUSED, ConfiguredComponent, EffectPart, Plan
+from tacos_framework.formation import ImageFormation, PlacedControl, PlacedEffect, PlacedSensor
+from tacos_framework.plan import EXPOSURE, REFUSED, ConfiguredComponent, EffectPart, Plan
 from tacos_framework.plugins import culprit_of
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import NamedScenario
@@ -23,7 +23,7 @@ from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation, failed_by, judged
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
-from tacos_framework.simulation.training import train
+from tacos_framework.simulation.training import frames_of, train
 from tacos_framework.values import Episode, Exposure, FrameBatch
 
 KEPT_BYTES = 2**30
@@ -37,17 +37,20 @@ class Simulation:
     ----------
     plan
         What to simulate.
+    store
+        Keeps episodes for other processes and studies.
     """
 
-    def __init__(self, plan: Plan):
+    def __init__(self, plan: Plan, store: EpisodeStore | None = None):
         self.plan = plan
+        self._store = store
         recipe = plan.recipe
         self._rig = plan.rig.instance
         study = recipe.study
         kept = max(study.episodes, study.final_episodes or 1, recipe.test.episodes if recipe.test else 1)
         lights = len({scenario.illumination_lux for scenario in recipe.scenarios})
         self._episodes: LRUCache[Episode] = LRUCache(
-            size=(kept + bool(plan.trainable)) * lights,
+            size=(kept + 2 * bool(plan.trainable)) * lights,
             most_bytes=KEPT_BYTES,
             bytes_of=lambda episode: episode.world.nbytes,
         )
@@ -160,6 +163,19 @@ class Simulation:
             states=states if training is not None else {},
         )
 
+    def prepare(self, values: Mapping[str, Any], training: EpisodeSpec) -> Evaluation:
+        """Build the world of a training episode, and light it by taking a frame; the time it took."""
+        clock, graph = Clock(), self.plan.graph
+        contexts = self._contexts(values, self.plan.rig_variables(values), clock)
+        for task in self.plan.trainable:
+            spec = replace(training, frames=frames_of(self.plan, task))
+            scene = graph.scene_of(task)
+            for context in (contexts[name] for name in _scenarios(contexts, training)):
+                with clock.of(scene):
+                    episode = context.episode(scene, spec)
+                next(iter(context.stream(scene, episode[:1], spec, [task])))
+        return Evaluation(values=values, seconds=clock.seconds)
+
     def batches(self, task: str, values: Mapping[str, Any], spec: EpisodeSpec) -> Iterator[FrameBatch]:
         """What a task of one port is given of an episode that a candidate sees, without scoring it."""
         context = self._evaluation_context(values, spec)
@@ -198,6 +214,10 @@ class Simulation:
         overrides = overrides_of(values, plan.recipe.effect_names)
         components = {name: placed(name, part, overrides.nodes) for name, part in plan.nodes.items()}
         effects = [placed(part.name, part, overrides.effects) for part in plan.effects]
+        control = None
+        if plan.exposure is not None:
+            part, _ = overrides.exposure.parts(EXPOSURE, plan.exposure)
+            control = PlacedControl(part.origin, part.instance)
         key = content_key(values)
         with plan.rig.calling("build"):
             rig = self._rig.build(variables)
@@ -213,10 +233,11 @@ class Simulation:
                 scenario=scenario,
                 components=components,
                 overrides=overrides.nodes.settings,
-                formation=ImageFormation(exposure, effects),
+                formation=ImageFormation(exposure, effects, control),
                 kept=self._episodes,
                 key=key,
                 clock=clock,
+                store=self._store,
             )
         return contexts
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Budget, State
+from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
@@ -45,7 +46,7 @@ def train(
     if settings is None or settings.weights == "frozen":
         return state, 0
     scene = context.plan.graph.scene_of(task)
-    spec = replace(spec, frames=settings.frames)
+    spec = replace(spec, frames=frames_of(context.plan, task))
     with context.clock.of(scene):
         episodes = [each.episode(scene, spec) for each in contexts]
     room = KEPT_BYTES if settings.epochs > 1 else 0  # nothing is kept for a pass that never comes
@@ -55,6 +56,12 @@ def train(
         budget = Budget(settings.epochs, settings.settings)
         learnt = context.components[task].fit(frames, state=state, budget=budget, rng=rng)
     return learnt, frames.images
+
+
+def frames_of(plan: Plan, task: str) -> int | None:
+    """The length of the episodes a task learns from; None where the scene says it."""
+    settings = plan.recipe.nodes[task].train
+    return settings.frames if settings else None
 
 
 @dataclass

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
-from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
+from tacos_framework.simulation import Evaluation, Evaluator, PrepareJob, ScoreJob, merged_evaluation
+from tacos_framework.simulation.jobs import Job
 
 
 @dataclass(frozen=True)
@@ -17,9 +19,9 @@ class _Trained:
     training: Evaluation
     scoring: ScoreJob
 
-    def scored(self, scores: Evaluation, fitness: Fitness) -> Evaluation:
-        """The whole evaluation; what was learnt stays even where scoring fails."""
-        return replace(merged_evaluation([self.training, scores], fitness), states=self.training.states)
+    def scored(self, beside: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
+        """The whole evaluation with what was done beside the next; what was learnt stays if scoring fails."""
+        return replace(merged_evaluation([self.training, *beside], fitness), states=self.training.states)
 
 
 def score_pipelined(
@@ -29,7 +31,7 @@ def score_pipelined(
 
     Scoring needs a candidate's weights, and so does the training of the next one, but neither needs the
     other: an executor of two workers does both at a time, one of a single worker one after the other, with
-    the same results.
+    the same results. A worker that has scored builds the world of the training to come.
 
     Parameters
     ----------
@@ -46,11 +48,16 @@ def score_pipelined(
     """
     states = dict(jobs[0].states)
     last: _Trained | None = None
-    for job in jobs:
+    done: list[Evaluation] = []
+    for job, following in zip_longest(jobs, jobs[1:]):
         training = replace(job, states=states, episodes=(), partial=True)
-        trained, *scores = executor.map(evaluate, [training, last.scoring] if last else [training])
+        scoring = [last.scoring] if last else []
+        together: list[Job[Evaluation]] = [training, *scoring, *_prepared(job, following, executor)]
+        trained, *others = executor.map(evaluate, together)
+        done += others
         if last:
-            yield last.scored(scores[0], fitness)
+            yield last.scored(done, fitness)
+            done = []
         last = None
         if trained.failed:
             yield trained
@@ -58,5 +65,12 @@ def score_pipelined(
             states = {**states, **trained.states}
             last = _Trained(trained, replace(job, states=states, training=None, partial=True))
     if last:
-        (final,) = executor.map(evaluate, [last.scoring])
-        yield last.scored(final, fitness)
+        yield last.scored([*done, *executor.map(evaluate, [last.scoring])], fitness)
+
+
+def _prepared(job: ScoreJob, following: ScoreJob | None, executor: Executor) -> Iterator[PrepareJob]:
+    """Building the world that the next candidate trains in, where that is another and a worker is free."""
+    if getattr(executor, "workers", 1) < 2 or not (following and following.training and job.training):
+        return
+    if following.training.world != job.training.world:
+        yield PrepareJob(following.values, following.training)

@@ -79,6 +79,8 @@ class Search:
         Why the last candidate that failed did, in a sentence.
     finalists
         The candidates scored once more at the end, on episodes of their own.
+    design
+        The search whose worlds its tasks train in; None for that search itself.
     """
 
     name: str
@@ -102,6 +104,7 @@ class Search:
     failing: FailuresInARow = field(default_factory=FailuresInARow)
     candidate_stats: dict[str, CandidateStats] = field(default_factory=dict)
     cache: dict[str, Evaluation] = field(default_factory=dict)
+    design: Search | None = None
 
     def __post_init__(self) -> None:
         self.optimizer: GuardedOptimizer | None = None
@@ -185,7 +188,7 @@ class Search:
             error.evaluations = seen
             raise
         self.failing = failing
-        numbers = [self._numbers(each) for each in asked] or [self._numbers(None)]
+        numbers = [self._numbers(each) for each in asked] or [self._numbers(None)] * len(jobs)
         evaluations = [replace(e, episode_numbers=n) for e, n in zip(found, numbers, strict=True)]
         if self.optimizer:
             self.optimizer.tell([told_of(a, e) for a, e in zip(asked, evaluations, strict=True)])
@@ -219,11 +222,24 @@ class Search:
             tuple(range(self._episode_count)) if asked is None or asked.episodes is None else asked.episodes
         )
 
+    @property
+    def _rounds(self) -> int:
+        """How often the one candidate of a search that is free in nothing is trained on in this generation.
+
+        Weights that candidates share learn from it as often as from the designs, in as many worlds.
+        """
+        generations = self.design.generation if self.design else 0
+        if self._weights != "shared" or not self.budget or self.generation >= generations:
+            return 1
+        before, until = (self.budget * (self.generation + i) // generations for i in (0, 1))
+        return max(1, min(until - before, self.budget - self.evaluations))
+
     def _jobs(self, asked: Sequence[Asked]) -> list[ScoreJob]:
         """What scoring each candidate is; the one there is, where nothing is free."""
         episodes = self._episodes("design", self.plan.recipe.study.episodes)
         if self.optimizer is None:
-            return [ScoreJob(dict(self.fixed), episodes, self.states, self._training_episode(0))]
+            trainings = [self._training_episode(i) for i in range(self._rounds)]
+            return [ScoreJob(dict(self.fixed), episodes, self.states, each) for each in trainings]
         jobs = []
         for i, each in enumerate(asked):
             numbers = self._numbers(each)

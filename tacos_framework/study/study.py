@@ -132,12 +132,14 @@ class Study:
 
     def _make_searches(self) -> Iterator[Search]:
         states = self._evaluate.simulation.initial_states() if self.plan.trainable else {}
-        yield Search(DESIGNED, self.plan, self.plan.space, {}, None, dict(states))
+        yield (design := Search(DESIGNED, self.plan, self.plan.space, {}, None, dict(states)))
         budget = self.plan.recipe.compare.evaluations if self.plan.recipe.compare else None
         for camera in self.plan.cameras:
             free = self.plan.free_of(camera)
             space = free if free.variables else None
-            yield Search(camera.name, self.plan, space, dict(camera.fixes), budget, dict(states))
+            yield Search(
+                camera.name, self.plan, space, dict(camera.fixes), budget, dict(states), design=design
+            )
 
     # running ----------------------------------------------------------------------------------------------
 

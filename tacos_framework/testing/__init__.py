@@ -19,6 +19,7 @@ import pytest
 
 _SUITES = (
     "component",
+    "control",
     "effect",
     "executor",
     "optimizer",
@@ -33,6 +34,7 @@ _SUITES = (
 pytest.register_assert_rewrite(*(f"{__name__}.{suite}" for suite in _SUITES))
 
 from tacos_framework.testing.component import ComponentConformance  # noqa: E402
+from tacos_framework.testing.control import ControlConformance  # noqa: E402
 from tacos_framework.testing.effect import EffectConformance  # noqa: E402
 from tacos_framework.testing.executor import ExecutorConformance  # noqa: E402
 from tacos_framework.testing.optimizer import OptimizerConformance  # noqa: E402
@@ -46,6 +48,7 @@ from tacos_framework.testing.transform import TransformConformance  # noqa: E402
 
 __all__ = [
     "ComponentConformance",
+    "ControlConformance",
     "EffectConformance",
     "ExecutorConformance",
     "OptimizerConformance",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values.arrays import read_only
-from tacos_framework.values.camera import Camera
+from tacos_framework.values.camera import Camera, Exposure
 from tacos_framework.values.episode import Episode
 
 
@@ -91,16 +91,22 @@ class FrameBatch:
         For each camera (N, H, W, C) uint8 or uint16, linear RGB (C = 3) or mono (C = 1) [DN].
     black_level_dn, white_level_dn
         Pedestal and full scale [DN].
+    exposures
+        For each camera what its N frames were taken with, where that is controlled; empty where it is fixed.
     """
 
     capture: Capture
     images: tuple[NDArray[np.uint8] | NDArray[np.uint16], ...]
     black_level_dn: float = 0.0
     white_level_dn: float = 255.0
+    exposures: tuple[tuple[Exposure, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.images) != len(self.capture.views):
             raise ValueError(f"{len(self.images)} images for {len(self.capture.views)} cameras")
+        frames = len(self.capture.episode)
+        if self.exposures and [len(taken) for taken in self.exposures] != [frames] * len(self.images):
+            raise ValueError(f"exposures must be {frames} for each of {len(self.images)} cameras, or none")
         frozen = []
         for image, view in zip(self.images, self.capture.views, strict=True):
             if image.shape[:3] != view.depth_m.shape or image.dtype not in (np.uint8, np.uint16):

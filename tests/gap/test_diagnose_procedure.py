@@ -77,6 +77,9 @@ def test_vignetting_is_found_drawn_and_patched(plugins: Plugins, tmp_path: Path)
     assert headline(report).startswith("Vignetting explains the gap")
     assert "http" not in report.replace("http-equiv", "")
     assert report.count("<svg") >= 5
+    log = (tmp_path / "out" / "log.txt").read_text("utf-8")
+    for stage in ("measuring the captures", "trying effects", "vignetting", "comparing with rivals"):
+        assert f"{stage} (" in log, "where it is can be read while it runs"
     patch = tmp_path / "out" / "patched.yaml"
     assert [entry["use"] for entry in yaml.safe_load(patch.read_text("utf-8"))] == ["effect.vignetting"]
     assert run_main(["headset_quick", "--with", str(patch), "--check"]) == 0

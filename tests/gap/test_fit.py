@@ -101,6 +101,18 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say():
     assert 0.85 < np.mean(held) < 0.995  # 90 % asked for; wider by what a simulation with few replicates adds
 
 
+def test_at_its_end_a_fit_costs_its_jacobian_alone():
+    """What a step would gain is known before it is simulated."""
+    of = problem(6.0, 1.2)
+    found = fit(of, start())
+    assert found is not None
+    ended = finished(of, found)
+    counted = problem(6.0, 1.2)
+    again = finished(counted, ended)
+    assert again.hypothesis == ended.hypothesis
+    assert counted.evaluations == 3, "the place, and a neighbour for each of two parameters"
+
+
 def test_captures_that_disagree_widen_the_interval():
     def reach(heights: Sequence[float]) -> float:
         of = Problem([Curve(height, 0.0, seed) for seed, height in enumerate(heights)])

@@ -36,7 +36,7 @@ def test_a_stage_is_said_with_what_is_left_by_what_it_took() -> None:
     assert "left" not in heard.notes[0]
     assert heard.notes[1].startswith("trying effects (")
     assert "about 9 min left" in heard.notes[1]
-    assert "about 5 min left" in heard.notes[2]
+    assert "about 8 min left" in heard.notes[2]
 
 
 def test_a_long_stage_is_not_silent() -> None:
@@ -57,6 +57,7 @@ def test_what_is_gone_never_falls() -> None:
         "a",
         "a + b",
         "a + b + c",
+        "comparing with rivals",
         "how far the gap shrinks",
     ):
         later = done_after(share, text)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 
-from tacos_plugins.sensors.gaussian import TAIL_BINS, fill_normal, quantiles
+from tacos_plugins.sensors.gaussian import BITS, PLACES, TAIL_BINS, NormalNumbers, quantiles
 
 
 @pytest.fixture(scope="module")
 def drawn() -> np.ndarray:
     out = np.empty(4_000_000, np.float32)
-    fill_normal(out, np.random.default_rng(11))
+    NormalNumbers(np.random.default_rng(11)).fill(out)
     return out
 
 
@@ -51,3 +53,32 @@ def test_bins_are_narrow_where_they_are_looked_up():
     )
     np.testing.assert_array_equal(table, -table[::-1])
     assert np.mean(table**2) == pytest.approx(1, abs=1e-6)
+
+
+@given(seed=st.integers(0, 2**32), cuts=st.lists(st.integers(0, 60), max_size=4), count=st.integers(0, 1000))
+def test_numbers_do_not_depend_on_how_a_frame_is_cut(seed, cuts, count):
+    whole, parts = np.empty(count, np.float32), np.empty(count, np.float32)
+    NormalNumbers(np.random.default_rng(seed)).fill(whole)
+    in_parts = NormalNumbers(np.random.default_rng(seed))
+    for part in np.split(parts, np.minimum(np.array(sorted(cuts), int) * PLACES, count)):
+        if len(part):
+            in_parts.fill(part)
+    np.testing.assert_array_equal(whole, parts)
+
+
+def test_any_sample_can_be_drawn_alone():
+    found = np.empty(4000, np.float32)
+    NormalNumbers(np.random.default_rng(5)).fill(found)
+    key = np.random.default_rng(5).integers(0, 1 << 64, (2, 2), np.uint64)[0]
+    for place in (0, 5, 16, 1234, 3999):
+        (word,) = np.random.Philox(key=key).advance(place // PLACES).random_raw(4)[place % PLACES // 4 :][:1]
+        number = int(word) >> (place % 4 * BITS) & ((1 << BITS) - 1)
+        if TAIL_BINS <= number < (1 << BITS) - TAIL_BINS:
+            assert found[place] == quantiles()[number]
+
+
+def test_only_the_end_of_a_frame_may_lie_within_a_counter():
+    numbers = NormalNumbers(np.random.default_rng(1))
+    numbers.fill(np.empty(PLACES + 1, np.float32))
+    with pytest.raises(ValueError, match="multiple of 16"):
+        numbers.fill(np.empty(1, np.float32))

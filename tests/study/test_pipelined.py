@@ -79,3 +79,37 @@ def test_pipelined_scoring_goes_on_after_a_candidate_that_fails(toys, sections, 
     assert bool(failed.states) is trains
     steps = [int(e.states["learner"]["steps"][0]) for e in (first, third)]
     assert steps == [6, 18 if trains else 12]  # six frames a training
+
+
+class TwoWorkers(Recorder):
+    """Two workers that take turns, in each of which jobs find what the worker has."""
+
+    workers = 2
+
+    def map(self, evaluate, jobs):
+        self.rounds.append([type(job).__name__ for job in jobs])
+        return map(evaluate, jobs)
+
+
+def test_a_free_worker_builds_the_world_to_come_with_the_same_results(toys):
+    evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), TwoWorkers()
+    worlds = [EpisodeSpec(3, ("train", 0, i)) for i in (0, 1, 1, 2)]
+    jobs = [replace(job, training=world) for job, world in zip(jobs_of(evaluate), worlds, strict=True)]
+    fitness = evaluate.simulation.plan.fitness
+    pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
+    assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
+    prepared = ["PrepareJob" in names for names in executor.rounds]
+    assert prepared == [True, False, True, False, False]  # candidates 1 and 2 share a world
+
+
+def test_what_cannot_be_prepared_is_told_where_it_is_needed(toys, caplog):
+    evaluate = Evaluator(toy_recipe(**LEARNER), toys)
+    first, second, *_ = jobs_of(evaluate)
+    worlds = [EpisodeSpec(3, ("train", 0, i)) for i in (0, 1)]
+    jobs = [
+        replace(first, training=worlds[0]),
+        replace(second, training=worlds[1], values={"focal_length_mm": -1.0, "pitch_deg": 0.0}),
+    ]
+    fine, refused = score_pipelined(jobs, evaluate.simulation.plan.fitness, TwoWorkers(), evaluate)
+    assert fine.failed is None
+    assert refused.failed.startswith("the rig refuses it")

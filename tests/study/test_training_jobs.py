@@ -56,6 +56,25 @@ def test_by_default_training_is_renewed_with_the_episodes(toys, tmp_path, renewe
     assert len(set(training_episodes(toys, tmp_path / "out", "shared", renew_episodes=renewed))) == worlds
 
 
+@pytest.mark.parametrize("rounds", [2, 7, 12])
+def test_products_learn_in_the_worlds_of_the_design(toys, tmp_path, rounds):
+    changes = {
+        "rig": {"binning": 200},
+        "compare": {"cameras": ["flea3"], "evaluations": rounds},
+        "study": {"renew_episodes": "each_generation"},
+        "optimizer": {"generations": GENERATIONS, "population": POPULATION},
+    }
+    recipe = toy_recipe(**merged(LEARNER, changes))
+    recipe = recipe.model_copy(update={"design": {"focal_length_mm": recipe.design["focal_length_mm"]}})
+    recorder = Recorder()
+    tacos_framework.run(recipe, plugins=toys, out=tmp_path / "out", executor=recorder, report=False)
+    count = GENERATIONS * POPULATION
+    of_design, of_product = recorder.trainings[:count], recorder.trainings[count:]
+    assert len(of_product) == rounds
+    assert set(of_product) <= set(of_design)
+    assert len(set(of_product)) == min(rounds, GENERATIONS)
+
+
 def test_nothing_is_trained_where_the_weights_are_frozen(toys, tmp_path):
     assert training_episodes(toys, tmp_path / "out", "frozen", renew_training="each_candidate") == []
 

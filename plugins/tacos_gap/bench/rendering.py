@@ -14,7 +14,7 @@ from tacos_framework.recipe.loading import read_any_recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_gap.bench.settings import BenchSettings
 from tacos_gap.bench.simulated import CaptureBench
-from tacos_gap.captures.reader import Render
+from tacos_gap.captures.expected_values import Render
 
 
 def recipe_renderer(plugins: Plugins) -> Render:

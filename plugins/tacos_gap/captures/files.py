@@ -17,6 +17,9 @@ from tacos_framework.files.regular import too_large
 from tacos_framework.settings.yaml_reader import Document
 from tacos_gap.captures.images import read_array, read_image
 
+MAX_FRAMES = 6
+"""Frames of one capture that are used; more add little and cost time."""
+
 PATCH_COLUMNS = ("x", "y", "width", "height", "r", "g", "b")
 """Columns of a chart's table besides ``id``."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tacos_gap.captures.entries import FolderEntry
-from tacos_gap.captures.reader import MAX_FRAMES
+from tacos_gap.captures.files import MAX_FRAMES
 from tacos_plugins.authoring.reference.pages import NOTICE, settings_table
 
 

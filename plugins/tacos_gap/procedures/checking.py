@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.settings import check
-from tacos_framework.settings.yaml_reader import read_yaml
-from tacos_gap.captures.entries import FolderEntry
-from tacos_gap.captures.reader import FILE
+from tacos_framework.plugins import Plugins
+from tacos_gap.bench import recipe_renderer
+from tacos_gap.captures import read_captures
 
 
 def check_all(*checks: Callable[[], Any]) -> None:
@@ -31,20 +29,12 @@ def check_all(*checks: Callable[[], Any]) -> None:
         raise UserError(faults)
 
 
-def check_captures(folder: str) -> None:
-    """Whether a folder holds a sound ``captures.yaml``; its images are read as the diagnosis begins.
+def check_captures(folder: str, plugins: Plugins) -> None:
+    """Whether a folder of captures can be read, each of its files included: a run then begins with all of it.
 
     Raises
     ------
     UserError
-        With every fault of the file.
+        With every fault of the folder.
     """
-    path = Path(folder)
-    path = path if path.suffix in (".yaml", ".yml") else path / FILE
-    if path.parent.is_dir() and not path.is_file():
-        what = f"there is no {path.name}"
-        raise UserError(Fault(str(path.parent), what, "a folder of captures", "See the how-to on captures."))
-    document = read_yaml(path)
-    entry, faults, _ = check(FolderEntry, document.data, document.where)
-    if faults or entry is None:
-        raise UserError(faults)
+    read_captures(folder, recipe_renderer(plugins))

@@ -90,7 +90,7 @@ class Diagnose:
         check_all(
             lambda: candidates(plugins, self.config.without),
             lambda: self._sensor(plugins),
-            lambda: check_captures(self.config.captures),
+            lambda: check_captures(self.config.captures, plugins),
             *([partial(question.check, plugins)] if question is not None else []),
             *([partial(self._tasks, plugins)] if self.config.task else []),
         )

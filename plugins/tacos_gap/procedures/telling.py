@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Self
 
 from tacos_framework.study.progress import Progress
+from tacos_gap.attribution.selection import RIVALS
 from tacos_report.quantities import duration
 
 log = logging.getLogger(__name__)
@@ -18,10 +19,15 @@ log = logging.getLogger(__name__)
 EVERY_S = 20.0
 """At most so long nothing is said [s]."""
 
-DONE_AT = {"measuring the captures": 0.0, "trying effects": 0.1, "how far the gap shrinks": 0.9}
+DONE_AT = {
+    "measuring the captures": 0.0,
+    "trying effects": 0.1,
+    RIVALS: 0.75,
+    "how far the gap shrinks": 0.9,
+}
 """Share of the time that is gone as a stage begins."""
 
-DONE_AT_FIRST_CAUSE = 0.5
+DONE_AT_FIRST_CAUSE = 0.4
 LEFT_AFTER_ANOTHER = 0.7
 """Each further cause leaves this share of what was left: how many there will be is not known."""
 
@@ -32,7 +38,7 @@ def done_after(share: float, text: str) -> float:
     Examples
     --------
     >>> done_after(0.0, "trying effects"), done_after(0.1, "vignetting"), done_after(0.5, "vignetting + prnu")
-    (0.1, 0.5, 0.65)
+    (0.1, 0.4, 0.65)
     """
     if text in DONE_AT:
         return max(share, DONE_AT[text])

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
+from tacos_gap.statistics.line_means import over_frames
+from tacos_gap.statistics.sampled import noise_bands, sampled
 from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
 
 ROUNDING_DN2 = 1 / 12
@@ -80,12 +82,12 @@ class Sample:
     @cached_property
     def reference(self) -> NDArray[np.float32]:
         """(H, W, C) mean of the expectation over frames [DN]."""
-        return np.asarray(self.expected.mean(axis=0) if len(self.expected) > 1 else self.expected[0])
+        return over_frames(self.expected)
 
     @cached_property
     def mean(self) -> NDArray[np.float32]:
         """(H, W, C) mean of the frames [DN]."""
-        return np.asarray(self.frames.mean(axis=0)) if len(self.frames) > 1 else self.frames[0]
+        return over_frames(self.frames)
 
     @cached_property
     def residual(self) -> NDArray[np.float32]:
@@ -94,8 +96,16 @@ class Sample:
 
     @cached_property
     def residual_as_taken(self) -> NDArray[np.float32]:
-        """(H, W, C) `residual` with the hot pixels of the dark [DN]."""
-        return np.asarray(self.as_taken.mean(axis=0)) - self.reference
+        """(H, W, C) `residual` with the hot pixels of the dark, and without an added pattern [DN]."""
+        if self.as_taken is self.frames:
+            return self.residual
+        return over_frames(self.as_taken) - self.reference
+
+    @cached_property
+    def halves(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Means of every second frame, and of the others, less the expectation, (H, W, C) each [DN]."""
+        one, other = (over_frames(self.frames[half::2]) for half in (0, 1))
+        return one - self.reference, other - self.reference
 
     @cached_property
     def signal(self) -> NDArray[np.float32]:
@@ -108,20 +118,36 @@ class Sample:
         return len(self.frames) > 1 and len(self.expected) == 1
 
     @cached_property
+    def bands(self) -> NDArray[np.int64]:
+        """(B, R) the rows that noise is measured in, band by band; see `noise_bands`."""
+        return noise_bands(self.frames.shape)
+
+    @cached_property
     def temporal(self) -> NDArray[np.float32]:
-        """(N, H, W, C) frames less their mean, scaled so that its mean square is the variance [DN]."""
-        count = len(self.frames)
-        return (self.frames - self.mean) * np.float32(np.sqrt(count / (count - 1)))
+        """(N, B R, W, C) frames less their mean, scaled so that its mean square is the variance, in `bands`.
+
+        [DN]
+        """
+        count, rows = len(self.frames), self.bands.ravel()
+        whole = len(rows) == self.frames.shape[1]
+        frames, mean = (self.frames, self.mean) if whole else (self.frames[:, rows], self.mean[rows])
+        return (frames - mean) * np.float32(np.sqrt(count / (count - 1)))
 
     @cached_property
     def planes(self) -> NDArray[np.float32]:
-        """(C, N, H, W) `temporal`, channel by channel in memory [DN]."""
-        return np.ascontiguousarray(np.moveaxis(self.temporal, -1, 0))
+        """(C, N B, R, W) `temporal`, channel by channel and band by band [DN]."""
+        return self.in_planes(self.temporal)
+
+    def in_planes(self, noise: NDArray[np.float32]) -> NDArray[np.float32]:
+        """(C, N B, R, W) noise (N, B R, W, C) of the rows of `bands`, contiguous in memory."""
+        frames, _, width, channels = noise.shape
+        bands, rows = self.bands.shape
+        return np.ascontiguousarray(np.moveaxis(noise, -1, 0)).reshape(channels, frames * bands, rows, width)
 
     @cached_property
     def variance(self) -> NDArray[np.float32]:
-        """(H, W, C) variance over frames [DN^2]."""
-        return np.asarray(np.mean(np.square(self.temporal), axis=0))
+        """(B R, W, C) variance over frames in the rows of `bands` [DN^2]."""
+        return np.asarray(np.einsum("nhwc,nhwc->hwc", self.temporal, self.temporal) / len(self.frames))
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -141,8 +167,18 @@ def expected_signal(capture: RealCapture) -> NDArray[np.float32]:
     """(H, W, C) what the simulator expects above the pedestal; worked out once per capture [DN]."""
     if capture not in _SIGNALS:
         assert capture.expected_dn is not None
-        _SIGNALS[capture] = capture.expected_dn.mean(axis=0) - np.float32(capture.context.black_level_dn)
+        _SIGNALS[capture] = over_frames(capture.expected_dn) - np.float32(capture.context.black_level_dn)
     return _SIGNALS[capture]
+
+
+_MEANS: WeakKeyDictionary[RealCapture, NDArray[np.float64]] = WeakKeyDictionary()
+
+
+def mean_signal(capture: RealCapture) -> NDArray[np.float64]:
+    """(C,) mean of what is expected above the pedestal in the pixels that count; worked out once [DN]."""
+    if capture not in _MEANS:
+        _MEANS[capture] = expected_signal(capture)[capture.valid].mean(axis=0, dtype=np.float64)
+    return _MEANS[capture]
 
 
 _HOT_SPREADS = 6.0
@@ -156,7 +192,7 @@ def without_hot_pixels(
 
     Bright pieces of rows and columns stay: they are patterns, not single pixels.
     """
-    steady = frames_dn.min(axis=0) - expected_dn[0]
-    _, spread = middle_and_spread(frames_dn[0] - expected_dn[0])
-    hot = isolated(steady - np.median(steady) > ROUNDING_DN + _HOT_SPREADS * spread)
+    steady = np.minimum.reduce(frames_dn) - expected_dn[0]
+    _, spread = middle_and_spread(sampled(frames_dn[0] - expected_dn[0]))
+    hot = isolated(steady - np.median(sampled(steady)) > ROUNDING_DN + _HOT_SPREADS * spread)
     return np.where(hot[None], expected_dn, frames_dn) if hot.any() else frames_dn

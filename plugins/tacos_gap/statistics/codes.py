@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.sampled import CODE_SAMPLES, sampled
 
 PERIODS = (2, 3, 4, 5, 6, 8)
 """Steps between used codes that are looked for [DN]."""
@@ -21,8 +22,9 @@ def code_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     values = sample.as_taken if sample.valid.all() else sample.as_taken[:, sample.valid]
     if not values.size:
         return
+    values = sampled(values, CODE_SAMPLES)
     white = sample.capture.context.white_level_dn
-    histogram = np.bincount(values.astype(np.uint16).ravel())
+    histogram = np.bincount(values.astype(np.uint16))
     top = len(histogram) - 1
     ends = np.array([histogram[int(np.ceil(white)) :].sum(), histogram[0]]) / values.size
     yield StatisticBlock("clipped", "pixel", ends, [{"end": "white"}, {"end": "zero"}], 0.003)

@@ -52,9 +52,17 @@ def _means_of(boxes: NDArray[np.int64], image: NDArray[np.float32]) -> NDArray[n
     return np.concatenate(means).astype(np.float64)
 
 
+_COLOURFUL: WeakKeyDictionary[RealCapture, bool] = WeakKeyDictionary()
+
+
 def has_colours(capture: RealCapture) -> bool:
     """Whether enough pixels of colours different enough are expected to stay below saturation."""
-    used = _used(capture)
+    if capture not in _COLOURFUL:
+        _COLOURFUL[capture] = _are_colourful(capture, _used(capture))
+    return _COLOURFUL[capture]
+
+
+def _are_colourful(capture: RealCapture, used: NDArray[np.int64]) -> bool:
     if len(used) < _FEWEST:
         return False
     context = capture.context
@@ -64,12 +72,15 @@ def has_colours(capture: RealCapture) -> bool:
 
 
 _USED: WeakKeyDictionary[RealCapture, NDArray[np.int64]] = WeakKeyDictionary()
+_STEP = 7
+_MOST = 1 << 16
 
 
 def _used(capture: RealCapture) -> NDArray[np.int64]:
-    """Every seventh pixel that counts and is expected to stay well below saturation, as flat indices."""
+    """Every seventh pixel, or fewer, that counts and is expected well below saturation, as flat indices."""
     if capture not in _USED:
         context = capture.context
         white = 0.9 * (context.white_level_dn - context.black_level_dn)
-        _USED[capture] = np.flatnonzero(capture.valid & (expected_signal(capture).max(axis=-1) < white))[::7]
+        usable = np.flatnonzero(capture.valid & (expected_signal(capture).max(axis=-1) < white))
+        _USED[capture] = usable[:: max(_STEP, usable.size // _MOST)]
     return _USED[capture]

@@ -12,18 +12,21 @@ from scipy.stats import trim_mean
 from tacos_gap.statistics.block import Sample, StatisticBlock
 
 BLOCK_PX = 8
+LARGEST_PX = 384
+"""Side of the middle of an image in which blocks are looked for: a codec treats all of them alike [px]."""
+
 _OUTLIERS = 0.1
 """Share of lines left out at either end: one bad column is no codec."""
 
 
 def compression_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Steps at borders of 8 x 8 blocks over steps elsewhere, and vanished coefficients of blocks in place."""
-    frame = sample.files[0][..., 1 if len(sample.channels) == 3 else 0]
-    residual = frame - (
-        sample.expected[0][..., 1] if len(sample.channels) == 3 else sample.expected[0][..., 0]
-    )
-    if min(frame.shape) < 6 * BLOCK_PX:
+    channel = 1 if len(sample.channels) == 3 else 0
+    if min(sample.valid.shape) < 6 * BLOCK_PX:
         return
+    middle = _middle(sample.valid.shape)
+    frame = np.ascontiguousarray(sample.files[0][..., channel][middle])
+    residual = frame - sample.expected[0][..., channel][middle]
     steps = [_border_steps(residual), _border_steps(residual.T)]
     at = [{"direction": "columns"}, {"direction": "rows"}]
     yield StatisticBlock("block_borders", "codec", np.array(steps), at, 0.02)
@@ -31,6 +34,12 @@ def compression_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     yield StatisticBlock(
         "vanished_coefficients", "codec", vanished, [{"frequency": "low"}, {"frequency": "high"}], 0.01
     )
+
+
+def _middle(shape: tuple[int, ...]) -> tuple[slice, slice]:
+    """Rows and columns of the middle of an image, from a border of blocks on; all where it is small."""
+    first = [max(side - LARGEST_PX, 0) // 2 // BLOCK_PX * BLOCK_PX for side in shape]
+    return slice(first[0], first[0] + LARGEST_PX), slice(first[1], first[1] + LARGEST_PX)
 
 
 def _border_steps(residual: NDArray[np.float32]) -> float:

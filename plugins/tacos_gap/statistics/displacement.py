@@ -34,17 +34,15 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     colour = len(sample.channels) == 3
     green = _flow(sample, 1 if colour else 0)
     at = spots.at
-    for axis, name in ((0, "x"), (1, "y")):
-        values = spots.medians(green[..., axis])
+    for values, axis in zip(spots.medians(green), "xy", strict=True):
         yield StatisticBlock(
-            "displacement", "optics", values, [{**a, "axis": name} for a in at], AMPLITUDE_PX
+            "displacement", "optics", values, [{**a, "axis": axis} for a in at], AMPLITUDE_PX
         )
     if colour:
         for channel, name in ((0, "R-G"), (2, "B-G")):
             apart = _flow(sample, channel) - green
-            for axis, direction in ((0, "x"), (1, "y")):
-                values = spots.medians(apart[..., axis])
-                places = [{**a, "axis": direction, "channels": name} for a in at]
+            for values, axis in zip(spots.medians(apart), "xy", strict=True):
+                places = [{**a, "axis": axis, "channels": name} for a in at]
                 yield StatisticBlock("colour_displacement", "optics", values, places, AMPLITUDE_PX)
 
 
@@ -60,9 +58,11 @@ class _Spots:
     parts: Sequence[NDArray[np.int64]]
     at: Sequence[Mapping[str, Any]]
 
-    def medians(self, image: NDArray[np.float32]) -> NDArray[np.float64]:
-        flat = image.ravel()
-        return np.array([float(np.median(flat[part])) for part in self.parts])
+    def medians(self, field: NDArray[np.float32]) -> NDArray[np.float64]:
+        """(2, T) medians of both components of an (H, W, 2) field in each tile."""
+        flat = np.ascontiguousarray(field.reshape(-1, 2).T)
+        middles = [np.partition(flat[:, part], len(part) // 2)[:, len(part) // 2] for part in self.parts]
+        return np.array(middles, np.float64).reshape(-1, 2).T
 
 
 _SPOTS: WeakKeyDictionary[RealCapture, _Spots] = WeakKeyDictionary()
@@ -88,12 +88,25 @@ def _flow(sample: Sample, channel: int) -> NDArray[np.float32]:
     import cv2
 
     one = len(sample.expected) == 1
-    first = _stretched(sample.expected[0][..., channel])
+    first = _stretched_expectation(sample, channel)
     second = _stretched((sample.mean if one else sample.frames[0])[..., channel])
     search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
     search.setFinestScale(1)
     search.setVariationalRefinementIterations(0)  # twice the time; medians over tiles hardly change
     return np.asarray(search.calc(first, second, np.zeros((*first.shape, 2), np.float32)))
+
+
+_STRETCHED: WeakKeyDictionary[RealCapture, dict[int, tuple[NDArray[np.float32], NDArray[np.uint8]]]] = (
+    WeakKeyDictionary()
+)
+
+
+def _stretched_expectation(sample: Sample, channel: int) -> NDArray[np.uint8]:
+    """What frames are compared with, worked out once as long as it is the same array."""
+    known = _STRETCHED.setdefault(sample.capture, {})
+    if channel not in known or known[channel][0] is not sample.expected:
+        known[channel] = sample.expected, _stretched(sample.expected[0][..., channel])
+    return known[channel][1]
 
 
 def _stretched(image: NDArray[np.float32]) -> NDArray[np.uint8]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
-from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS, expected_in, rings, tiles
+from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS, expected_in, rings, tile_means, tiles
+from tacos_gap.statistics.line_means import line_means
 
 RELATIVE = 0.004
 OFFSET_DN = 0.06
@@ -19,47 +21,52 @@ def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     grid = tiles(capture)
     if len(grid.at) > 3:
         dark = capture.kind == "dark"
+        levels, luck = tile_means(capture, sample.residual), _luck_of_lines(sample)
         for channel, name in enumerate(sample.channels):
             signal = expected_in(grid, capture, channel)
             scale = np.ones_like(signal) if dark else np.maximum(signal, 2.0)
-            shape = grid.mean(sample.residual[..., channel]) / scale
+            shape = levels[:, channel] / scale
             margin = OFFSET_DN if dark else np.hypot(RELATIVE * scale, OFFSET_DN)
             yield StatisticBlock(
                 "dark_field" if dark else "relative_illumination",
                 "pixel" if dark else "optics",
                 shape - np.average(shape, weights=grid.count),
                 [{**at, "channel": name} for at in grid.at],
-                np.hypot(margin, _luck_of_lines(sample, channel)) / scale,
+                np.hypot(margin, luck[channel]) / scale,
             )
     if sample.repeats:
         circles = rings(capture)
         if len(circles.at) > 1:
             rounding = np.float32(ROUNDING_DN2 * len(sample.channels))  # twice below, once in the files
-            ratio = (np.einsum("hwc->hw", sample.variance) + rounding) / _expected_variance(sample)
-            value = np.log(circles.mean(ratio))
+            ratio = (
+                sample.variance @ np.ones(len(sample.channels), np.float32) + rounding
+            ) / _expected_variance(sample)
+            value = np.log(circles.in_rows(sample.bands).mean(ratio))
             yield StatisticBlock("noise_over_field", "isp", value - value.mean(), circles.at, 0.02)
 
 
-def _luck_of_lines(sample: Sample, channel: int) -> float:
-    """What lines with offsets of their own put into a tile by chance: where they lie says nothing [DN].
+def _luck_of_lines(sample: Sample) -> NDArray[np.float64]:
+    """(C,) what lines with offsets of their own put into a tile by chance: where they lie says nothing [DN].
 
     Their variance is the covariance of halves of the frames, of differences between neighbouring lines.
     """
+    luck = np.zeros(len(sample.channels))
     if not sample.repeats:
-        return 0.0
-    first, second = (
-        sample.frames[half::2, ..., channel].mean(axis=0) - sample.reference[..., channel] for half in (0, 1)
-    )
-    luck = 0.0
+        return luck
+    whole = sample.valid.all()
+    halves = [half if whole else half * sample.valid[..., None] for half in sample.halves]
     for axis, tiles_along in ((0, TILE_COLUMNS), (1, TILE_ROWS)):
-        one, two = (np.diff(np.where(sample.valid, half, 0).mean(axis=axis)) for half in (first, second))
-        luck += max(float(np.mean(one * two)) / 2, 0.0) * tiles_along / (one.size + 1)
-    return float(np.sqrt(luck))
+        one, two = (np.diff(line_means(half, axis), axis=0) for half in halves)
+        luck += np.maximum((one * two).mean(axis=0) / 2, 0.0) * tiles_along / (len(one) + 1)
+    return np.sqrt(luck)
 
 
-def _expected_variance(sample: Sample) -> np.ndarray:
-    """(H, W) noise for the level that was *measured*: what dims light leaves the ratio at 1."""
+def _expected_variance(sample: Sample) -> NDArray[np.float32]:
+    """(B R, W) noise for the level that was *measured*: what dims light leaves the ratio at 1."""
     black = np.float32(sample.capture.context.black_level_dn)
-    level = np.maximum(sample.mean - black, 0)
-    rounding = np.float32(2 * ROUNDING_DN2 * level.shape[-1])
-    return np.asarray(np.einsum("hwc->hw", sample.capture.noise.variance_dn2(level)) + rounding)
+    noise, rows = sample.capture.noise, sample.bands.ravel()
+    level = np.maximum(sample.mean[rows] - black, 0)
+    channels = level.shape[-1]
+    photon = np.broadcast_to(np.asarray(noise.photon_dn, np.float32), channels)
+    thermal = np.broadcast_to(np.asarray(noise.thermal_dn2, np.float32), channels).sum()
+    return np.asarray(level @ photon + thermal + np.float32(2 * ROUNDING_DN2 * channels))

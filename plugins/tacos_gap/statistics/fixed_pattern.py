@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import expected_in, has_even_areas, levels, smooth_areas
+from tacos_gap.statistics.line_means import line_means
 
 _WINDOW_PX = 7
 _RELATIVE = 0.0015
@@ -25,10 +26,13 @@ def fixed_pattern_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
     even = smooth_areas(sample.capture) & sample.valid
-    first = _fine(sample.frames[0::2].mean(axis=0) - sample.reference)
-    second = _fine(sample.frames[1::2].mean(axis=0) - sample.reference)
+    first, second = (_fine(half) for half in sample.halves)
     count = [even.sum(axis=axis) for axis in (0, 1)]
-    product = np.clip(first * second, -400, 400)
+    product = first * second
+    np.clip(product, -400, 400, out=product)
+    counted = even.all()
+    one, two = (half if counted else half * even[..., None] for half in (first, second))
+    lines = [[line_means(half, axis) * even.shape[axis] for half in (one, two)] for axis in (0, 1)]
     for channel, label in enumerate(sample.channels):
         bins = levels(sample.capture, channel, even)
         if not bins.at:
@@ -41,10 +45,9 @@ def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
             [{**at, "channel": label} for at in bins.at],
             (_RELATIVE * signal) ** 2 + _OFFSET_DN**2,
         )
-        one, two = (half[..., channel] * even for half in (first, second))
         for axis, name in ((0, "column_pattern"), (1, "row_pattern")):
             filled = count[axis] > _LEAST_OF_A_LINE
-            a, b = (half.sum(axis=axis)[filled] / count[axis][filled] for half in (one, two))
+            a, b = (half[filled, channel] / count[axis][filled] for half in lines[axis])
             if not filled.any():
                 continue
             value = np.array([float(np.mean(a * b))])

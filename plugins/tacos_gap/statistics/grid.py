@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.block import expected_signal
+from tacos_gap.statistics.line_means import over_image
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
 RINGS = (0.0, 0.35, 0.6, 0.8, np.inf)
@@ -25,18 +26,43 @@ SMALLEST_BIN = 200  # pixels
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """Which bin each pixel is in (-1: none), and what each bin is."""
+    """Bins of an image.
+
+    Parameters
+    ----------
+    index
+        (H, W) the bin each pixel is in; -1 for none.
+    at
+        What each bin is.
+    count
+        (B,) its pixels; not a number where there is none.
+    kept
+        (B,) its number among those that were made, before those with too few pixels were left out.
+    """
 
     index: NDArray[np.int64]
     at: Sequence[Mapping[str, Any]]
-    count: NDArray[np.int64]
+    count: NDArray[Any]
+    kept: NDArray[np.int64]
+    _parts: dict[bytes, Bins] = field(default_factory=dict, repr=False)
 
     def mean(self, image: NDArray[np.floating]) -> NDArray[np.float64]:
         """Mean of an (H, W) image in each bin."""
         if self._covers_all:
-            return np.array([float(image.mean())])
+            return over_image(image[..., None])
         total = np.bincount(self._flat, weights=image.ravel(), minlength=len(self.at) + 1)[1:]
         return np.asarray(total / self.count)
+
+    def in_rows(self, rows: NDArray[np.int64]) -> Bins:
+        """The bins of an image that has some of the rows alone; means of those it lacks are not numbers."""
+        if rows.size == len(self.index):
+            return self
+        key = rows.tobytes()
+        if key not in self._parts:
+            index = self.index[rows.ravel()]
+            count = np.bincount(index.ravel() + 1, minlength=len(self.at) + 1)[1:]
+            self._parts[key] = Bins(index, self.at, np.where(count, count, np.nan), self.kept)
+        return self._parts[key]
 
     @cached_property
     def _flat(self) -> NDArray[np.int64]:
@@ -74,7 +100,7 @@ def _compact(index: NDArray[np.int64], at: Sequence[Mapping[str, Any]]) -> Bins:
     keep = np.flatnonzero(count >= min(SMALLEST_BIN, max(count.max(initial=0) // 4, 1)))
     renamed = np.full(len(at) + 1, -1)
     renamed[keep + 1] = np.arange(len(keep))
-    return Bins(renamed[index + 1], [at[k] for k in keep.tolist()], count[keep])
+    return Bins(renamed[index + 1], [at[k] for k in keep.tolist()], count[keep], keep)
 
 
 def tiles(capture: RealCapture) -> Bins:
@@ -98,6 +124,30 @@ def tiles(capture: RealCapture) -> Bins:
         return _compact(index, at)
 
     return _kept(capture, "tiles", make)
+
+
+def tile_means(capture: RealCapture, image: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(T, C) mean of each channel of an (H, W, C) image in `tiles`, all of them at once.
+
+    Sums along rows are one product of matrices: an order of magnitude faster than counting pixel by pixel.
+    """
+    grid = tiles(capture)
+    height, width, channels = image.shape
+    counted = image if capture.valid.all() else image * capture.valid[..., None]
+    along = counted.reshape(height, width * channels) @ _columns_of_tiles(width, channels)
+    first_rows = [-(-r * height // TILE_ROWS) for r in range(TILE_ROWS)]
+    sums = np.add.reduceat(along, first_rows, axis=0, dtype=np.float64)
+    return np.asarray(sums.reshape(-1, channels)[grid.kept] / grid.count[:, None])
+
+
+@lru_cache(maxsize=8)
+def _columns_of_tiles(width: int, channels: int) -> NDArray[np.float32]:
+    """(W C, T C) which tile and channel each sample of a row is counted in."""
+    tile = np.arange(width) * TILE_COLUMNS // width
+    member = np.zeros((width, channels, TILE_COLUMNS, channels), np.float32)
+    for channel in range(channels):
+        member[np.arange(width), channel, tile, channel] = 1
+    return member.reshape(width * channels, TILE_COLUMNS * channels)
 
 
 def _radius_of(capture: RealCapture, box: Sequence[int]) -> list[float]:
@@ -129,7 +179,7 @@ def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = 
         use = capture.valid if flat is None else capture.valid & flat
         inside = level[use]
         if not inside.size:
-            return Bins(np.full(level.shape, -1), [], np.zeros(0, np.int64))
+            return _compact(np.full(level.shape, -1), [])
         if np.ptp(inside) < 2.0:
             return _compact(np.where(use, 0, -1), [{"level_dn": round(float(inside.mean()), 1)}])
         edges = np.unique(np.quantile(inside, np.linspace(0, 1, LEVELS + 1)))

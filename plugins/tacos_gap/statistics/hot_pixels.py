@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.sampled import sampled
 from tacos_plugins.effects.darks import ROUNDING_DN, isolated
 
 STEPS = (1.0, 2.0, 4.0, 10.0, 25.0)
@@ -48,5 +49,5 @@ def hot_pixel_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 def _above(sample: Sample) -> NDArray[np.float32]:
     """(H, W, C) the least of the frames above what is expected, and above the middle of all pixels [DN]."""
-    above = sample.as_taken.min(axis=0) - sample.reference
-    return np.asarray(above - np.median(above[sample.valid]))
+    above = np.minimum.reduce(sample.as_taken) - sample.reference
+    return np.asarray(above - np.median(sampled(above if sample.valid.all() else above[sample.valid])))

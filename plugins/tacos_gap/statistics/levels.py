@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.block import Sample, StatisticBlock, mean_signal
 from tacos_gap.statistics.grid import expected_in, levels
 
 OFFSET_DN = 0.06
@@ -38,16 +38,17 @@ def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         yield from _over_time(sample)
     if sample.repeats or len(sample.frames) > 1:
         overall = sample.frames.mean(axis=(1, 2, 3))
-        scale = max(float(sample.signal.mean()), 1.0)
+        scale = max(float(mean_signal(sample.capture).mean()), 1.0)
         yield StatisticBlock("frame_to_frame", "exposure", np.array([np.std(overall) / scale]), [{}], 0.003)
 
 
 def _over_time(sample: Sample) -> Iterator[StatisticBlock]:
     """Level of each frame of a sequence over its expectation, less the mean of all of them [1]."""
     valid = sample.capture.valid
+    signal = np.abs(mean_signal(sample.capture))
     for channel, name in enumerate(sample.channels):
         residual = sample.frames[..., channel] - sample.expected[..., channel]
-        scale = max(float(np.abs(sample.signal[..., channel][valid]).mean()), 1.0)
+        scale = max(float(signal[channel]), 1.0)
         off = residual[:, valid].mean(axis=1) / scale
         at = [{"frame": i, "channel": name} for i in range(len(off))]
         yield StatisticBlock("level_over_time", "exposure", off - off.mean(), at, OVER_TIME)

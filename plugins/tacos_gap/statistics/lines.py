@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.block import Sample, StatisticBlock, mean_signal
+from tacos_gap.statistics.line_means import line_means, over_channels
 from tacos_plugins.effects.line_defects import NEIGHBOURS
 
 _OFFSET_DN = 0.08
@@ -25,22 +26,23 @@ def line_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """
     if sample.capture.kind not in ("dark", "flat", "bracket"):
         return
-    plane = np.where(sample.valid[..., None], sample.residual_as_taken, 0).mean(axis=-1)
+    plane = over_channels(sample.residual_as_taken)
+    plane = plane if sample.valid.all() else np.where(sample.valid, plane, 0)
     extremes, at = [], []
     for axis, name in ((0, "column"), (1, "row")):
         offsets = line_offsets(plane, axis)
         extremes += [offsets.max(), offsets.min()]
         at += [{"line": f"brightest {name}"}, {"line": f"darkest {name}"}]
     values = np.array(extremes, float)
-    signal = float(np.abs(sample.signal[sample.valid]).mean())
+    signal = float(np.abs(mean_signal(sample.capture)).mean())
     margin = np.hypot(_OFFSET_DN, _RELATIVE * signal)
     yield StatisticBlock("line_offset", "pixel", values, at, np.hypot(margin, _LUCK * values))
 
 
 def line_offsets(plane: NDArray[np.floating], axis: int) -> NDArray[np.float64]:
     """Mean of each line along an axis of an (H, W) image, less the median of those around it [DN]."""
-    along = np.moveaxis(plane, axis, 0)
+    along = plane if axis == 0 else np.ascontiguousarray(plane.T)
     before, here, after = along[:-2], along[1:-1], along[2:]
     steady = np.maximum(np.minimum(before, here), np.minimum(np.maximum(before, here), after))
-    profile = steady.mean(axis=0, dtype=np.float64)
+    profile = line_means(steady[..., None], 0)[:, 0].astype(np.float64)
     return np.asarray(profile - median_filter(profile, NEIGHBOURS, mode="nearest"))

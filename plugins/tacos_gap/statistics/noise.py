@@ -22,14 +22,17 @@ def noise_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     if sample.repeats:
         planes = sample.planes
         yield from _photon_transfer(sample, sample.variance, "photon_transfer", None, 0.02)
-        yield _tails(planes, sample.valid)
+        counted = np.broadcast_to(
+            sample.valid[sample.bands], (len(sample.frames), *sample.bands.shape, sample.valid.shape[1])
+        )
+        yield _tails(planes, counted.reshape(planes.shape[1:]))
     else:
         if not has_even_areas(sample.capture):
             return
         even = smooth_areas(sample.capture) & sample.valid
         noise = (sample.frames[0] - sample.expected[0]) * even[:, :, None]
         yield from _photon_transfer(sample, _high_pass(noise) ** 2, "spatial_noise", even, 0.03)
-        planes = np.ascontiguousarray(np.moveaxis(noise, -1, 0))[:, None]
+        planes = sample.in_planes(noise[None, sample.bands.ravel()])
     if sample.capture.noise.known or sample.repeats:
         yield from _correlation(sample, planes)
         yield from _lattice(sample, planes)
@@ -46,6 +49,8 @@ def _photon_transfer(
         return
     for channel, label in enumerate(sample.channels):
         bins = levels(sample.capture, channel, areas)
+        if areas is None:
+            bins = bins.in_rows(sample.bands)
         if bins.at:
             measured = bins.mean(variance[..., channel])
             # a variance far below that of rounding is a matter of rounding, not of noise
@@ -60,7 +65,7 @@ def _photon_transfer(
 
 def _tails(planes: NDArray[np.float32], valid: NDArray[np.bool_]) -> StatisticBlock:
     """Kurtosis of the noise with normal noise as large as rounding added, without which little has tails."""
-    square = np.square(planes if valid.all() else planes[:, :, valid])
+    square = np.square(planes if valid.all() else planes[:, valid])
     second, fourth = float(square.mean()), float(np.vdot(square, square)) / square.size
     added = ROUNDING_DN2
     kurtosis = (fourth + 6 * added * second + 3 * added**2) / (second + added) ** 2

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
+from tacos_gap.statistics.line_means import line_means_of_frames, over_channels
 
 WAVES = 24
 """Periods of a wave over the rows that are looked at: the height over 1, 2, ..."""
@@ -18,32 +19,32 @@ _LEAST_RATIO = 0.2
 
 def row_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Variance of row and column means over that of independent pixels; waves over the rows."""
-    noise = sample.temporal if sample.repeats else sample.frames - sample.expected
-    row_means = _row_means(noise)
     even = sample.repeats or sample.capture.kind in ("dark", "flat")
+    waves = sample.capture.kind != "dark" and (even or len(sample.frames) > 1)
+    if not (even or waves):
+        return
+    row_means = _of_noise(sample, sample.frames, 1)
     if even:
-        level = row_means.mean(axis=1)
-        variance = max(float(np.vdot(noise, noise)) / noise.size - float(np.mean(level**2)), ROUNDING_DN2)
-        yield _shared(row_means, variance / noise.shape[2], "row_noise")
-        yield _shared(_column_means(noise), variance / noise.shape[1], "column_noise")
-    if sample.capture.kind != "dark" and (even or len(sample.frames) > 1):
-        yield _waves(sample, noise, row_means)
+        height, width = sample.valid.shape
+        variance = max(_mean_square(sample) - float(np.mean(row_means.mean(axis=1) ** 2)), ROUNDING_DN2)
+        yield _shared(row_means, variance / width, "row_noise")
+        yield _shared(_of_noise(sample, sample.frames, 0), variance / height, "column_noise")
+    if waves:
+        yield _waves(sample, row_means)
 
 
-def _row_means(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(N, H, C) means along the rows of (N, H, W, C); many times faster than numpy's over a middle axis."""
-    import cv2
+def _of_noise(sample: Sample, frames: NDArray[np.float32], axis: int) -> NDArray[np.float32]:
+    """(N, H or W, C) means of the lines of the noise: of frames less their mean, or less the expectation."""
+    means = line_means_of_frames(frames, axis)
+    if not sample.repeats:
+        return means - line_means_of_frames(sample.expected, axis)
+    return (means - means.mean(axis=0)) * np.float32(np.sqrt(len(means) / (len(means) - 1)))
 
-    means = [cv2.reduce(frame, 1, cv2.REDUCE_AVG) for frame in image]
-    return np.stack(means).reshape(image.shape[0], image.shape[1], image.shape[3])
 
-
-def _column_means(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(N, W, C) means along the columns of (N, H, W, C)."""
-    import cv2
-
-    means = [cv2.reduce(frame, 0, cv2.REDUCE_AVG) for frame in image]
-    return np.stack(means).reshape(image.shape[0], image.shape[2], image.shape[3])
+def _mean_square(sample: Sample) -> float:
+    """Mean square of the noise of a pixel [DN^2]."""
+    noise = sample.temporal if sample.repeats else sample.frames - sample.expected
+    return float(np.vdot(noise, noise)) / noise.size
 
 
 def _shared(lines: NDArray[np.float32], independent: float, name: str) -> StatisticBlock:
@@ -53,15 +54,18 @@ def _shared(lines: NDArray[np.float32], independent: float, name: str) -> Statis
     return StatisticBlock(name, "readout", np.array([np.log(ratio + _LEAST_RATIO)]), [{}], 0.05)
 
 
-def _waves(sample: Sample, noise: NDArray[np.float32], row_means: NDArray[np.float32]) -> StatisticBlock:
+def _waves(sample: Sample, row_means: NDArray[np.float32]) -> StatisticBlock:
     """Amplitude of waves over the rows of each frame, relative to the signal, by its rms over frames."""
     level = row_means.mean(axis=1, keepdims=True)
-    if sample.valid.all():
-        profile = (row_means - level).mean(axis=-1) * noise.shape[2]
-    else:
-        profile = ((noise - level[:, :, None]) * sample.valid[None, :, :, None]).mean(axis=-1).sum(axis=2)
-    weight = np.maximum((sample.signal.mean(axis=-1) * sample.valid).sum(axis=1), 1.0)
-    profile = profile / weight[None, :]
+    profile = row_means - level
+    if not sample.valid.all():
+        counted = sample.valid[..., None]
+        of_valid = _of_noise(sample, sample.frames * counted, 1)
+        if not sample.repeats:  # what is expected of pixels that do not count
+            of_valid += line_means_of_frames(sample.expected * ~counted, 1)
+        profile = of_valid - level * sample.valid.mean(axis=1)[:, None]
+    weight = np.maximum((over_channels(sample.signal) * sample.valid).sum(axis=1), 1.0)
+    profile = profile.mean(axis=-1) * sample.valid.shape[1] / weight[None, :]
     spectrum = np.abs(np.fft.rfft(profile - profile.mean(axis=1, keepdims=True), axis=1))
     amplitude = 2 * np.sqrt(np.mean(spectrum**2, axis=0)) / profile.shape[1]
     count = min(WAVES, len(amplitude) - 1)

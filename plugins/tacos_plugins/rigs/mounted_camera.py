@@ -34,6 +34,9 @@ class SensorPart(Settings):
         None, help="Electrons per second without light, if known.", unit="e-/s", ge=0
     )
 
+    power_w: float | None = setting(
+        None, help="Power of a camera that is sold with it, if known.", unit="W", gt=0
+    )
     mounts: str | None = setting(
         None, help="Lens mounts of cameras that are sold with it, as in C, CS, M12; if known."
     )
@@ -171,6 +174,7 @@ def mounted_camera(
     *,
     position_m: Sequence[float],
     pitch_deg: float,
+    yaw_deg: float = 0.0,
     binning: float,
 ) -> Camera:
     """A camera on the agent that simulates blocks of ``binning`` x ``binning`` photosites as one pixel.
@@ -181,6 +185,8 @@ def mounted_camera(
         Optical centre in the agent frame: forward, left, up [m].
     pitch_deg
         Tilt of the optical axis, positive is up [deg].
+    yaw_deg
+        Turn of the optical axis, positive is left [deg].
     binning
         Linear factor; the image size is rounded to whole pixels, at least one [1].
     """
@@ -190,7 +196,7 @@ def mounted_camera(
         height_px=max(1, round(sensor.height_px / binning)),
         pixel_um=sensor.pixel_um,
         focal_length_mm=focal_length_mm,
-        agent_from_camera=agent_from_camera(position_m, pitch_deg),
+        agent_from_camera=agent_from_camera(position_m, pitch_deg, yaw_deg),
         binning=binning,
         electrons=sensor.electrons,
     )

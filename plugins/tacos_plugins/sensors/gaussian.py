@@ -4,9 +4,14 @@ The inverse of the distribution function (inversion, Devroye 1986, chapter II.2)
 for as many values of 16 random bits. Where that is too coarse, in the tails, it is computed instead.
 Bins in between are at most 0.004 wide, a small part of what rounding to whole digital numbers does.
 
+The bits are those of a counter-based generator (Philox4x64-10, Salmon et al. 2011) with keys of the frame:
+sample i takes the bits 16 i to 16 i + 15, and the n-th sample of a tail the n-th word of a second stream. So
+samples may be drawn in any order, by any device that computes in parallel, with the same numbers.
+
 References
 ----------
 L. Devroye, "Non-Uniform Random Variate Generation", Springer 1986.
+J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
 """
 
 from __future__ import annotations
@@ -17,19 +22,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 BITS = 16
+PLACES = 16
+"""Places that one counter has the bits of."""
+
 TAIL_BINS = 64
 """Bins at each end in which numbers are computed: those beyond 3.1 standard deviations."""
 
 
-def fill_normal(out: NDArray[np.float32], rng: np.random.Generator) -> None:
-    """Fill (N,) float32, contiguous, with independent standard normal numbers."""
-    bins = rng.integers(0, 1 << BITS, out.shape, np.uint16)
-    table = quantiles()
-    np.take(table, bins, out=out, mode="clip")  # which is faster than to raise, and never happens
-    bins += np.uint16(TAIL_BINS)  # wraps: both tails come first
-    tail = np.flatnonzero(bins < 2 * TAIL_BINS)
-    if len(tail) > 0:
-        out[tail] = _beyond(rng.random(len(tail)), out[tail])
+class NormalNumbers:
+    """Independent standard normal numbers, in the order of the samples of a frame.
+
+    Parameters
+    ----------
+    rng
+        Of the frame: gives the keys of its two streams of bits, one for the bins and one for the tails.
+    """
+
+    def __init__(self, rng: np.random.Generator):
+        bins_key, tails_key = rng.integers(0, 1 << 64, (2, 2), np.uint64)
+        self._bins = np.random.Philox(key=bins_key)
+        self._tails = np.random.Generator(np.random.Philox(key=tails_key))
+        self._place = 0
+
+    def fill(self, out: NDArray[np.float32]) -> None:
+        """Fill (N,) float32, contiguous, with the next N numbers.
+
+        All but the last call of a frame fill a multiple of 16, the samples of one counter.
+        """
+        if self._place % PLACES:
+            raise ValueError(f"only the last numbers of a frame may be other than a multiple of {PLACES}")
+        words = self._bins.random_raw(-(-len(out) // 4))
+        bins = words.astype("<u8", copy=False).view("<u2")[: len(out)]
+        np.take(quantiles(), bins, out=out, mode="clip")  # which is faster than to raise, and never happens
+        bins += np.uint16(TAIL_BINS)  # wraps: both tails come first
+        tail = np.flatnonzero(bins < 2 * TAIL_BINS)
+        if len(tail) > 0:
+            out[tail] = _beyond(self._tails.random(len(tail)), out[tail])
+        self._place += len(out)
 
 
 @lru_cache(maxsize=1)

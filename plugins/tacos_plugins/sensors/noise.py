@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tacos_framework.camera.exposure import gain_factor
-from tacos_plugins.sensors.gaussian import fill_normal
+from tacos_plugins.sensors.gaussian import PLACES, NormalNumbers
 
 _BLOCK = 1 << 16  # samples at a time, which stay in the caches of a core
 
@@ -146,24 +146,25 @@ def add_noise(
         (C,) or scalar variance per signal, and without signal, of one sample: ratio and photosites already
         applied [DN, DN^2].
     rng
-        Draws the numbers, row by row.
+        Draws the key of this frame's numbers; they then follow from the places of the samples.
     """
     if not out.flags.c_contiguous:
         raise ValueError("noise can be written into a contiguous array only")
-    width, channels = samples_dn.shape[-2:]
-    # Whole rows, each channel's figures repeated along them: numpy is ten times slower over three numbers.
-    photon = np.tile(np.broadcast_to(photon_dn, channels), width)
-    thermal = np.tile(np.broadcast_to(thermal_dn2, channels), width)
+    channels = samples_dn.shape[-1]
+    # Long runs, each channel's figures repeated along them: numpy is ten times slower over three numbers.
+    pixels = max(PLACES, _BLOCK // channels // PLACES * PLACES)
+    photon = np.tile(np.broadcast_to(photon_dn, channels), pixels)
+    thermal = np.tile(np.broadcast_to(thermal_dn2, channels), pixels)
     without_signal = thermal - photon * np.float32(black_level_dn)
-    expected = samples_dn.reshape(-1, width * channels)
-    noisy = out.reshape(-1, width * channels)
-    rows = max(1, _BLOCK // max(1, width * channels))
-    for start in range(0, len(expected), rows):
-        block = expected[start : start + rows]
-        drawn = noisy[start : start + rows]
-        fill_normal(drawn.reshape(-1), rng)
-        variance = block * photon
-        variance += without_signal
-        np.maximum(variance, thermal, out=variance)  # a signal below black has the noise of black
+    expected, noisy = samples_dn.reshape(-1), out.reshape(-1)
+    normal = NormalNumbers(rng)
+    scratch = np.empty(len(photon), np.float32)
+    for start in range(0, len(expected), len(photon)):
+        block = expected[start : start + len(photon)]
+        drawn, variance = noisy[start : start + len(photon)], scratch[: len(block)]
+        normal.fill(drawn)
+        np.multiply(block, photon[: len(block)], out=variance)
+        variance += without_signal[: len(block)]
+        np.maximum(variance, thermal[: len(block)], out=variance)  # below black it has the noise of black
         drawn *= np.sqrt(variance, out=variance)
         drawn += block

@@ -1,4 +1,4 @@
-"""The horizontal fields of view, seen from above; stereo rigs with both cameras."""
+"""The horizontal fields of view, seen from above; rigs with all their cameras."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tacos_report.figures.canvas import draw
 from tacos_report.palette import INK, MUTED, RULE, camera_colour
 from tacos_report.quantities import quantity
 from tacos_report.study_data import CameraResult
-from tacos_report.view_geometry import wedge
+from tacos_report.view_geometry import outlooks, wedge
 
 _REACH_M = 4.0
 _LABEL_GAP_M = 0.32
@@ -25,16 +25,22 @@ def top_view(cameras: Sequence[CameraResult]) -> str:
     drawn = [(index, camera) for index, camera in enumerate(cameras) if "hfov_deg" in camera.derived]
     angles = ", ".join(f"{camera.title} {quantity(camera.derived['hfov_deg'], 'deg')}" for _, camera in drawn)
     half_base = max([(camera.baseline_m or 0.0) / 2 for _, camera in drawn], default=0.0)
-    side = half_base + max([_half_width_m(camera) for _, camera in drawn], default=1.0) + 0.6
+    around = any(len(outlooks(camera.derived)) > 1 for _, camera in drawn)
+    behind = _REACH_M + 0.2 if around else 0.5
+    side = (
+        _REACH_M + 0.9
+        if around
+        else half_base + max([_half_width_m(camera) for _, camera in drawn], default=1.0) + 0.6
+    )
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
         axes.set_aspect("equal")
         axes.set_xlim(-side, side)
-        axes.set_ylim(-0.5, _REACH_M + 0.45)
+        axes.set_ylim(-behind, _REACH_M + 0.45)
         axes.axis("off")
         for metre in range(1, int(_REACH_M) + 1):
-            arc = wedge((0.0, 0.0), 0.0, 180.0, float(metre))[1:]
+            arc = wedge((0.0, 0.0), *((0.0, 360.0) if around else (0.0, 180.0)), float(metre))[1:]
             axes.plot(*zip(*arc, strict=True), color=RULE, linewidth=0.6, zorder=0)
             axes.text(0, metre + 0.03, f"{metre} m", color=MUTED, ha="center", fontsize=8)
         for index, camera in reversed(drawn):
@@ -42,7 +48,7 @@ def top_view(cameras: Sequence[CameraResult]) -> str:
         _labels(axes, drawn)
         axes.plot([0], [0], "o", color=INK, markersize=4.5, zorder=5)
 
-    height = 5.6 * (_REACH_M + 0.95) / (2 * side)
+    height = 5.6 * (_REACH_M + 0.45 + behind) / (2 * side)
     return draw("top-view", (5.6, height), f"Top view. Horizontal fields of view: {angles}.", paint)
 
 
@@ -51,11 +57,11 @@ def _half_width_m(camera: CameraResult) -> float:
 
 
 def _view(axes: Axes, camera: CameraResult, index: int) -> None:
-    half = camera.derived["hfov_deg"] / 2
     colour, first = camera_colour(index), index == 0
     base = camera.baseline_m or 0.0
-    for x in sorted({-base / 2, base / 2}):
-        outline = wedge((x, 0.0), 90 - half, 90 + half, _REACH_M)
+    looks = [(x, *look) for x in sorted({-base / 2, base / 2}) for look in outlooks(camera.derived)]
+    for x, yaw_deg, hfov_deg in looks:
+        outline = wedge((x, 0.0), 90 + yaw_deg - hfov_deg / 2, 90 + yaw_deg + hfov_deg / 2, _REACH_M)
         if first:
             axes.add_patch(Polygon(outline, facecolor=colour, edgecolor="none", alpha=0.13, zorder=0))
         style: dict[str, Any] = {

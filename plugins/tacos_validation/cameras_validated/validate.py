@@ -115,7 +115,7 @@ class ValidateCameras:
         folders = self._folders().values()
         given = folders if self.config.patches == "given" else ()
         check_all(
-            *(partial(check_captures, str(path)) for path in folders),
+            *(partial(check_captures, str(path), plugins) for path in folders),
             *(partial(given_patch, path / PATCH, plugins) for path in given),
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,9 +66,13 @@ def draw_building(
     ceiling_height_m: float,
     min_room_m: float,
     clutter: float,
+    room_light: Sequence[float] = (1.0,),
     catalogue: Catalogue,
 ) -> Building:
-    """A random furnished floor; every room draws from its own stream of random numbers."""
+    """A random furnished floor; every room draws from its own stream of random numbers.
+
+    `room_light` dims the ceiling lights of the rooms in turn [1]; where it is below 1, no lamp is on beside.
+    """
     plan_rng, door_rng, room_rng = rng.spawn(3)
     plan = draw_floor_plan(plan_rng, size_m, min_room_m)
     count = len(plan.cells)
@@ -104,7 +109,8 @@ def draw_building(
             for side, found in zip(sides, windows, strict=True)
             for w in found
         ]
-        flux_lm = areas[room] * _LUMINOUS_EXITANCE_LM_M2
+        dimmed = room_light[room % len(room_light)]
+        flux_lm = dimmed * areas[room] * _LUMINOUS_EXITANCE_LM_M2
         background += ceiling_lights(
             light_rng, clear, ceiling_height_m, fittings[room], flux_lm, temperature_k
         )
@@ -115,8 +121,9 @@ def draw_building(
             for w in found
         ]
         floor = RoomFloor(clear, sides, plan.doors_of(room), reserved + leaves)
+        lamps = lit[room] if dimmed == 1 else 0
         allowance = round(_FURNITURE_TRIANGLES * areas[room] / sum(areas))
-        Furnisher(furnish_rng, floor, style, catalogue, clutter, lit[room], allowance).furnish(kinds[room])
+        Furnisher(furnish_rng, floor, style, catalogue, clutter, lamps, allowance).furnish(kinds[room])
         members = [m for arrangement in floor.placed for m in arrangement.members]
         furniture += members
         for side, passages, found in zip(sides, doors, windows, strict=True):

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Metres = Annotated[float, Field(gt=0)]
 Seconds = Annotated[float, Field(gt=0)]
+Share = Annotated[float, Field(ge=0, le=1)]
 
 
 class IndoorScene:
@@ -74,6 +75,12 @@ class IndoorScene:
         camera_height_m: tuple[Metres, Metres] = setting(
             (1.0, 2.0), help="Range from which each walk draws the height of the agent's eye.", unit="m"
         )
+        room_light: tuple[Share, ...] = setting(
+            (1.0,),
+            help="Light of the rooms over that of the brightest, one after the other in turn: [1, 0.02] has "
+            "every other room dark. The mean illuminance of the scenario stays that over all rooms.",
+            min_length=1,
+        )
         clutter: float = setting(0.5, help="How many toys and small things lie about.", ge=0.0, le=1.0)
         furniture_folder: str = setting(
             "",
@@ -93,6 +100,8 @@ class IndoorScene:
                     f"camera_height_m reaches {high} m, but must stay 0.2 m below the ceiling of "
                     f"{self.ceiling_height_m} m"
                 )
+            if not any(self.room_light):
+                raise ValueError("room_light is 0 for every room: no factor gives them the illuminance")
             if any(later >= earlier for earlier, later in pairwise(self.before_step_s)):
                 raise ValueError(f"before_step_s must fall from time to time, not {self.before_step_s}")
             if self.sampling == "approaches" and max(self.size_m) < 2 * self.min_room_m:
@@ -137,6 +146,7 @@ class IndoorScene:
             ceiling_height_m=config.ceiling_height_m,
             min_room_m=config.min_room_m,
             clutter=config.clutter,
+            room_light=config.room_light,
             catalogue=Catalogue(self._pieces),
         )
         world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)

@@ -12,7 +12,7 @@ import pytest
 
 from tacos_framework.errors import Fault, UserError
 from tacos_gap.captures import read_captures
-from tacos_gap.captures.reader import MAX_FRAMES
+from tacos_gap.captures.files import MAX_FRAMES
 from tests.gap.captures.folders import (
     CAMERA,
     HEIGHT,

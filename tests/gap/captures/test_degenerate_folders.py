@@ -190,7 +190,9 @@ def test_what_is_raised_while_measuring_names_the_capture(tmp_path, monkeypatch)
     assert raised.value.__notes__ == ["while measuring the capture 'it'"]
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize(
+    "seed", [pytest.param(seed, marks=[pytest.mark.slow] if seed >= 12 else []) for seed in range(40)]
+)
 def test_a_random_folder_is_measured_or_refused_in_words(tmp_path, monkeypatch, seed):
     monkeypatch.setattr(ImageEvidence.__init__, "__defaults__", (4,))  # replicates
     began = time.process_time()

@@ -15,12 +15,13 @@ from tacos_framework.errors import UserError
 from tacos_framework.graph import NODE_KINDS, signature_of
 from tacos_framework.graph.types import type_name
 from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import EffectUse, Recipe
+from tacos_framework.recipe import FIXED, EffectUse, Recipe
 from tacos_framework.recipe.procedure import SHARED_KEYS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 SETTING_OF_A_NODE = r"^[a-z][a-z0-9_]*\.[A-Za-z0-9_.-]+$"
-"""A name under ``design:`` that means a setting of a node, of an effect, or of the scenario."""
+"""A name under ``design:`` that means a setting of a node, of an effect, of the exposure control, or of
+the scenario."""
 
 COLUMN_OF_A_PART = r"^[a-z][a-z0-9_]*\.[a-z][A-Za-z0-9_]*$"
 """A name under ``constraints:`` that means a column of the part that a variable chooses."""
@@ -89,6 +90,7 @@ def recipe_schema(plugins: Plugins) -> RecipeSchema:
     properties["nodes"]["propertyNames"] = {"pattern": "^[a-z][a-z0-9_]*$"}
     properties["effects"] = {**properties["effects"], "items": _one_of(by_kind, "effect", listed=True)}
     properties["optimizer"] = _one_of(by_kind, "optimizer")
+    properties["exposure"] = {"anyOf": [{"const": FIXED}, _one_of(by_kind, "control")]}
     properties["executor"] = _one_of(by_kind, "executor")
     definitions["Design"] = properties["design"]["additionalProperties"]
     properties["design"]["additionalProperties"] = {"$ref": "#/$defs/Design"}

@@ -73,6 +73,11 @@ class MitsubaRenderer:
         self._config = config
         self._kept: tuple[str, TracedWorld] | None = None
 
+    @property
+    def averages_exposure(self) -> bool:
+        """Whether light is that of several moments of the exposure."""
+        return self._config.motion_samples > 1
+
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,8 +73,8 @@ class BakedMesh:
         (rows, columns, 4) float32: luminance as in `SurfaceLight` [cd/m2] and unshadowed share [1].
     bend_map
         (rows, columns, 2) float32: bend as in `SurfaceLight` [1].
-    tracer
-        The opaque triangles, for further rays.
+    opaque
+        (O,) the triangles that block light.
     """
 
     mesh: FlatMesh
@@ -84,7 +85,12 @@ class BakedMesh:
     map_coordinates: NDArray[np.float32]
     light_map: NDArray[np.float32]
     bend_map: NDArray[np.float32]
-    tracer: RayTracer
+    opaque: NDArray[np.intp]
+
+    @cached_property
+    def tracer(self) -> RayTracer:
+        """The opaque triangles, for further rays."""
+        return RayTracer(self.mesh.corners_m[self.opaque])
 
 
 def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], texel_m: float) -> BakedMesh:
@@ -128,7 +134,7 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
         map_coordinates=coordinates,
         light_map=light_map,
         bend_map=bend_map,
-        tracer=tracer,
+        opaque=opaque,
     )
 
 

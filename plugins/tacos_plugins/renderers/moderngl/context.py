@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
+from tacos_plugins.chosen_device import chosen_device
+from tacos_plugins.renderers.moderngl.egl_devices import cuda_numbers, render_in_software
 
 log = logging.getLogger(__name__)
 
@@ -116,9 +118,18 @@ def _info_of(context: moderngl.Context) -> GlInfo:
 def _create_context() -> tuple[moderngl.Context, str]:
     """The context, and the library its functions are in."""
     reasons = []
+    chosen = chosen_device()
+    if chosen == "cpu":
+        render_in_software()
     for libgl, libegl in _LIBRARIES:
         try:
             settings: dict[str, Any] = {"backend": "egl", "libgl": libgl, "libegl": libegl}
+            if isinstance(chosen, int):
+                settings["device_index"] = cuda_numbers(libegl).index(chosen)
+        except (OSError, ValueError):
+            reasons.append(f"{libegl}: it has no device that CUDA calls {chosen}")
+            continue
+        try:
             context = moderngl.create_context(require=OPENGL_VERSION, standalone=True, **settings)
         # moderngl and glcontext raise bare Exception for every failure to load or to create.
         except Exception as error:  # noqa: BLE001

@@ -16,9 +16,10 @@ from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, light_world
 from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
+from tacos_plugins.renderers.moderngl.kept_light import kept
 from tacos_plugins.renderers.moderngl.painter import Painter, Programs
 from tacos_plugins.renderers.moderngl.panorama import FaceStore
-from tacos_plugins.renderers.moderngl.probes import look_around, nearest_visible, probe_places
+from tacos_plugins.renderers.moderngl.probes import Probe, look_around, nearest_visible, probe_places
 from tacos_plugins.renderers.moderngl.rendered_views import Multisampling
 from tacos_plugins.renderers.moderngl.targets import TargetPool
 
@@ -62,15 +63,21 @@ class Device:
 
     def _prepare(self, world: World, texel_m: float) -> Painter:
         start = perf_counter()
-        lit = light_world(world, _indirect_lux(world), texel_m)
+        lit = kept("light", world, texel_m, lambda: light_world(world, _indirect_lux(world), texel_m))
         painter = Painter(self._programs, GpuWorld(self.context, world, lit))
         if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
-            self._add_probes(painter, world, lit)
+            around = kept("probes", world, texel_m, lambda: self._look_around(painter, world, lit))
+            painter.world.set_probes(around[0], lit, around[1])
         log.info("lit and uploaded %d triangles in %.1f s", world.triangle_count, perf_counter() - start)
         return painter
 
-    def _add_probes(self, painter: Painter, world: World, lit: BakedMesh) -> None:
-        """Let glossy surfaces mirror what is around them; metals would be black otherwise."""
+    def _look_around(
+        self, painter: Painter, world: World, lit: BakedMesh
+    ) -> tuple[tuple[Probe, ...], NDArray[np.int32]]:
+        """What is around glossy surfaces for them to mirror, and which of it each vertex mirrors.
+
+        Metals would be black otherwise.
+        """
 
         def view(
             camera: Camera, pose: NDArray[np.float64]
@@ -79,9 +86,9 @@ class Device:
             return picture.luminance_cd_m2, picture.depth_m
 
         places = probe_places(world, lit.tracer)
-        probes = [look_around(place, world.lights, view) for place in places]
+        probes = tuple(look_around(place, world.lights, view) for place in places)
         above = lit.mesh.position_m + np.float32(0.05) * lit.mesh.normal
-        painter.world.set_probes(probes, lit, nearest_visible(places, above, lit.tracer))
+        return probes, nearest_visible(places, above, lit.tracer)
 
 
 def device() -> Device:

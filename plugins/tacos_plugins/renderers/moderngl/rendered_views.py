@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -73,25 +72,19 @@ class Multisampling:
         colour.read(luminance)
         return self._picture(luminance)
 
-    def take_all(
-        self, shots: Sequence[tuple[Painter, NDArray[np.float64]]], context: moderngl.Context
-    ) -> Iterator[RenderedView]:
+    def take_all(self, shots: Sequence[tuple[Painter, NDArray[np.float64]]]) -> Iterator[RenderedView]:
         """The pictures of painters from poses, each copied to memory while the next one is drawn."""
         channels = (2, 3)
         pixels = math.prod(self._shape)
-        slots = [[context.buffer(reserve=4 * pixels * count) for count in channels] for _ in range(2)]
-        try:
-            for number, (painter, pose) in enumerate(shots):
-                drawn = zip(self._draw(painter, pose), channels, slots[number % 2], strict=True)
-                for target, count, buffer in drawn:
-                    target.copy(buffer, count)
-                if number > 0:
-                    yield self._copied(slots[(number - 1) % 2])
-            if len(shots) > 0:
-                yield self._copied(slots[(len(shots) - 1) % 2])
-        finally:
-            for buffer in itertools.chain(*slots):
-                buffer.release()
+        slots = [[self._targets.buffer(4 * pixels * n, slot) for n in channels] for slot in range(2)]
+        for number, (painter, pose) in enumerate(shots):
+            drawn = zip(self._draw(painter, pose), channels, slots[number % 2], strict=True)
+            for target, count, buffer in drawn:
+                target.copy(buffer, count)
+            if number > 0:
+                yield self._copied(slots[(number - 1) % 2])
+        if len(shots) > 0:
+            yield self._copied(slots[(len(shots) - 1) % 2])
 
     def _draw(
         self, painter: Painter, world_from_camera: NDArray[np.float64]

@@ -52,7 +52,7 @@ class ModernglRenderer:
         antialiasing: Literal["auto", "multisampling", "edges", "none"] = setting(
             "auto",
             help="How colour is averaged over a pixel: several samples (multisampling), one sample blended "
-            "where surfaces meet (edges), or none; auto is multisampling on GPUs and edges in software.",
+            "where surfaces meet (edges), or none; auto is edges, so that GPUs give what software does.",
         )
         samples: int = setting(8, help="Colour samples per pixel for multisampling.", ge=2, le=32)
         motion_samples: int = setting(
@@ -88,6 +88,11 @@ class ModernglRenderer:
 
     def __init__(self, config: Config):
         self._config = config
+
+    @property
+    def averages_exposure(self) -> bool:
+        """Whether light is that of several moments of the exposure."""
+        return self._config.motion_samples > 1
 
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch.
@@ -138,7 +143,7 @@ class ModernglRenderer:
         way = self._config.read_back
         ahead = way == "buffered" or (way == "auto" and not used.is_software)
         if ahead and isinstance(photographer, Multisampling):
-            return photographer.take_all(shots, used.context)
+            return photographer.take_all(shots)
         return (photographer.take(painter, pose) for painter, pose in shots)
 
     def _resampling(self, used: Device, world_key: str, camera: Camera, direct: Photographer) -> Photographer:
@@ -155,9 +160,7 @@ class ModernglRenderer:
     def _photographer(self, used: Device, camera: Camera) -> Photographer:
         config = self._config
         method = config.antialiasing
-        if method == "auto":
-            method = "edges" if used.is_software else "multisampling"
-        if method == "edges":
+        if method in ("auto", "edges"):
             return EdgeBlending(used.targets, camera, config.near_m)
         samples = min(config.samples, used.most_samples) if method == "multisampling" else 1
         return Multisampling(used.targets, camera, config.near_m, samples)

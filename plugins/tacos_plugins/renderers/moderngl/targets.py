@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 _MOST_BYTES = 1 << 30
 _MOST_SIZES = 8
+_MOST_BUFFERS = 8  # those of two cameras
 
 
 class RenderTarget:
@@ -86,6 +87,7 @@ class TargetPool:
     def __init__(self, context: moderngl.Context):
         self._context = context
         self._memory: dict[str, NDArray[np.float32]] = {}
+        self._buffers: OrderedDict[tuple[int, int], moderngl.Buffer] = OrderedDict()
         self._targets: OrderedDict[tuple[int, int], dict[tuple[int, int, int], RenderTarget]] = OrderedDict()
 
     def get(
@@ -113,6 +115,15 @@ class TargetPool:
         if name not in self._memory or self._memory[name].size < count:
             self._memory[name] = np.empty(count, np.float32)
         return self._memory[name][:count].reshape(shape)
+
+    def buffer(self, size_bytes: int, slot: int) -> moderngl.Buffer:
+        """Memory of the device to copy pictures to, by slot: the same for batches of the same size."""
+        if (size_bytes, slot) not in self._buffers:
+            if len(self._buffers) >= _MOST_BUFFERS:
+                self._buffers.popitem(last=False)[1].release()
+            self._buffers[size_bytes, slot] = self._context.buffer(reserve=size_bytes)
+        self._buffers.move_to_end((size_bytes, slot))
+        return self._buffers[size_bytes, slot]
 
     def _make_room(self) -> None:
         """Release sizes used long ago; a picture takes two, which stay."""

@@ -10,6 +10,7 @@ import numpy as np
 import torch
 
 from tacos_framework.errors import Fault, UserError
+from tacos_plugins.chosen_device import chosen_device
 
 log = logging.getLogger(__name__)
 
@@ -26,7 +27,8 @@ def pick_device(name: str, *, where: str) -> torch.device:
     Parameters
     ----------
     name
-        ``auto`` is the first GPU where CUDA works, else the CPU; or ``cpu``, ``cuda``, ``cuda:1``.
+        ``auto`` is what `chosen_device` says, else the first GPU where CUDA works, else the CPU; or
+        ``cpu``, ``cuda``, ``cuda:1``.
     where
         What asks for it, for messages: ``task.psmnet``.
 
@@ -37,7 +39,8 @@ def pick_device(name: str, *, where: str) -> torch.device:
     """
     gpus = torch.cuda.device_count() if torch.cuda.is_available() else 0
     if name == "auto":
-        name = "cuda" if gpus else "cpu"
+        chosen = chosen_device()
+        name = f"cuda:{chosen}" if isinstance(chosen, int) else chosen or ("cuda" if gpus else "cpu")
     device = torch.device(name)
     if device.type == "cuda" and (device.index or 0) >= gpus:
         found = f"torch {torch.__version__} finds {gpus or 'no'} CUDA GPU{'s' * (gpus > 1)} here"

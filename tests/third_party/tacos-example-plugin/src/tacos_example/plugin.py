@@ -18,8 +18,8 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "rig",
-            "ring",
-            "tacos_example.ring:RingRig",
+            "panorama",
+            "tacos_example.panorama:PanoramaRig",
             summary="Cameras that look outwards, evenly around the agent.",
         ),
         Component(
@@ -47,6 +47,12 @@ def tacos_components() -> list[Component]:
             "tacos_example.point_tracks:PointTracks",
             summary="The front end of visual odometry: corners followed from frame to frame.",
             requires=("cv2=opencv-python-headless",),
+        ),
+        Component(
+            "control",
+            "highlights",
+            "tacos_example.highlights:Highlights",
+            summary="Exposure time that keeps the brightest pixels just below full scale.",
         ),
         Component(
             "task",

@@ -6,26 +6,20 @@ differs by less than that, or by less than the equivalence margin of its statist
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LIGHT_STAGES
-from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_framework.formation import PlacedEffect
 from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
-from tacos_gap.formation import lit_by, simulate
-from tacos_gap.nuisances import Marginal, disturbed, expectation_noise, freedoms_of, registered, stated
-from tacos_gap.statistics import Sample, StatisticBlock, measure
-from tacos_gap.taken_statistics import TakenStatistics
-
-N_NULL_REPLICATES = 16
-"""Null replicates: simulations of each capture that its noise floor is made of."""
+from tacos_gap.evidence.contract import N_NULL_REPLICATES, Label, ReplicateResiduals
+from tacos_gap.evidence.simulated_statistics import SimulatedStatistics
+from tacos_gap.nuisances import Marginal, disturbed, freedoms_of, registered, stated
 
 N_REPLICATES = 16
 """Simulated replicates that the noise floor of a hypothesis is made of."""
@@ -46,58 +40,6 @@ _BASE_DRAWS = 4  # simulations whose mean tells what a move of the expectation c
 
 SPREAD_OF_ONE = 1.5
 """Variance of real less simulated over that of real alone: the simulated mean is not known exactly."""
-
-
-@dataclass(frozen=True)
-class Label:
-    """What one number of the evidence is."""
-
-    capture: str
-    kind: str
-    statistic: str
-    stage: str
-    at: Mapping[str, Any]
-
-
-@dataclass(frozen=True, eq=False)
-class ReplicateResiduals:
-    """Residuals against simulated replicates of a hypothesis, in units of its own noise floor.
-
-    Parameters
-    ----------
-    z
-        (K,) residuals [noise floor].
-    replicates
-        (B, K) the hypothesis against itself [noise floor].
-    scale
-        (K,) this noise floor over the simulator's own, at least 1.
-    """
-
-    z: NDArray[np.float64]
-    replicates: NDArray[np.float64]
-    scale: NDArray[np.float64]
-
-
-class Evidence(Protocol):
-    """What one or several captures say of a hypothesis."""
-
-    @property
-    def labels(self) -> Sequence[Label]:
-        """What each number is."""
-        ...
-
-    @property
-    def null_replicates(self) -> NDArray[np.float64]:
-        """(B, K) the numbers when the simulator stands against itself."""
-        ...
-
-    def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
-        """(K,) real less the mean of so many simulations with these effects, in units of the noise floor."""
-        ...
-
-    def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
-        """Residuals and replicates when these effects are part of the simulator."""
-        ...
 
 
 class ImageEvidence:
@@ -121,18 +63,16 @@ class ImageEvidence:
         assert capture.expected_dn is not None
         self.capture = capture
         self._seed = seed
-        self._kept: dict[tuple[str, int], NDArray[np.float64]] = {}
         self._freedoms = freedoms_of(capture)
         self._nu = np.zeros(len(self._freedoms))
-        self._expectation = capture
-        self._taken = TakenStatistics.of(self._measured(capture))
-        draws = np.stack([self._simulated((), draw) for draw in range(replicates)])
-        every = self._taken
-        luck = self._variance_with_noise()
+        first = SimulatedStatistics(capture, capture, seed)
+        every = first.taken
+        draws = np.stack([first.of((), draw) for draw in range(replicates)])
+        luck = _variance_with_noise(first)
         self._taken = every.finite_in(draws)
         kept = self._taken.kept[every.kept]
         draws, self._luck = draws[:, kept], luck[kept]
-        self._kept = {}
+        self._simulations = first.taking(self._taken, kept)
         self._draws = draws
         self.mean = draws.mean(axis=0)
         self.sigma = self._sigma(draws)
@@ -164,8 +104,8 @@ class ImageEvidence:
     def _difference(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
         """(K,) real less expected where the nuisances stand now [noise floor]."""
         expected = self._base
-        if effects and not self._untouched(effects):
-            changes = [self._simulated(effects, draw) - self._base_draw(draw) for draw in range(draws)]
+        if effects and not self._simulations.leaves_untouched(effects):
+            changes = [self.simulated(effects, draw) - self._base_draw(draw) for draw in range(draws)]
             expected = self._base + np.mean(changes, axis=0)
         return np.asarray((self.real - expected) / self.sigma)
 
@@ -176,9 +116,9 @@ class ImageEvidence:
 
     def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
         """See `Evidence`: where an effect takes detail away, noise is larger in proportion."""
-        if not effects or self._untouched(effects):
+        if not effects or self._simulations.leaves_untouched(effects):
             return ReplicateResiduals(self.residual(effects), self.null_replicates, np.ones_like(self.sigma))
-        draws = np.stack([self._simulated(effects, draw) for draw in range(N_REPLICATES)])
+        draws = np.stack([self.simulated(effects, draw) for draw in range(N_REPLICATES)])
         scale = np.maximum(self._sigma(draws) / self.sigma, 1.0)
         mean = draws.mean(axis=0)
         z = (self.real - mean) / (self.sigma * scale)
@@ -231,10 +171,10 @@ class ImageEvidence:
         moved = copy(self)
         for name in ("_marginal", "null_replicates"):
             moved.__dict__.pop(name, None)
-        moved._nu, moved._kept = nu, {}
-        moved._expectation = disturbed(self.capture, self._freedoms, nu)
-        moved.real = self._taken.values(moved._measured(moved._expectation))
-        moved._base_draws = np.stack([moved._simulated((), draw) for draw in range(_BASE_DRAWS)])
+        moved._nu = nu
+        moved._simulations = self._simulations.expecting(disturbed(self.capture, self._freedoms, nu))
+        moved.real = moved._simulations.real()
+        moved._base_draws = np.stack([moved.simulated((), draw) for draw in range(_BASE_DRAWS)])
         moved._base = self.mean + (moved._base_draws - self._draws[:_BASE_DRAWS]).mean(axis=0)
         return moved
 
@@ -252,6 +192,7 @@ class ImageEvidence:
     def _marginal(self) -> Marginal:
         """How the numbers move with the nuisances, by simulations with the noise of the first draw."""
         here = self._base_draw(0) if self._freedoms else self._base
+        share = self._simulations.noise_share
         directions = []
         for k, freedom in enumerate(self._freedoms):
             if freedom.is_followed:
@@ -259,102 +200,41 @@ class ImageEvidence:
                 step = _DIFFERENCE if nearby[k] <= 0 else -_DIFFERENCE
                 nearby[k] += step
                 other = disturbed(self.capture, self._freedoms, nearby)
-                change = (self._simulation(other, (), 0, self._noise_share) - here) / step
+                change = (self._simulations.simulated(other, (), 0, share) - here) / step
             else:
                 change = self._change_with_noise(freedom.sigma)
             directions.append(np.nan_to_num(change / self.sigma))
         columns = np.stack(directions, axis=1) if directions else np.zeros((len(self.sigma), 0))
         return Marginal(columns, self._nu)
 
-    def _variance_with_noise(self) -> NDArray[np.float64]:
-        """(K,) variance of the numbers as the stated noise of the expectation might have fallen otherwise.
-
-        All simulations are of one expectation, so that their spread does not show it.
-        """
-        assert self.capture.expected_dn is not None
-        found = []
-        for draw in range(_LUCK_DRAWS if self._noise_share else 0):
-            rng = generator(self._seed, "gap", self.capture.id, draw, "luck")
-            noise = expectation_noise(self.capture, rng, self._noise_share)
-            assert noise is not None
-            other = replace(self.capture, expected_dn=self.capture.expected_dn + noise)
-            found.append(self._simulation(other, (), 0, self._noise_share))
-        return (
-            np.nan_to_num(np.var(found, axis=0, ddof=1)) if found else np.zeros(int(self._taken.kept.sum()))
-        )
-
     def _change_with_noise(self, share: float) -> NDArray[np.float64]:
         """(K,) how simulated numbers move against real ones if the expectation holds noise nobody stated."""
         changes = []
         for draw in range(_BASE_DRAWS):
-            simulated = self._simulation(self._expectation, (), draw, share) - self._base_draw(draw)
-            measured = self._taken.values(self._measured(self._expectation, share, draw)) - self.real
-            changes.append(simulated - measured)
+            here = self._simulations.expectation
+            simulated = self._simulations.simulated(here, (), draw, share) - self._base_draw(draw)
+            changes.append(simulated - (self._simulations.real(share, draw) - self.real))
         return np.asarray(np.mean(changes, axis=0))
 
     # simulations ------------------------------------------------------------------------------------------
 
-    def simulated(self, effects: Sequence[PlacedEffect]) -> NDArray[np.float64]:
-        """(K,) the statistics a simulation with these effects gives, with the noise of the first draw."""
-        return self._simulated(effects, 0)
+    def simulated(self, effects: Sequence[PlacedEffect], draw: int = 0) -> NDArray[np.float64]:
+        """(K,) the statistics a simulation with these effects gives, with the noise of a draw."""
+        return self._simulations.of(effects, draw)
 
     def _base_draw(self, draw: int) -> NDArray[np.float64]:
-        return self._base_draws[draw] if draw < len(self._base_draws) else self._simulated((), draw)
+        return self._base_draws[draw] if draw < len(self._base_draws) else self.simulated((), draw)
 
-    def _simulated(self, effects: Sequence[PlacedEffect], draw: int) -> NDArray[np.float64]:
-        """(K,) statistics of a draw with these effects, simulated once for residuals and replicates alike."""
-        key = repr([(effect.use, effect.config) for effect in effects]), draw
-        if key not in self._kept:
-            self._kept[key] = self._simulation(self._expectation, effects, draw, self._noise_share)
-        return self._kept[key]
 
-    def _simulation(
-        self, of: RealCapture, effects: Sequence[PlacedEffect], draw: int, noise_share: float
-    ) -> NDArray[np.float64]:
-        """(K,) statistics of frames of `of`, against the expectation where it stands."""
-        frames = simulate(of, effects, self._draws_of(draw))
-        expected = self._expectation.expected_dn
-        assert expected is not None
-        rng = generator(self._seed, "gap", self.capture.id, draw, "expected")
-        noise = expectation_noise(self.capture, rng, 2 * noise_share)
-        expected = expected if noise is None else expected + noise
-        return self._taken.values(measure(Sample(self.capture, frames, expected)))
+def _variance_with_noise(simulations: SimulatedStatistics) -> NDArray[np.float64]:
+    """(K,) variance of the numbers as the stated noise of the expectation might have fallen otherwise.
 
-    def _measured(
-        self, expectation: RealCapture, noise_share: float | None = None, draw: int = 0
-    ) -> list[StatisticBlock]:
-        """The statistics of the real frames against an expectation."""
-        assert expectation.expected_dn is not None
-        rng = generator(self._seed, "gap", self.capture.id, draw, "real")
-        share = self._noise_share if noise_share is None else noise_share
-        pattern = expectation_noise(self.capture, rng, share)
-        return measure(Sample(self.capture, self.capture.real_dn, expectation.expected_dn, pattern))
-
-    @property
-    def _noise_share(self) -> float:
-        """Variance of the noise that the expectation is stated to hold, over that of a frame."""
-        return 1 / self.capture.expected_frames if self.capture.expected_frames else 0.0
-
-    def _draws_of(self, draw: int) -> EpisodeDraws:
-        return EpisodeDraws(self._seed, ("gap", self.capture.id, draw))
-
-    def _untouched(self, effects: Sequence[PlacedEffect]) -> bool:
-        """Whether effects on light leave this capture as it is: all of them do in the dark."""
-        if any(effect.cls.stage not in LIGHT_STAGES for effect in effects):
-            return False
-        assert self.capture.expected_dn is not None
-        light = self.capture.expected_dn - np.float32(self.capture.context.black_level_dn)
-        if not light.any():
-            return True
-        if light.min() != light.max():
-            return False
-        frame = light[:1]
-        draws = EpisodeDraws(self._seed, ("untouched",))
-        return all(
-            (changed := lit_by(self.capture, [effect], frame, draws)) is frame
-            or np.allclose(changed, frame, rtol=1e-6)
-            for effect in effects
-        )
+    All simulations are of one expectation, so that their spread does not show it.
+    """
+    if not simulations.noise_share:
+        return np.zeros(int(simulations.taken.kept.sum()))
+    found = [simulations.with_noise_anew(draw) for draw in range(_LUCK_DRAWS)]
+    return np.nan_to_num(np.var(found, axis=0, ddof=1))
 
 
 def _cost(z: NDArray[np.float64]) -> float:

@@ -9,53 +9,38 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import FILE_STAGES
+from tacos_gap.attribution.fits import Fits
+from tacos_gap.attribution.found import Attribution
+from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, shows
 from tacos_gap.codec import codec_of_files
 from tacos_gap.discrete import searched
 from tacos_gap.evidence import ReplicateResiduals
-from tacos_gap.fit import DRAWS, Fitted, finished, fit, rescored, settled
+from tacos_gap.fit import DRAWS, Fitted, finished, fit
 from tacos_gap.forms import in_its_best_form
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Hypothesis, Problem, robust
 from tacos_gap.pruning import pruned
-from tacos_gap.rivals import discrepancy, gain_beyond, slot_probabilities, standard_error
+from tacos_gap.rivals import standard_error
 from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
-from tacos_gap.unknown import Unexplained, block_index, unexplained
+from tacos_gap.unknown import Unexplained, unexplained
 
 LARGEST = 6
 """Most effects in one explanation: shares of more cannot be enumerated."""
 
-COMPLEXITY_PENALTY = 6.0
-"""Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
-
-LEAST_OF_REST = 0.08
-"""What it must gain over what is left above the noise floor: all effects fit a bit where formulas miss."""
-
 MUCH = 0.4
 """Share of the gap left from which on effects on files are tried together."""
-
-MISFIT = 0.05
-"""Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
-further effect must gain more than that."""
 
 LEAST_SHARE = 0.001
 """What one more parameter must gain, a third of the penalty aside, over what all have gained."""
 
-LEAST_CHANGE = 0.25
-"""Mean square by which an effect must change some statistic of a capture; less is negligible."""
-
 TRIED = 4
 """Effects fitted in each round."""
-
-CLOSE = 30.0
-"""Effects whose first fits score so much less than another are no rivals of it [nat]; all others are
-compared by several simulations."""
 
 WIDER = 3.0
 """Where an explanation spreads so much more than the simulator, as lamps of unknown phase do, it was scored
@@ -70,40 +55,10 @@ AVERAGED = 3
 SCREENING_FRACTION = 0.25
 """Screening score, over the complexity penalty, above which an effect is fitted beside others."""
 
+RIVALS = "comparing with rivals"
+"""What is told once an explanation is found, and others are tried in its place."""
+
 Notify = Callable[[str], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Attribution:
-    """What was found.
-
-    Parameters
-    ----------
-    best
-        The explanation; an empty hypothesis where nothing is explained.
-    null
-        The hypothesis without effects.
-    slots
-        For each effect of `best`, the score of every effect tried in its place, itself included; ``""``
-        stands for leaving it out [nat].
-    fits
-        All sets of effects that were fitted.
-    problem
-        The evidence, in units of the noise floor of the explanation.
-    errors
-        Like `slots`, the standard error of each score's difference to that of the effect itself [nat].
-    """
-
-    best: Fitted
-    null: Fitted
-    slots: Mapping[str, Mapping[str, float]]
-    fits: Mapping[tuple[str, ...], Fitted]
-    problem: Problem
-    errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-    def probabilities(self, name: str) -> dict[str, float]:
-        """Probability of each effect that was tried in the place of one; empty where it is not of `best`."""
-        return slot_probabilities(self.slots.get(name, {}), self.errors.get(name, {}))
 
 
 class ForwardSelection:
@@ -128,23 +83,26 @@ class ForwardSelection:
         workers: int = 2,
         notify: Notify | None = None,
     ):
-        self.problem = problem
+        self._problem = problem
         self._notify = notify or (lambda text: None)
         self._workers = workers
         self._effects = effects
-        self._fits: dict[tuple[str, ...], Fitted] = {}
         self._directions: ScreeningDirections = {}
+
+    @property
+    def problem(self) -> Problem:
+        """The evidence, in the units of now."""
+        return self._fits.problem
 
     def run(self) -> Attribution:
         """Search, and compare what was found with its rivals."""
-        null = fit(self.problem, ())
-        assert null is not None
-        self._fits[()] = null
         with ThreadPoolExecutor(self._workers) as pool:
-            self._pool = pool
-            best = self._explained(null)
+            self._each = pool.map
+            self._fits = Fits(self._problem, pool.map)
+            best = self._explained(self._fits.null)
             slots: dict[str, dict[str, Fitted]] = {}
-            for _ in range(LARGEST):
+            for _ in range(LARGEST if best.hypothesis else 0):
+                self._notify(RIVALS)
                 best = self._pruned(best)
                 slots = {name: self._rivals(best, name) for name in best.names}
                 better = self._better_rival(best, slots)
@@ -162,7 +120,7 @@ class ForwardSelection:
             for rival, fitted in rivals.items():
                 scores[name][rival] = fitted.score + (0.0 if rival else COMPLEXITY_PENALTY)
                 errors[name][rival] = standard_error(self.problem, best, fitted)
-        return Attribution(best, self._fits[()], scores, self._fits, self.problem, errors)
+        return Attribution(best, self._fits.null, scores, self._fits.known, self.problem, errors)
 
     # one explanation, and another ---------------------------------------------------------------------------
 
@@ -178,7 +136,7 @@ class ForwardSelection:
             return self._in_its_units(best)[0]
         other, _ = self._grown(block)
         self._take_as_units(np.maximum(units, self.problem.scale))
-        both = [self._again(each) for each in (best, other)]
+        both = [self._fits.again(each) for each in (best, other)]
         better = max(both, key=lambda fitted: fitted.score - COMPLEXITY_PENALTY * len(fitted.hypothesis))
         return self._in_its_units(better)[0]
 
@@ -190,9 +148,9 @@ class ForwardSelection:
             if len(best.hypothesis) == LARGEST or not left.is_significant:
                 return best, left  # where nothing is significant, nothing is tried
             if not self._directions:
-                self._directions = try_all(self.problem, self._effects, self._pool.map)
+                self._directions = try_all(self.problem, self._effects, self._each)
                 if codec := codec_of_files(self.problem, self._directions):
-                    best = self._fitted([codec])[0]
+                    best = self._fits.fitted([codec])[0]
                     self._notify(" + ".join(best.names))
                     continue
             better = self._extended(best)
@@ -222,61 +180,31 @@ class ForwardSelection:
 
     def _in_its_units(self, best: Fitted) -> tuple[Fitted, ReplicateResiduals]:
         """An explanation in units of its own noise floor, and how it fares there."""
-        best = self._renuisanced(best)
+        best = self._fits.renuisanced(best)
         before = self.problem.scale
         residuals = self.problem.replicate_residuals(best.hypothesis)
         self._take_as_units(np.maximum(residuals.scale, 1.0))
-        best = self._again(best)
+        best = self._fits.again(best)
         if best.hypothesis and self._directions and np.mean(self.problem.scale > WIDER * before) > MANY:
             best = self._begun_anew(best)
             residuals = self.problem.replicate_residuals(best.hypothesis)
             self._take_as_units(np.maximum(residuals.scale, 1.0))
-            best = self._again(best)
+            best = self._fits.again(best)
         return best, residuals
-
-    def _renuisanced(self, best: Fitted) -> Fitted:
-        """The explanation fitted again where the nuisances of captures moved beside it.
-
-        What was fitted beside others says nothing any more; the null is simulated anew.
-        """
-        moved = self.problem.renuisanced(best.hypothesis)
-        if moved is self.problem:
-            return best
-        self.problem = moved
-        refitted = fit(moved, best.hypothesis)
-        self._fits = {}
-        for each in (fit(moved, ()), refitted):
-            assert each is not None
-            self._kept(settled(moved, each))
-        return self._again(best)
 
     def _take_as_units(self, scale: NDArray[np.float64]) -> None:
         """Count in units of another noise floor; simulations are only rescaled."""
         before = self.problem.scale
-        self.problem = self.problem.reweighted(scale)
-        self._fits = {k: rescored(self.problem, fitted, before) for k, fitted in self._fits.items()}
+        self._fits.take_as_units(scale)
         self._directions = in_units(self._directions, before / self.problem.scale)
-
-    def _again(self, fitted: Fitted) -> Fitted:
-        """The fit as it stands in the units of now, and beside the nuisances of now."""
-        if _key(fitted.hypothesis) not in self._fits:
-            begun = fit(self.problem, fitted.hypothesis)
-            assert begun is not None
-            self._kept(settled(self.problem, begun))
-        return self._fits[_key(fitted.hypothesis)]
 
     def _begun_anew(self, best: Fitted) -> Fitted:
         """The explanation with its last effect fitted again, in the units of now, from each initial guess."""
-        self.problem = self.problem.averaging(AVERAGED)
+        self._fits.problem = self.problem.averaging(AVERAGED)
         *rest, last = best.hypothesis
         initial_guesses = [last, *all_initial_guesses(self._directions[last.name])]
-        fits = self._pool.map(lambda guess: fit(self.problem, (*rest, guess)), initial_guesses)
-        return self._kept(max((f for f in fits if f is not None), key=lambda fitted: fitted.score))
-
-    def _kept(self, fitted: Fitted) -> Fitted:
-        """The fit, which from now on stands for its set of effects."""
-        self._fits[_key(fitted.hypothesis)] = fitted
-        return fitted
+        fits = self._each(lambda guess: fit(self.problem, (*rest, guess)), initial_guesses)
+        return self._fits.keep(max((f for f in fits if f is not None), key=lambda fitted: fitted.score))
 
     # rounds -----------------------------------------------------------------------------------------------
 
@@ -284,31 +212,15 @@ class ForwardSelection:
         """The best explanation with one more effect; None when none is worth its complexity penalty."""
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
         guesses = self._screened(base, TRIED, among=among, least=least)
-        tried = self._compared([(*base.hypothesis, guess) for guess in guesses])
-        tried = [fitted for fitted in tried if self._shows(base, fitted)]
+        tried = self._fits.compared([(*base.hypothesis, guess) for guess in guesses])
+        tried = [fitted for fitted in tried if shows(self.problem, base, fitted)]
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
-        if not self._is_worth_it(base, best):
+        if not is_worth_it(self.problem, base, best):
             return None
         guesses = all_initial_guesses(self._directions[best.names[-1]])
-        return self._kept(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
-
-    def _shows(self, base: Fitted, fitted: Fitted) -> bool:
-        """Whether what a fit changes exceeds the equivalence margin in any statistic of any capture.
-
-        Thousands of pixels find a little of everything in every camera.
-        """
-        blocks = block_index(self.problem)
-        change = np.bincount(blocks, (robust(fitted.z) - robust(base.z)) ** 2) / np.bincount(blocks)
-        return bool(change.max() >= LEAST_CHANGE)
-
-    def _is_worth_it(self, base: Fitted, fitted: Fitted) -> bool:
-        """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
-        allowed = discrepancy(self.problem, base, MISFIT)
-        rest = -base.score - 0.5 * self.problem.weight * len(base.z)  # squares of the noise floor are 1 each
-        least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
-        return gain_beyond(self.problem, base, fitted, allowed) > least
+        return self._fits.keep(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
 
     def _screened(
         self,
@@ -327,7 +239,7 @@ class ForwardSelection:
         )
         worth = 0.5 * self.problem.weight
         shortlist = [each.initial_guesses for each in scores[:count] if worth * each.gain > least]
-        return list(self._pool.map(lambda guesses: self._nearest(base.hypothesis, guesses), shortlist))
+        return list(self._each(lambda guesses: self._nearest(base.hypothesis, guesses), shortlist))
 
     def _nearest(self, rest: Hypothesis, guesses: Sequence[HypothesisTerm]) -> HypothesisTerm:
         """The guess that leaves least once it is simulated: what adds up to first order need not."""
@@ -340,9 +252,9 @@ class ForwardSelection:
 
     def _pruned(self, fitted: Fitted) -> Fitted:
         """A converged fit, without parameters and effects that it does not need there."""
-        ended = self._kept(self._to_the_digit(finished(self.problem, fitted)))
-        least = max(COMPLEXITY_PENALTY / 3, LEAST_SHARE * (ended.score - self._fits[()].score))
-        return self._backward_elimination(self._kept(pruned(self.problem, ended, least)))
+        ended = self._fits.keep(self._to_the_digit(finished(self.problem, fitted)))
+        least = max(COMPLEXITY_PENALTY / 3, LEAST_SHARE * (ended.score - self._fits.null.score))
+        return self._backward_elimination(self._fits.keep(pruned(self.problem, ended, least)))
 
     def _to_the_digit(self, fitted: Fitted) -> Fitted:
         """A fit whose discrete settings are the best of their neighbours, by several simulations."""
@@ -359,17 +271,17 @@ class ForwardSelection:
     def _backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""
         for name in fitted.names:
-            fewer = self._compared([_without(fitted.hypothesis, name)], reference=fitted)
-            if fewer and not self._is_worth_it(fewer[0], fitted):
+            fewer = self._fits.compared([_without(fitted.hypothesis, name)], reference=fitted)
+            if fewer and not is_worth_it(self.problem, fewer[0], fitted):
                 fitted = fewer[0]
         return fitted
 
     def _rivals(self, fitted: Fitted, name: str) -> dict[str, Fitted]:
         """Fits with other effects in the place of `name`, and with none."""
         rest = _without(fitted.hypothesis, name)
-        (without,) = self._compared([rest], reference=fitted)
+        (without,) = self._fits.compared([rest], reference=fitted)
         guesses = self._screened(without, TRIED, without=[name])
-        rivals = self._compared([(*rest, guess) for guess in guesses], reference=fitted)
+        rivals = self._fits.compared([(*rest, guess) for guess in guesses], reference=fitted)
         return {"": without, **{(set(rival.names) - set(fitted.names)).pop(): rival for rival in rivals}}
 
     def _better_rival(self, best: Fitted, slots: Mapping[str, Mapping[str, Fitted]]) -> Fitted | None:
@@ -379,33 +291,6 @@ class ForwardSelection:
             if named and (first := max(named, key=lambda f: f.score)).score > best.score + 1e-9:
                 return first
         return None
-
-    # fits ---------------------------------------------------------------------------------------------------
-
-    def _compared(self, hypotheses: Sequence[Hypothesis], reference: Fitted | None = None) -> list[Fitted]:
-        """Fits of which those that come close to the best, or to the reference, are of several draws."""
-        fits = self._fitted(hypotheses)
-        best = max([f.score for f in [*fits, *([reference] if reference else [])]], default=0.0)
-        near = [fitted for fitted in fits if fitted.score > best - CLOSE]
-        for ended in self._pool.map(lambda fitted: settled(self.problem, fitted), near):
-            self._kept(ended)
-        return [self._again(fitted) for fitted in fits]
-
-    def _fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
-        """Fit them, in parallel; each set of effects once."""
-        wanted = [h for h in hypotheses if _key(h) not in self._fits]
-        for fitted in self._pool.map(self._fit, wanted):
-            if fitted is not None:
-                self._kept(fitted)
-        return [self._fits[_key(h)] for h in hypotheses if _key(h) in self._fits]
-
-    def _fit(self, hypothesis: Hypothesis) -> Fitted | None:
-        return fit(self.problem, searched(self.problem, hypothesis) if hypothesis else hypothesis)
-
-
-def _key(hypothesis: Hypothesis) -> tuple[str, ...]:
-    """What a set of effects is kept under."""
-    return tuple(sorted(term.name for term in hypothesis))
 
 
 def _without(hypothesis: Hypothesis, name: str) -> Hypothesis:

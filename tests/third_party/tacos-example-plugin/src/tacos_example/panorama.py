@@ -11,7 +11,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Rig
 
 
-class RingRig:
+class PanoramaRig:
     """Equal cameras on a ring, the first of which looks ahead."""
 
     class Config(Settings):

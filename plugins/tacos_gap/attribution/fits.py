@@ -1,0 +1,104 @@
+"""Fits by their sets of effects, all in the units of one noise floor and beside the same nuisances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.discrete import searched
+from tacos_gap.fit import Fitted, fit, rescored, settled
+from tacos_gap.problem import Hypothesis, Problem
+
+CLOSE = 30.0
+"""Effects whose first fits score so much less than another are no rivals of it [nat]; all others are
+compared by several simulations."""
+
+Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+
+
+class Fits:
+    """Fits hypotheses, each set of effects once.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    each
+        A map that may work in parallel.
+    """
+
+    def __init__(self, problem: Problem, each: Map = map):
+        self.problem = problem
+        self.known: dict[tuple[str, ...], Fitted] = {}
+        self._each = each
+        null = fit(problem, ())
+        assert null is not None
+        self.keep(null)
+
+    @property
+    def null(self) -> Fitted:
+        """The hypothesis without effects."""
+        return self.known[()]
+
+    def take_as_units(self, scale: NDArray[np.float64]) -> None:
+        """Count in units of another noise floor; simulations are only rescaled."""
+        before = self.problem.scale
+        self.problem = self.problem.reweighted(scale)
+        self.known = {k: rescored(self.problem, fitted, before) for k, fitted in self.known.items()}
+
+    def again(self, fitted: Fitted) -> Fitted:
+        """The fit as it stands in the units of now, and beside the nuisances of now."""
+        if _key(fitted.hypothesis) not in self.known:
+            begun = fit(self.problem, fitted.hypothesis)
+            assert begun is not None
+            self.keep(settled(self.problem, begun))
+        return self.known[_key(fitted.hypothesis)]
+
+    def keep(self, fitted: Fitted) -> Fitted:
+        """The fit, which from now on stands for its set of effects."""
+        self.known[_key(fitted.hypothesis)] = fitted
+        return fitted
+
+    def compared(self, hypotheses: Sequence[Hypothesis], reference: Fitted | None = None) -> list[Fitted]:
+        """Fits of which those that come close to the best, or to the reference, are of several draws."""
+        fits = self.fitted(hypotheses)
+        best = max([f.score for f in [*fits, *([reference] if reference else [])]], default=0.0)
+        near = [fitted for fitted in fits if fitted.score > best - CLOSE]
+        for ended in self._each(lambda fitted: settled(self.problem, fitted), near):
+            self.keep(ended)
+        return [self.again(fitted) for fitted in fits]
+
+    def fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
+        """Fit them, in parallel; each set of effects once."""
+        wanted = [h for h in hypotheses if _key(h) not in self.known]
+        for fitted in self._each(self._fit, wanted):
+            if fitted is not None:
+                self.keep(fitted)
+        return [self.known[_key(h)] for h in hypotheses if _key(h) in self.known]
+
+    def _fit(self, hypothesis: Hypothesis) -> Fitted | None:
+        return fit(self.problem, searched(self.problem, hypothesis) if hypothesis else hypothesis)
+
+    def renuisanced(self, best: Fitted) -> Fitted:
+        """An explanation fitted again where the nuisances of captures moved beside it.
+
+        What was fitted beside others says nothing any more; the null is simulated anew.
+        """
+        moved = self.problem.renuisanced(best.hypothesis)
+        if moved is self.problem:
+            return best
+        self.problem = moved
+        refitted = fit(moved, best.hypothesis)
+        self.known = {}
+        for each in (fit(moved, ()), refitted):
+            assert each is not None
+            self.keep(settled(moved, each))
+        return self.again(best)
+
+
+def _key(hypothesis: Hypothesis) -> tuple[str, ...]:
+    """What a set of effects is kept under."""
+    return tuple(sorted(term.name for term in hypothesis))

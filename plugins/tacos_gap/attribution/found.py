@@ -1,0 +1,43 @@
+"""What an attribution says: the explanation, and how every rival fares in the place of each effect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from tacos_gap.fit import Fitted
+from tacos_gap.problem import Problem
+from tacos_gap.rivals import slot_probabilities
+
+
+@dataclass(frozen=True, eq=False)
+class Attribution:
+    """What was found.
+
+    Parameters
+    ----------
+    best
+        The explanation; an empty hypothesis where nothing is explained.
+    null
+        The hypothesis without effects.
+    slots
+        For each effect of `best`, the score of every effect tried in its place, itself included; ``""``
+        stands for leaving it out [nat].
+    fits
+        All sets of effects that were fitted.
+    problem
+        The evidence, in units of the noise floor of the explanation.
+    errors
+        Like `slots`, the standard error of each score's difference to that of the effect itself [nat].
+    """
+
+    best: Fitted
+    null: Fitted
+    slots: Mapping[str, Mapping[str, float]]
+    fits: Mapping[tuple[str, ...], Fitted]
+    problem: Problem
+    errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def probabilities(self, name: str) -> dict[str, float]:
+        """Probability of each effect that was tried in the place of one; empty where it is not of `best`."""
+        return slot_probabilities(self.slots.get(name, {}), self.errors.get(name, {}))

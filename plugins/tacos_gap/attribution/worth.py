@@ -1,0 +1,41 @@
+"""When one more effect is worth naming."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tacos_gap.fit import Fitted
+from tacos_gap.problem import Problem, robust
+from tacos_gap.rivals import discrepancy, gain_beyond
+from tacos_gap.unknown import block_index
+
+COMPLEXITY_PENALTY = 6.0
+"""Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
+
+LEAST_OF_REST = 0.08
+"""What it must gain over what is left above the noise floor: all effects fit a bit where formulas miss."""
+
+MISFIT = 0.05
+"""Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
+further effect must gain more than that."""
+
+LEAST_CHANGE = 0.25
+"""Mean square by which an effect must change some statistic of a capture; less is negligible."""
+
+
+def shows(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
+    """Whether what a fit changes exceeds the equivalence margin in any statistic of any capture.
+
+    Thousands of pixels find a little of everything in every camera.
+    """
+    blocks = block_index(problem)
+    change = np.bincount(blocks, (robust(fitted.z) - robust(base.z)) ** 2) / np.bincount(blocks)
+    return bool(change.max() >= LEAST_CHANGE)
+
+
+def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
+    """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
+    allowed = discrepancy(problem, base, MISFIT)
+    rest = -base.score - 0.5 * problem.weight * len(base.z)  # squares of the noise floor are 1 each
+    least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
+    return gain_beyond(problem, base, fitted, allowed) > least

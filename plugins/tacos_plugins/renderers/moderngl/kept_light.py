@@ -1,0 +1,38 @@
+"""What lighting a world gives, kept on disk: it follows from the world, how fine it is, and what renders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from tacos_framework.cache import content_key
+from tacos_framework.values import World
+from tacos_plugins.kept_worlds.fingerprints import code_key
+from tacos_plugins.kept_worlds.store import store_of_user
+from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, SurfaceLight
+from tacos_plugins.renderers.moderngl.context import describe_gl
+from tacos_plugins.renderers.moderngl.flatten import Chunks, FlatMesh
+from tacos_plugins.renderers.moderngl.probes import Probe
+
+Made = TypeVar("Made")
+
+CLASSES: Sequence[type[Any]] = (BakedMesh, FlatMesh, Chunks, SurfaceLight, Probe)
+"""What light consists of."""
+
+
+def kept(what: str, world: World, texel_m: float, make: Callable[[], Made]) -> Made:
+    """What was made of a world before, in whatever process, or else what `make` gives.
+
+    Parameters
+    ----------
+    what
+        Names it.
+    texel_m
+        Distance of light map texels [m].
+    make
+        Makes it of `CLASSES`, tuples and arrays.
+    """
+    store, code = store_of_user(), code_key(BakedMesh)
+    if store is None or code is None:
+        return make()
+    return store.get(content_key(what, world.key, texel_m, str(describe_gl()), code), make, CLASSES)

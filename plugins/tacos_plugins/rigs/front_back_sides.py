@@ -1,0 +1,108 @@
+"""A camera ahead, and others behind and to the sides where they are wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Rig
+from tacos_plugins.rigs.mounted_camera import (
+    SensorPart,
+    derived_optics,
+    focal_length_for_mm,
+    image_coordinates,
+)
+from tacos_plugins.rigs.several_cameras import (
+    SEVERAL_UNITS,
+    Outlook,
+    SeveralCamerasConfig,
+    covered_deg,
+    derived_together,
+    outward_rig,
+)
+
+
+class FrontBackSidesRig:
+    """One camera ahead; with `back` one behind it, with `sides` one to the left and one to the right.
+
+    They are called ``front``, ``left``, ``right`` and ``back``. All have the same sensor; the one ahead has a
+    field of view of its own, as it may look farther than the others.
+
+    Examples
+    --------
+    >>> builder = FrontBackSidesRig(FrontBackSidesRig.Config())
+    >>> vga = {"width_px": 640, "height_px": 480, "pixel_um": 4.8}
+    >>> variables = FrontBackSidesRig.Variables(
+    ...     front_hfov_deg=60, other_hfov_deg=110, sides=True, back=False, sensor=vga
+    ... )
+    >>> [camera.name for camera in builder.build(variables).cameras]
+    ['front', 'left', 'right']
+    >>> builder.derived(variables)["covered_deg"]
+    280.0
+    """
+
+    class Config(SeveralCamerasConfig):
+        """Settings of the rig."""
+
+        side_yaw_deg: float = setting(
+            90.0, help="Turn of the side cameras from straight ahead.", unit="deg", gt=0, lt=180
+        )
+
+    class Variables(Settings):
+        """What a recipe may design or fix."""
+
+        front_hfov_deg: float = setting(
+            help="Horizontal field of view of the camera ahead.", unit="deg", gt=0, lt=180
+        )
+        other_hfov_deg: float = setting(
+            100.0, help="Horizontal field of view of each other camera.", unit="deg", gt=0, lt=180
+        )
+        sides: bool = setting(True, help="Whether there is a camera to either side.")
+        back: bool = setting(True, help="Whether there is a camera behind.")
+        pitch_deg: float = setting(
+            0.0, help="Tilt of all cameras, positive is up.", unit="deg", ge=-90, le=90
+        )
+        sensor: SensorPart = setting(help="Image sensor of all cameras.")
+
+    derived_quantities: ClassVar[Mapping[str, str]] = {
+        **SEVERAL_UNITS,
+        "side_yaw_deg": "deg",
+        "side_hfov_deg": "deg",
+        "back_hfov_deg": "deg",
+    }
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def build(self, variables: Variables) -> Rig:
+        """The rig of these variables, the camera ahead first."""
+        return outward_rig(self._outlooks(variables), variables.sensor, variables.pitch_deg, self.config)
+
+    def derived(self, variables: Variables) -> Mapping[str, float]:
+        """Optics of the camera ahead, and what all of them come to."""
+        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.front_hfov_deg)
+        optics = derived_optics(variables.sensor, focal_length_mm)
+        found = {**optics, **derived_together(self._outlooks(variables), variables.sensor)}
+        if variables.sides:
+            found |= {"side_yaw_deg": self.config.side_yaw_deg, "side_hfov_deg": variables.other_hfov_deg}
+        return found | ({"back_hfov_deg": variables.other_hfov_deg} if variables.back else {})
+
+    def coordinates(self, variables: Variables) -> Mapping[str, float]:
+        """What images of the camera ahead depend on, which others there are, and what all have in view."""
+        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.front_hfov_deg)
+        return {
+            **image_coordinates(variables.sensor, focal_length_mm, variables.pitch_deg),
+            "other_hfov_deg": variables.other_hfov_deg,
+            "sides": float(variables.sides),
+            "back": float(variables.back),
+            "covered_deg": covered_deg(self._outlooks(variables)),
+        }
+
+    def _outlooks(self, variables: Variables) -> list[Outlook]:
+        """Where the cameras look, that ahead first."""
+        other_deg, side_deg = variables.other_hfov_deg, self.config.side_yaw_deg
+        looks = [Outlook("front", 0.0, variables.front_hfov_deg)]
+        if variables.sides:
+            looks += [Outlook("left", side_deg, other_deg), Outlook("right", -side_deg, other_deg)]
+        return [*looks, Outlook("back", 180.0, other_deg)] if variables.back else looks

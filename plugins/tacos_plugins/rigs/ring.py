@@ -1,0 +1,99 @@
+"""Equal cameras evenly around the agent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import ClassVar
+
+from tacos_framework.settings import Settings, setting
+from tacos_framework.values import Rig
+from tacos_plugins.rigs.mounted_camera import (
+    SensorPart,
+    derived_optics,
+    focal_length_for_mm,
+    image_coordinates,
+)
+from tacos_plugins.rigs.several_cameras import (
+    SEVERAL_UNITS,
+    Outlook,
+    SeveralCamerasConfig,
+    covered_deg,
+    derived_together,
+    outward_rig,
+)
+
+
+class RingRig:
+    """As many equal cameras as are wanted, evenly around the agent, each looking outwards.
+
+    They are called ``camera_1``, ``camera_2`` and so on, counted to the left. How many there are may be
+    designed: candidates then differ in the number of their images, and tasks that take any number of cameras
+    judge them.
+
+    Examples
+    --------
+    >>> builder = RingRig(RingRig.Config(binning=2))
+    >>> vga = {"width_px": 640, "height_px": 480, "pixel_um": 4.8}
+    >>> variables = RingRig.Variables(cameras=4, hfov_deg=100, sensor=vga)
+    >>> [camera.name for camera in builder.build(variables).cameras]
+    ['camera_1', 'camera_2', 'camera_3', 'camera_4']
+    >>> derived = builder.derived(variables)
+    >>> derived["covered_deg"], round(derived["total_megapixels"], 3)
+    (360.0, 1.229)
+    """
+
+    class Config(SeveralCamerasConfig):
+        """Settings of the rig."""
+
+    class Variables(Settings):
+        """What a recipe may design or fix."""
+
+        cameras: int = setting(help="Number of cameras.", ge=1, le=16)
+        hfov_deg: float = setting(help="Horizontal field of view of each camera.", unit="deg", gt=0, lt=180)
+        first_yaw_deg: float = setting(
+            0.0, help="Turn of the first camera to the left of straight ahead.", unit="deg", ge=-180, le=180
+        )
+        pitch_deg: float = setting(
+            0.0, help="Tilt of all cameras, positive is up.", unit="deg", ge=-90, le=90
+        )
+        sensor: SensorPart = setting(help="Image sensor of all cameras.")
+
+    derived_quantities: ClassVar[Mapping[str, str]] = {**SEVERAL_UNITS, "first_yaw_deg": "deg"}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def build(self, variables: Variables) -> Rig:
+        """The rig of these variables, the first camera first."""
+        return outward_rig(_outlooks(variables), variables.sensor, variables.pitch_deg, self.config)
+
+    def derived(self, variables: Variables) -> Mapping[str, float]:
+        """Optics of one camera, and what all of them come to."""
+        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.hfov_deg)
+        optics = derived_optics(variables.sensor, focal_length_mm)
+        together = derived_together(_outlooks(variables), variables.sensor)
+        return {**optics, **together, "first_yaw_deg": variables.first_yaw_deg}
+
+    def coordinates(self, variables: Variables) -> Mapping[str, float]:
+        """What images of each camera depend on, how many there are, and where between two the agent looks.
+
+        A ring that is turned by its spacing is the same ring, so its turn counts as an angle of that circle.
+        """
+        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.hfov_deg)
+        phase = math.radians(variables.first_yaw_deg * variables.cameras)
+        return {
+            **image_coordinates(variables.sensor, focal_length_mm, variables.pitch_deg),
+            "log2_cameras": math.log2(variables.cameras),
+            "covered_deg": covered_deg(_outlooks(variables)),
+            "cos_turn": math.cos(phase),
+            "sin_turn": math.sin(phase),
+        }
+
+
+def _outlooks(variables: RingRig.Variables) -> list[Outlook]:
+    spacing_deg = 360 / variables.cameras
+    return [
+        Outlook(f"camera_{i + 1}", variables.first_yaw_deg + i * spacing_deg, variables.hfov_deg)
+        for i in range(variables.cameras)
+    ]

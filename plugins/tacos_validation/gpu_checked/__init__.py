@@ -1,0 +1,1 @@
+"""Whether the device in use renders what software renders, and how fast a study goes on it."""

@@ -1,0 +1,126 @@
+"""Pictures of one scene taken in a process of its own, so that each device has an OpenGL of its own."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.environment import DEVICE_VARIABLE
+from tacos_framework.plan import make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe
+from tacos_framework.simulation import EpisodeSpec, Simulation
+
+LUMINANCE_TOLERANCE = 0.02
+"""Pixels whose luminance differs by more than this share of the larger one differ [1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """What a device rendered.
+
+    Parameters
+    ----------
+    renderer
+        What OpenGL calls itself.
+    is_software
+        Whether a processor does the work.
+    luminance_cd_m2, depth_m, object_id
+        (N, H, W, 3), (N, H, W) and (N, H, W) of the first camera [cd/m2, m, 1].
+    frames_per_s
+        Frames by the clock, the first left out, for which the world is lit [1/s].
+    """
+
+    renderer: str
+    is_software: bool
+    luminance_cd_m2: NDArray[np.float32]
+    depth_m: NDArray[np.float32]
+    object_id: NDArray[np.int32]
+    frames_per_s: float
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far two devices' pictures part.
+
+    Parameters
+    ----------
+    ids, depth, luminance
+        Share of the pixels at which they differ: other ids; depth by more than 0.1 % where ids are the same;
+        luminance by more than `LUMINANCE_TOLERANCE` [1].
+    """
+
+    ids: float
+    depth: float
+    luminance: float
+
+
+def taken_on(device: str, recipe: Recipe, values: dict[str, Any], frames: int) -> Pictures:
+    """Pictures of a recipe's first camera on a device, ``auto`` or ``cpu``.
+
+    Processes are spawned: OpenGL cannot be forked, and reads its device once.
+    """
+    context = multiprocessing.get_context("spawn")
+    receiving, sending = context.Pipe(duplex=False)
+    process = context.Process(target=_take, args=(sending, device, recipe, values, frames))
+    process.start()
+    sending.close()
+    try:
+        found = receiving.recv()
+    except EOFError:
+        process.join()
+        raise RuntimeError(f"the process that renders on {device} ended with {process.exitcode}") from None
+    process.join()
+    if isinstance(found, Exception):
+        raise found
+    pictures: Pictures = found
+    return pictures
+
+
+def difference(one: Pictures, other: Pictures) -> Difference:
+    """How far the pictures of two devices part."""
+    same = one.object_id == other.object_id
+    with np.errstate(invalid="ignore"):  # infinity less infinity
+        apart = np.abs(one.depth_m - other.depth_m) > 1e-3 * np.minimum(one.depth_m, other.depth_m)
+    light, theirs = one.luminance_cd_m2, other.luminance_cd_m2
+    brighter = np.maximum(light, theirs)
+    differs = (np.abs(light - theirs) > LUMINANCE_TOLERANCE * brighter).any(axis=-1)
+    return Difference(float(1 - same.mean()), float((apart & same).mean()), float(differs.mean()))
+
+
+def _take(sending: Any, device: str, recipe: Recipe, values: dict[str, Any], frames: int) -> None:
+    """Runs in a process of its own."""
+    if device != "auto":
+        os.environ[DEVICE_VARIABLE] = device
+    try:
+        sending.send(_pictures(recipe, values, frames))
+    except Exception as error:  # noqa: BLE001 - whatever it is, the caller gets it
+        sending.send(error)
+    sending.close()
+
+
+def _pictures(recipe: Recipe, values: dict[str, Any], frames: int) -> Pictures:
+    from tacos_plugins.renderers.moderngl.context import describe_gl
+
+    simulation = Simulation(make_plan(recipe, Plugins.discover()))
+    spec = EpisodeSpec(recipe.seed, ("gpu-check",), frames)
+    shown, taken_at_s = [], []
+    for at in range(frames):
+        (view, *_) = simulation.sample(values, spec, at / max(1, frames - 1)).capture.views
+        shown.append(view)
+        taken_at_s.append(time.perf_counter())
+    about = describe_gl()
+    return Pictures(
+        renderer=about.renderer,
+        is_software=about.is_software,
+        luminance_cd_m2=np.concatenate([view.luminance_cd_m2 for view in shown]),
+        depth_m=np.concatenate([view.depth_m for view in shown]),
+        object_id=np.concatenate([view.object_id for view in shown]),
+        frames_per_s=(frames - 1) / max(1e-9, taken_at_s[-1] - taken_at_s[0]),
+    )

@@ -1,0 +1,85 @@
+"""Rigs of several cameras: where they look, what they cost, and what they have in view together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tacos_framework.testing import RigConformance, TaskConformance
+from tacos_plugins.rigs.front_back_sides import FrontBackSidesRig
+from tacos_plugins.rigs.ring import RingRig
+from tacos_plugins.rigs.several_cameras import Outlook, covered_deg
+from tacos_plugins.tasks.surround_coverage import SurroundCoverage, covered_share
+
+SENSOR = {"name": "test", "width_px": 640, "height_px": 480, "pixel_um": 3.0, "power_w": 1.5}
+
+
+def ring(**variables):
+    return RingRig.Variables(sensor=SENSOR, **variables)
+
+
+class TestRingRig(RigConformance):
+    component = RingRig
+    variables = {"cameras": 5, "hfov_deg": 80.0, "sensor": SENSOR}  # noqa: RUF012
+
+
+class TestFrontBackSidesRig(RigConformance):
+    component = FrontBackSidesRig
+    variables = {"front_hfov_deg": 60.0, "sensor": SENSOR}  # noqa: RUF012
+
+
+class TestSurroundCoverage(TaskConformance):
+    component = SurroundCoverage
+
+
+def test_a_ring_looks_outwards_evenly():
+    rig = RingRig(RingRig.Config(radius_m=0.2)).build(ring(cameras=4, hfov_deg=90, first_yaw_deg=90))
+    ahead = [camera.agent_from_camera[:3, 2] for camera in rig.cameras]
+    np.testing.assert_allclose(ahead, [[0, 1, 0], [-1, 0, 0], [0, -1, 0], [1, 0, 0]], atol=1e-12)
+    places = [camera.agent_from_camera[:3, 3] for camera in rig.cameras]
+    np.testing.assert_allclose(places, 0.2 * np.array(ahead), atol=1e-12)
+
+
+def test_pixels_and_power_are_those_of_all_cameras():
+    derived = RingRig(RingRig.Config()).derived(ring(cameras=3, hfov_deg=90))
+    assert derived["total_megapixels"] == pytest.approx(3 * 0.3072)
+    assert derived["total_power_w"] == 4.5
+    unknown = {key: value for key, value in SENSOR.items() if key != "power_w"}
+    variables = RingRig.Variables(cameras=3, hfov_deg=90, sensor=unknown)
+    assert "total_power_w" not in RingRig(RingRig.Config()).derived(variables)
+
+
+@given(
+    st.lists(st.tuples(st.floats(-720, 720), st.floats(1, 179)), min_size=1, max_size=6),
+)
+def test_the_angle_in_view_is_that_of_counted_directions(given_):
+    outlooks = [Outlook(str(i), yaw, field) for i, (yaw, field) in enumerate(given_)]
+    at = np.arange(0, 360, 0.1) + 0.05
+    seen = [np.abs((at - each.yaw_deg + 180) % 360 - 180) <= each.hfov_deg / 2 for each in outlooks]
+    assert covered_deg(outlooks) == pytest.approx(np.any(seen, axis=0).sum() * 0.1, abs=0.25 * len(outlooks))
+
+
+@given(st.integers(1, 6), st.floats(-180, 180))
+def test_a_ring_turned_by_its_spacing_has_the_same_coordinates(cameras, yaw_deg):
+    rig = RingRig(RingRig.Config())
+    turned = (yaw_deg + 360 / cameras + 180) % 360 - 180
+    one, other = (
+        rig.coordinates(ring(cameras=cameras, hfov_deg=50, first_yaw_deg=yaw)) for yaw in (yaw_deg, turned)
+    )
+    assert one == pytest.approx(other, abs=1e-6)
+
+
+@pytest.mark.parametrize("cameras", [1, 2, 4])
+def test_narrow_bands_are_covered_as_the_angle_around(cameras):
+    variables = ring(cameras=cameras, hfov_deg=70)
+    rig = RingRig(RingRig.Config()).build(variables)
+    share = covered_share(rig.cameras, elevation_deg=10, least_px_per_deg=0)
+    assert share == pytest.approx(cameras * 70 / 360, abs=0.02)
+
+
+def test_too_few_pixels_to_the_degree_cover_nothing():
+    rig = RingRig(RingRig.Config(binning=2)).build(ring(cameras=4, hfov_deg=90))  # 5.6 px/deg on the axis
+    assert covered_share(rig.cameras, elevation_deg=10, least_px_per_deg=5) > 0.95
+    assert covered_share(rig.cameras, elevation_deg=10, least_px_per_deg=12) == 0
