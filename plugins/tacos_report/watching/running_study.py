@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_bytes, read_json, read_text
 from tacos_report.plain_values import mapping, text
 from tacos_report.study_data import Generation, Tried, document_of, read_generations
 
@@ -83,10 +84,10 @@ def read_running(folder: Path) -> RunningStudy:
         raise UserError(Fault(str(folder), "no run has begun here: there is no recipe.yaml", expected))
     result = _result(folder / "result.json")
     log = folder / "log.txt"
-    lines = log.read_text("utf-8", errors="replace").splitlines() if log.is_file() else []
+    lines = read_bytes(log, "lines_mb").decode("utf-8", "replace").splitlines() if log.is_file() else []
     report = folder / "report.html"
     return RunningStudy(
-        name=text(document_of(recipe.read_text("utf-8")).get("name")) or folder.name,
+        name=text(document_of(read_text(recipe)).get("name")) or folder.name,
         generations=read_generations(folder / "generations.jsonl")[0],
         last_line=lines[-1] if lines else "",
         written_at_s=max(path.stat().st_mtime for path in folder.iterdir()),
@@ -98,6 +99,6 @@ def read_running(folder: Path) -> RunningStudy:
 def _result(path: Path) -> Mapping[str, Any]:
     """What a finished run left; nothing while it runs, or while the file is being replaced."""
     try:
-        return mapping(json.loads(path.read_text("utf-8")))
-    except (FileNotFoundError, json.JSONDecodeError):
+        return mapping(read_json(path))
+    except UserError:
         return {}
