@@ -1,0 +1,13 @@
+"""Files of triangles (glTF, OBJ, PLY) from outside, checked before trimesh is given them.
+
+``read``        the door: a file to a scene
+``gltf``        what a glTF file promises, and whether it can hold it
+``plain``       the same of OBJ and PLY files
+``references``  files and pictures that a file names
+"""
+
+from __future__ import annotations
+
+from tacos_worlds.mesh_files.read import SUFFIXES, MeshFile, read_mesh_file
+
+__all__ = ["SUFFIXES", "MeshFile", "read_mesh_file"]

@@ -1,0 +1,71 @@
+"""What OBJ and PLY files promise, before they are parsed."""
+
+from __future__ import annotations
+
+import re
+
+from tacos_framework.errors import Fault, UserError
+from tacos_worlds.mesh_files.references import References
+
+_FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
+_LIBRARY = re.compile(rb"mtllib([^\n]*)")
+_PLY_SIZES = {
+    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
+    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
+    **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
+    **dict.fromkeys(("double", "float64"), 8),
+}
+
+
+def check_obj(content: bytes, references: References, where: str) -> int:
+    """Triangles of an OBJ file, at least; its library of materials is read.
+
+    Raises
+    ------
+    UserError
+        When it is not text in UTF-8, or breaks off in a line.
+    """
+    try:
+        content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise UserError(
+            Fault(where, f"cannot be read: {error}", "text in UTF-8", "Export the model again.")
+        ) from error
+    if found := _LIBRARY.search(content):  # trimesh takes the first
+        try:
+            references.bytes_of(found[1].decode("utf-8").strip())
+        except UserError:
+            return 0  # kept among the faults of the references
+    return len(_FACE.findall(content))
+
+
+def check_ply(content: bytes, where: str) -> int:
+    """Triangles of a PLY file, at least.
+
+    Raises
+    ------
+    UserError
+        When its header is broken, or promises more than the file holds.
+    """
+    end = content.find(b"end_header")
+    try:
+        if not content.startswith(b"ply") or end < 0:
+            raise ValueError("it has no header of a PLY file")
+        text, counts, least = content[:end].decode("utf-8"), {"face": 0}, 0
+        binary = "binary" in text.split("\n", 2)[1]
+        count = 0
+        for words in map(str.split, text.splitlines()):
+            if words[:1] == ["element"]:
+                count = counts[words[1]] = int(words[2])
+                if count < 0:
+                    raise ValueError(f"it has {count} of {words[1]}")
+                least += 0 if binary else count * 2
+            elif words[:1] == ["property"] and binary:
+                least += count * _PLY_SIZES[words[2] if words[1] == "list" else words[1]]
+        if least > len(content) - end:
+            raise ValueError(f"its header promises {least} bytes at least, and it breaks off")
+    except (ValueError, LookupError) as error:
+        raise UserError(
+            Fault(where, f"cannot be read: {error}", "a whole PLY file", "Export the model again.")
+        ) from error
+    return counts["face"]

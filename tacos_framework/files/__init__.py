@@ -1,0 +1,25 @@
+"""Files from outside, read safely: the one door through which bytes of others come in.
+
+Nothing that stands in a file is trusted: it may be a pipe, a link out of its folder, cut short, or claim
+sizes that no memory holds. Every reader here opens regular files alone, knows from the header what decoding
+will take, refuses what is above a stated limit, and says what is wrong in a `tacos_framework.errors.Fault`.
+
+``regular``        bytes of a regular file, not too many, not from elsewhere
+``limits``         how much a file may take, and how a user changes that
+``text``           text in UTF-8; JSON; tables of comma-separated values
+``image_headers``  what an image file says of its size, and whether it is whole
+``images``         samples of an image file
+``arrays``         arrays of numbers (.npy, .npz)
+``weights``        named tensors (safetensors)
+
+YAML is read by `tacos_framework.settings.yaml_reader`, on top of ``text``. Modules that need a heavy library
+are imported where they are used.
+"""
+
+from __future__ import annotations
+
+from tacos_framework.files.limits import Limits, limits
+from tacos_framework.files.regular import read_bytes
+from tacos_framework.files.text import read_csv, read_json, read_lines, read_text
+
+__all__ = ["Limits", "limits", "read_bytes", "read_csv", "read_json", "read_lines", "read_text"]

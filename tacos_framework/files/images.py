@@ -1,0 +1,93 @@
+"""Samples of image files, decoded only once the header says what that takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.files.image_headers import FORMATS, HeaderError, ImageHeader, read_header
+from tacos_framework.files.limits import limits
+from tacos_framework.files.regular import read_bytes, too_large
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+UNREADABLE = (OSError, SyntaxError, ValueError, EOFError, LookupError, TypeError, OverflowError)
+"""What Pillow's readers raise on files that are damaged, `PIL.UnidentifiedImageError` among them."""
+
+
+def read_samples(path: Path, *, where: str | None = None, within: Path | None = None) -> NDArray[Any]:
+    """The samples of an image file as stored: (H, W), or (H, W, C) in the order B, G, R, A, as OpenCV has it.
+
+    Parameters are those of `tacos_framework.files.regular.read_bytes`.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, is no image, cut short, damaged or too large.
+    """
+    name = str(path) if where is None else where
+    return decode_samples(read_bytes(path, "image_mb", where=where, within=within), name, path.name)
+
+
+def decode_samples(content: bytes, where: str, name: str) -> NDArray[Any]:
+    """The samples of an image file whose bytes are at hand, as `read_samples` gives them.
+
+    Parameters
+    ----------
+    where, name
+        What the fault is of, and what to call the file in it.
+    """
+    import cv2
+
+    header = checked_header(content, where, name)
+    try:
+        image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise UserError(_damaged(where, name, str(error).strip())) from error
+    if image is None or image.shape[:2] != (header.height_px, header.width_px):
+        raise UserError(_damaged(where, name, f"its samples are no {header.format}"))
+    return np.asarray(image)
+
+
+def decode_picture(content: bytes, where: str, name: str) -> Image:
+    """A picture such as a texture, decoded as Pillow has it; parameters are those of `decode_samples`."""
+    from PIL import Image as Pillow
+
+    checked_header(content, where, name)
+    from io import BytesIO
+
+    try:
+        image = Pillow.open(BytesIO(content))
+        image.load()
+    except UNREADABLE as error:
+        raise UserError(_damaged(where, name, str(error))) from error
+    return image
+
+
+def checked_header(content: bytes, where: str, name: str) -> ImageHeader:
+    """The header of an image that is whole and not too large.
+
+    Raises
+    ------
+    UserError
+        When it is neither.
+    """
+    try:
+        header = read_header(content)
+    except HeaderError as error:
+        raise UserError(
+            Fault(where, f"{name} is no image that can be read: {error}", FORMATS, "Copy or save it anew.")
+        ) from error
+    size = f"{header.width_px} x {header.height_px} pixels of {name}"
+    if header.decoded_bytes > limits().bytes_of("image_mb"):
+        raise UserError(too_large(where, f"the image of {size}", header.decoded_bytes, "image_mb"))
+    return header
+
+
+def _damaged(where: str, name: str, reason: str) -> Fault:
+    return Fault(where, f"{name} is damaged: {reason}", "a whole image", "Copy or save it anew.")

@@ -1,0 +1,97 @@
+"""Bytes of regular files: no pipe is waited for, no device read, no folder left through a link."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.files.limits import MB, limits
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a named pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+# A pipe that nobody writes to would be waited for, and a terminal become ours: neither is a file to read.
+_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_CLOEXEC", 0)
+
+
+def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path | None = None) -> bytes:
+    """All bytes of a regular file.
+
+    What is checked is what was opened: nothing can be exchanged between the check and the reading.
+
+    Parameters
+    ----------
+    path
+        The file; links are followed.
+    limit
+        The one of `tacos_framework.files.limits.Limits` that holds for its size, in megabytes.
+    where
+        What names the file in messages; the path, when left out.
+    within
+        The folder the file must lie in, once all links are followed; None for any.
+
+    Raises
+    ------
+    UserError
+        When there is no such file, or it is no regular one, cannot be read, is too large or lies elsewhere.
+    """
+    where = str(path) if where is None else where
+    try:
+        descriptor = os.open(path, _FLAGS | getattr(os, "O_BINARY", 0))
+    except FileNotFoundError:
+        raise UserError(Fault(where, f"there is no file {str(path)!r}", "", "Check the path.")) from None
+    except ValueError as error:  # a NUL in the path
+        raise UserError(Fault(where, f"{str(path)!r} is not a path: {error}")) from error
+    except OSError as error:
+        raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
+    with os.fdopen(descriptor, "rb") as file:
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode):
+            kind = next((name for test, name in _KINDS if test(found.st_mode)), "no regular file")
+            raise UserError(Fault(where, f"{_shown(path)} is {kind}", "a file"))
+        if within is not None and not _opened(descriptor, path).is_relative_to(within.resolve()):
+            raise UserError(
+                Fault(
+                    where, f"{_shown(path)} leads out of {within}", "a file inside", "Copy the file into it."
+                )
+            )
+        most = limits().bytes_of(limit)
+        if found.st_size > most:
+            raise UserError(too_large(where, _shown(path), found.st_size, limit))
+        try:
+            content = file.read(found.st_size + 1)
+            if len(content) > found.st_size:  # it grows meanwhile; or it is one of /proc, which have no size
+                content += file.read(most + 1 - len(content))
+        except OSError as error:
+            raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
+    if len(content) > most:
+        raise UserError(too_large(where, _shown(path), len(content), limit))
+    return content
+
+
+def too_large(where: str, what: str, size_bytes: int, limit: str) -> Fault:
+    """The fault of what would take more bytes than a limit allows."""
+    allowed = limits()
+    return Fault(
+        where,
+        f"{what} is larger than {limits().bytes_of(limit)} bytes: {size_bytes}",
+        f"at most {getattr(allowed, limit):g} MB",
+        allowed.remedy(limit, size_bytes / MB),
+    )
+
+
+def _opened(descriptor: int, path: Path) -> Path:
+    """Where the open file lies, which a link changed meanwhile says nothing about (Linux), or the path."""
+    link = Path(f"/proc/self/fd/{descriptor}")
+    return Path(os.readlink(link)) if link.is_symlink() else path.resolve()
+
+
+def _shown(path: Path) -> str:
+    """The name of a file, cut where it is longer than any file's."""
+    return repr(path.name if len(path.name) <= 255 else f"{path.name[:60]}...")

@@ -1,0 +1,96 @@
+"""Text in UTF-8, JSON and tables of comma-separated values."""
+
+from __future__ import annotations
+
+import csv
+import json
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.files.regular import read_bytes
+
+
+def read_text(
+    path: Path, *, where: str | None = None, limit: str = "text_mb", within: Path | None = None
+) -> str:
+    """The text of a file in UTF-8, without a byte order mark.
+
+    Parameters are those of `tacos_framework.files.regular.read_bytes`.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, is too large, or is not UTF-8.
+    """
+    content = read_bytes(path, limit, where=where, within=within)
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        name = str(path) if where is None else where
+        raise UserError(
+            Fault(f"{name}:{line}", f"byte {content[error.start]:#04x} is not UTF-8", "text in UTF-8")
+        ) from error
+
+
+def read_json(path: Path, *, where: str | None = None, expected: str = "", remedy: str = "") -> Any:
+    """What a JSON file holds.
+
+    Parameters
+    ----------
+    expected, remedy
+        Of the fault, where the file is no JSON.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, is too large, or is no JSON.
+    """
+    name = str(path) if where is None else where
+    return parse_json(read_text(path, where=where, limit="json_mb"), name, expected, remedy)
+
+
+def read_lines(path: Path, *, where: str | None = None, limit: str = "json_mb") -> list[str]:
+    """The lines of a text file; a last one without its end is among them.
+
+    Raises
+    ------
+    UserError
+        As for `read_text`.
+    """
+    return read_text(path, where=where, limit=limit).splitlines()
+
+
+def parse_json(text: str, where: str, expected: str = "", remedy: str = "") -> Any:
+    """What JSON text holds.
+
+    Raises
+    ------
+    UserError
+        When it is none, or nested too deeply.
+    """
+    try:
+        return json.loads(text)
+    except ValueError as error:  # JSONDecodeError, or a whole number of thousands of digits
+        raise UserError(Fault(where, f"not readable as JSON: {error}", expected, remedy)) from error
+    except RecursionError:
+        raise UserError(Fault(where, "JSON nested too deeply to be read", expected, remedy)) from None
+
+
+def read_csv(path: Path, *, where: str | None = None) -> list[tuple[int, list[str]]]:
+    """The lines of a table with their numbers, cells without the blanks around them.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read or is no table.
+    """
+    table = csv.reader(StringIO(read_text(path, where=where)), strict=True)
+    try:
+        return [(table.line_num, [cell.strip() for cell in line]) for line in table]
+    except csv.Error as error:
+        name = str(path) if where is None else where
+        what = f"this is no table of comma-separated values: {error}"
+        raise UserError(Fault(f"{name}:{table.line_num}", what)) from error
