@@ -11,8 +11,8 @@ from pathlib import Path
 
 import yaml
 
-from tacos_framework.errors import Fault
-from tacos_worlds.imported.formats.file_bytes import Unreadable, file_bytes
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_text
 from tacos_worlds.imported.model import Surface
 from tacos_worlds.indoor.furnishing.catalogue import CLASS_NAMES
 
@@ -64,9 +64,9 @@ class Rule:
 def read_table(file: Path) -> tuple[list[Rule], list[Fault]]:
     """Rules of a table: CSV with the columns pattern and class, or YAML with ``pattern: class``."""
     try:
-        text = file_bytes(file).decode("utf-8-sig")
-    except (Unreadable, UnicodeDecodeError) as error:
-        return [], [Fault(str(file), f"cannot be read: {error}", "a table of patterns and classes in UTF-8")]
+        text = read_text(file).removeprefix("\ufeff")
+    except UserError as error:
+        return [], list(error.faults)
     return _from_csv(file, text) if file.suffix.lower() == ".csv" else _from_yaml(file, text)
 
 

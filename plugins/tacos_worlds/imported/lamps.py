@@ -28,6 +28,7 @@ _BULB_RADIUS_M = 0.05
 _SPOT_EDGE_M = 0.05
 _FLAT = 0.9
 _LAMP_SPACING_M = 3.5
+_FROM_WALLS_M = 1.0
 _LAMP_EDGE_M = 0.6
 _LAMP_EXITANCE_LM_M2 = 140.0
 _LAMP_K = 4000.0
@@ -91,10 +92,13 @@ def placed(floor: Floor, occlusion: Occlusion) -> tuple[list[Light], list[Patch]
 
     Where there is no ceiling there is no lamp. Panels are of skin -1.
     """
-    covered = floor.points_m[np.isfinite(floor.headroom_m)]
-    if not len(covered):
+    under = np.isfinite(floor.headroom_m)
+    if not under.any():
         return [], []
-    ceiling = covered[:, 2] + floor.headroom_m[np.isfinite(floor.headroom_m)]
+    # Lamps hang in the middle of things, not in corners.
+    under &= floor.clearance_m >= min(_FROM_WALLS_M, float(np.quantile(floor.clearance_m[under], 0.6)))
+    covered = floor.points_m[under]
+    ceiling = covered[:, 2] + floor.headroom_m[under]
     lights, panels = [], []
     for index in _spread(covered, _LAMP_SPACING_M):
         centre = np.array([covered[index, 0], covered[index, 1], ceiling[index] - 2 * _BESIDE_M])

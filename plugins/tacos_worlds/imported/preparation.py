@@ -119,6 +119,8 @@ def _sky(config: ImportedScene.Config) -> tuple[Surroundings | None, list[Fault]
         return None, []
     try:
         sky = read_surroundings(Path(config.sky).expanduser(), config.sky_turn_deg)
+    except UserError as error:
+        return None, list(error.faults)
     except Unreadable as error:
         return None, [Fault(config.sky, f"cannot be used: {error}", "a panorama in .hdr or .exr")]
     if config.sky_lux is None:
@@ -143,6 +145,8 @@ def _recorded(config: ImportedScene.Config, read: Read) -> tuple[Recorded | None
     turn = read.turn if config.path_axes == "file" else np.eye(3)
     try:
         return read_recorded(Path(config.path).expanduser(), turn, of_camera=config.path_of == "camera"), []
+    except UserError as error:
+        return None, list(error.faults)
     except (Damaged, Unreadable) as error:
         return None, [Fault(config.path, f"cannot be used: {error}", "poses as TUM, EuRoC or KITTI write them")]
 

@@ -156,7 +156,7 @@ class Buffers:
 
     def _at(self, uri: str) -> bytes:
         if not uri.startswith("data:"):
-            return file_bytes(neighbour(self._file, unquote(uri)))
+            return neighbour(self._file, unquote(uri))
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:

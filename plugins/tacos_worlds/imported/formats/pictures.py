@@ -1,18 +1,12 @@
-"""Pictures of textures, decoded within limits."""
+"""Pictures of textures."""
 
 from __future__ import annotations
 
-import io
-import warnings
-
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
-from tacos_worlds.imported.formats.file_bytes import Unreadable
-
-MOST_PIXELS = 16384 * 16384
-"""Larger pictures are refused before they are decoded [px]."""
+from tacos_framework.files.images import decode_picture
 
 
 def picture(data: bytes, where: str, most_px: int) -> NDArray[np.uint8]:
@@ -20,20 +14,10 @@ def picture(data: bytes, where: str, most_px: int) -> NDArray[np.uint8]:
 
     Raises
     ------
-    Unreadable
+    UserError
         Where it is damaged, cut short, too large, or of a format that is not known.
     """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # ours is the limit below
-            image = Image.open(io.BytesIO(data))
-        width, height = image.size
-        if width * height > MOST_PIXELS:
-            raise Unreadable(f"{where} has {width} x {height} pixels, more than {MOST_PIXELS}")
-        image.draft("RGB", (most_px, most_px))  # lets JPEG be decoded at a fraction of its size
-        loaded = image.convert("RGBA")
-    except (UnidentifiedImageError, OSError, SyntaxError, Image.DecompressionBombError) as error:
-        raise Unreadable(f"{where} cannot be decoded: {error}") from error
+    loaded = decode_picture(data, where, where).convert("RGBA")
     if max(loaded.size) > most_px:
         loaded.thumbnail((most_px, most_px), Image.Resampling.BOX)
     return np.ascontiguousarray(np.asarray(loaded)[::-1])

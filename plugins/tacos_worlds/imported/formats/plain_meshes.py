@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from tacos_worlds.imported.formats.file_bytes import file_bytes, neighbour
-from tacos_worlds.imported.formats.gltf_buffers import Damaged
-from tacos_worlds.imported.formats.pictures import picture
 from tacos_worlds.imported.model import Model, Skin, Surface
+from tacos_worlds.mesh_files import read_mesh_file
 
 _STEPS = np.arange(256) / 255
 _LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4)
-_LEAST_BYTES_PER_VERTEX = 3
-"""A header that claims more vertices than its bytes could hold is a lie."""
+"""Linear value of each sRGB byte (IEC 61966-2-1)."""
 
 
 def read_plain_mesh(file: Path, most_px: int) -> Model:
@@ -30,20 +26,12 @@ def read_plain_mesh(file: Path, most_px: int) -> Model:
 
     Raises
     ------
-    Damaged, Unreadable
+    UserError
         Where it cannot be read, or names files that are not there.
     """
-    size = len(file_bytes(file))  # whether it may be read at all
-    kind = file.suffix.lower()[1:]
-    if kind == "obj":
-        _check_references(file, most_px)
-    else:
-        _check_ply_header(file, size)
-    options = {"split_objects": True, "group_material": True} if kind == "obj" else {}
-    try:
-        scene = trimesh.load_scene(file, process=False, **options)
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError, OSError, struct.error) as error:
-        raise Damaged(f"trimesh cannot read it: {error}") from error
+    is_obj = file.suffix.lower() == ".obj"
+    options = {"split_objects": True, "group_material": True} if is_obj else {}
+    scene = read_mesh_file(file, process=False, **options).scene
     surfaces: list[Surface] = []
     skins: list[Skin] = []
     for name, mesh in scene.geometry.items():
@@ -51,31 +39,6 @@ def read_plain_mesh(file: Path, most_px: int) -> Model:
             surfaces.append(_surface(str(mesh.metadata.get("name", name)), mesh, len(skins)))
             skins.append(_skin(mesh, most_px))
     return Model(tuple(surfaces), tuple(skins))
-
-
-def _check_ply_header(file: Path, size: int) -> None:
-    with file.open("rb") as stream:
-        head = stream.read(65536).split(b"end_header", 1)[0]
-    for line in head.splitlines():
-        words = line.split()
-        if len(words) == 3 and words[0] == b"element":
-            if not words[2].isdigit() or int(words[2]) * _LEAST_BYTES_PER_VERTEX > size:
-                raise Damaged(f"its header claims {words[2].decode('latin-1')} items, in {size} bytes")
-
-
-def _check_references(file: Path, most_px: int) -> None:
-    """Material libraries and textures lie inside the folder, and can be read."""
-    for library in _named(file, ("mtllib",)):
-        path = neighbour(file, library)
-        for name in _named(path, ("map_kd", "map_ka", "map_bump", "bump")):
-            picture(file_bytes(neighbour(path, name)), name, most_px)
-
-
-def _named(file: Path, keys: tuple[str, ...]) -> list[str]:
-    lines = (line.strip() for line in file_bytes(file).decode("utf-8", "replace").splitlines())
-    words = (line.split(maxsplit=1) for line in lines)
-    found = (pair[1].strip() for pair in words if len(pair) == 2 and pair[0].lower() in keys)
-    return [name.split()[-1] if name.startswith("-") else name for name in found]
 
 
 def _surface(name: str, mesh: trimesh.Trimesh, skin: int) -> Surface:
