@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tacos_framework.values import Light, Material, MeshPart, Object, World
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_plugins.lighting.occlusion import Occlusion
+from tacos_plugins.lighting.refinement import refined
 from tacos_worlds.imported.atlas import painted
 from tacos_worlds.imported.detail import simplified
 from tacos_worlds.imported.facing import facing_the_eye
@@ -29,7 +30,7 @@ _MOST_PLANE_POINTS = 2000
 _MOST_SITES = 60_000
 _RAYS = 64
 _FINEST_MERGE_M = 0.08
-_EDGE_M = 0.8
+_EDGE_M = 0.6
 
 
 @dataclass(frozen=True)
@@ -163,6 +164,8 @@ def illuminance_lux(world: World, floor: Floor) -> float:
 
 
 def _baked(world: World, floor: Floor) -> World:
+    # Light is kept at vertices, of which a wall of two triangles has too few.
+    world = refined(world, _longest_edge_m(world))
     transport = _transport(world)
     if not _on_plane(transport, floor) > 0:
         raise ValueError("no light reaches the floor")
@@ -171,15 +174,24 @@ def _baked(world: World, floor: Floor) -> World:
 
 def _transport(world: World) -> LightTransport:
     """Light as fine as its number of places allows: a large world is lit more coarsely."""
-    corners = (part.vertices_m[part.triangles].astype(np.float64) for part in world.parts)
-    area = sum(float(np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1).sum()) / 2 for c in corners)
-    spacing = (area / _MOST_SITES) ** 0.5
     return LightTransport(
         world,
         rays=_RAYS,
-        merge_m=max(_FINEST_MERGE_M, spacing),
-        longest_edge_m=max(_EDGE_M, 4 * spacing),
+        merge_m=max(_FINEST_MERGE_M, _spacing_m(world)),
+        longest_edge_m=_longest_edge_m(world),
     )
+
+
+def _longest_edge_m(world: World) -> float:
+    return max(_EDGE_M, 4 * _spacing_m(world))
+
+
+def _spacing_m(world: World) -> float:
+    """Distance at which places of light cover all surfaces [m]."""
+    corners = (part.vertices_m[part.triangles].astype(np.float64) for part in world.parts)
+    doubled = (np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]) for c in corners)
+    area_m2 = sum(float(np.linalg.norm(cross, axis=1).sum()) / 2 for cross in doubled)
+    return float((area_m2 / _MOST_SITES) ** 0.5)
 
 
 def _on_plane(transport: LightTransport, floor: Floor) -> float:

@@ -140,8 +140,19 @@ def _material(index: int, given: dict[str, Any], arrays: Any) -> Any:
     strongest = max(given["emission"])
     if strongest > 0:
         shader.inputs["Emission Color"].default_value = (*(c / strongest for c in given["emission"]), 1)
-        shader.inputs["Emission Strength"].default_value = strongest
+        _shine_from_the_front(made, shader.inputs["Emission Strength"], strongest)
     return made
+
+
+def _shine_from_the_front(made: Any, strength: Any, value: float) -> None:
+    """A strength of emission that is zero on the backs of surfaces."""
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    side, only, times = (nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "Math", "Math"))
+    only.operation, only.inputs[0].default_value = "SUBTRACT", 1.0
+    links.new(side.outputs["Backfacing"], only.inputs[1])
+    times.operation, times.inputs[1].default_value = "MULTIPLY", value
+    links.new(only.outputs[0], times.inputs[0])
+    links.new(times.outputs[0], strength)
 
 
 def _image(nodes: Any, name: str, values: np.ndarray) -> Any:
@@ -190,16 +201,10 @@ def _glow(name: str, luminance: np.ndarray) -> Any:
     made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links
     nodes.clear()
-    side, front, out = (nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "Emission", "OutputMaterial"))
+    front, out = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
     strongest = float(luminance.max())
     front.inputs["Color"].default_value = (*(luminance / strongest), 1)
-    only = nodes.new("ShaderNodeMath")
-    only.operation, only.inputs[0].default_value = "SUBTRACT", 1.0
-    links.new(side.outputs["Backfacing"], only.inputs[1])
-    strength = nodes.new("ShaderNodeMath")
-    strength.operation, strength.inputs[1].default_value = "MULTIPLY", strongest
-    links.new(only.outputs[0], strength.inputs[0])
-    links.new(strength.outputs[0], front.inputs["Strength"])
+    _shine_from_the_front(made, front.inputs["Strength"], strongest)
     links.new(front.outputs[0], out.inputs["Surface"])
     return made
 
