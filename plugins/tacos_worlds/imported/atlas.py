@@ -1,6 +1,7 @@
 """Colours of vertices as a texture, since materials carry colour in textures alone.
 
-Two triangles share a square of four by four texels. The squares lie in the atlas along a Z-curve, in the order
+Two triangles share a square of four by four texels. The squares lie in the atlas along a Z-curve, in the
+order
 in which triangles lie along one in space: coarser levels of the texture then average over neighbours.
 """
 
@@ -46,7 +47,8 @@ def painted(patches: Sequence[Patch]) -> tuple[list[Patch], NDArray[np.uint8]]:
     _fill(atlas, cell, upper, colours)
     ends = np.cumsum(counts)
     textured = [
-        _unshared(patch, uv[end - count : end]) for patch, count, end in zip(patches, counts, ends, strict=True)
+        _unshared(patch, uv[end - count : end])
+        for patch, count, end in zip(patches, counts, ends, strict=True)
     ]
     return textured, _srgb(atlas)
 

@@ -12,7 +12,8 @@ from scipy.spatial import cKDTree
 from tacos_worlds.imported.patch import Patch
 
 _RINGS_M = (4.0, 12.0, 40.0)
-"""Distances to the way at which detail falls: a surface three times as far may err three times as much [m]."""
+"""Distances to the way at which detail falls: a surface three times as far may err three times as much
+[m]."""
 _FEWEST = 64
 """Patches of so few triangles are left as they are."""
 
@@ -20,7 +21,8 @@ _FEWEST = 64
 def simplified(patches: Sequence[Patch], eyes_m: NDArray[np.float64], most: int) -> list[Patch]:
     """Patches with no more than about `most` triangles in all, the share of each by its distance to the eye.
 
-    Patches are cut into rings around the walkable floor. Where all is too much, each ring may keep triangles in
+    Patches are cut into rings around the walkable floor. Where all is too much, each ring may keep
+    triangles in
     proportion to what it has and to one over its distance, as errors look smaller from afar. Quadric errors
     choose what goes [1]_.
 
@@ -40,9 +42,7 @@ def simplified(patches: Sequence[Patch], eyes_m: NDArray[np.float64], most: int)
     ]
 
 
-def _shares(
-    counts: NDArray[np.float64], closeness: NDArray[np.float64], most: int
-) -> NDArray[np.float64]:
+def _shares(counts: NDArray[np.float64], closeness: NDArray[np.float64], most: int) -> NDArray[np.float64]:
     """How many triangles each piece keeps: a common factor of count times closeness, no more than it has."""
     low, high = 0.0, float(1 / closeness.min())
     for _ in range(60):

@@ -1,7 +1,8 @@
 """Which side of a surface is seen, and surfaces turned so that it is their front.
 
 Files are full of walls that face away from the room they belong to: boxes modelled from outside, mirrored
-copies, exporters with another convention. A rasterizer leaves such walls out, and light computed for the wrong
+copies, exporters with another convention. A rasterizer leaves such walls out, and light computed for the
+wrong
 side is wrong. So sides are found by looking: rays from where the agent's eye may be, in all directions.
 """
 
@@ -58,7 +59,9 @@ def _looks(
     corners = occlusion.vertices_m[occlusion.triangles[hits.triangle[met]]].astype(np.float64)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     from_front = np.einsum("ij,ij->i", normal, directions[met]) < 0
-    owner = np.repeat(np.arange(len(patches)), [len(patch.triangles) for patch in patches])[hits.triangle[met]]
+    owner = np.repeat(np.arange(len(patches)), [len(patch.triangles) for patch in patches])[
+        hits.triangle[met]
+    ]
     count = len(patches)
     return np.bincount(owner[from_front], minlength=count), np.bincount(owner[~from_front], minlength=count)
 
@@ -77,7 +80,8 @@ def flipped(patch: Patch) -> Patch:
 
 
 def with_back(patch: Patch) -> Patch:
-    """The patch with a second face behind each triangle, in vertices of its own, so that both sides are lit."""
+    """The patch with a second face behind each triangle, in vertices of its own, so that both sides are
+    lit."""
     front = _agreeing(patch)
     behind = flipped(patch)
 

@@ -34,7 +34,11 @@ def texture_edge_px(layers: int, memory_mb: float) -> int:
 
 
 def materials_of(
-    skins: Sequence[Skin], atlases: Mapping[int, NDArray[np.uint8]], *, memory_mb: float, emission_scale: float
+    skins: Sequence[Skin],
+    atlases: Mapping[int, NDArray[np.uint8]],
+    *,
+    memory_mb: float,
+    emission_scale: float,
 ) -> tuple[Material, ...]:
     """One material a skin.
 

@@ -104,7 +104,9 @@ def find_floor(occlusion: Occlusion, agent: Agent) -> Floor:
     return Floor(points, headroom, clearance, steps, cell_m)
 
 
-def walkable(floor: Floor, agent: Agent, *, inside: bool | None, start_m: NDArray[np.float64] | None) -> Floor:
+def walkable(
+    floor: Floor, agent: Agent, *, inside: bool | None, start_m: NDArray[np.float64] | None
+) -> Floor:
     """The places that one walk can reach, of all that have room for the agent.
 
     Parameters

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +19,8 @@ from tacos_worlds.indoor.furnishing.catalogue import CLASS_NAMES
 
 BACKGROUND = CLASS_NAMES[0]
 EXTRA_KEYS = ("class", "class_name", "category", "semantic", "label")
-"""Properties of a node that name its class (in Blender: custom properties, exported with 'Custom Properties')."""
+"""Properties of a node that name its class (in Blender: custom properties, exported with 'Custom
+Properties')."""
 
 _WORDS: Mapping[str, tuple[str, ...]] = {
     "sofa": ("sofa", "couch", "armchair", "settee", "loveseat"),
@@ -76,7 +78,9 @@ def _from_csv(file: Path, text: str) -> tuple[list[Rule], list[Fault]]:
     try:
         columns = rows.fieldnames or []
         if missing := [name for name in ("pattern", "class") if name not in columns]:
-            return [], [Fault(f"{file}:1", f"has no column {', '.join(missing)}", "the columns pattern, class")]
+            return [], [
+                Fault(f"{file}:1", f"has no column {', '.join(missing)}", "the columns pattern, class")
+            ]
         for row in rows:
             if row["pattern"] and row["class"]:
                 rules.append(Rule(row["pattern"].strip(), row["class"].strip()))
@@ -140,7 +144,7 @@ def class_in(name: str) -> str | None:
     """
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     words = [word.lower() for word in re.split(r"[^A-Za-z]+", apart) if word]
-    words += ["".join(pair) for pair in zip(words, words[1:], strict=False)]
+    words += ["".join(pair) for pair in itertools.pairwise(words)]
     for class_name, known in _WORDS.items():
         if any(word in known or word.removesuffix("s") in known for word in words):
             return class_name

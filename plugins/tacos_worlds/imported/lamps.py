@@ -37,7 +37,8 @@ _LAMP_K = 4000.0
 def of_file(lights: Sequence[PunctualLight], turn: NDArray[np.float64]) -> Iterator[Light]:
     """Lights of a file as those of a world.
 
-    A point of I candela sends out ``4 pi I`` lumens. A spot becomes a small Lambertian square of as many candela
+    A point of I candela sends out ``4 pi I`` lumens. A spot becomes a small Lambertian square of as many
+    candela
     ahead, ``pi I`` lumens, whatever its cone. A directional light of E lux is a small sphere far away.
     """
     rotation = turn / np.cbrt(np.linalg.det(turn))
@@ -177,9 +178,7 @@ def _square(
     u = np.cross(normal, helper)
     u /= np.linalg.norm(u)
     v = np.cross(normal, u)
-    return Light(
-        _f32(position), _f32(flux_lm), _f32(normal), _f32(u * edge_m / 2), _f32(v * edge_m / 2)
-    )
+    return Light(_f32(position), _f32(flux_lm), _f32(normal), _f32(u * edge_m / 2), _f32(v * edge_m / 2))
 
 
 def _f32(values: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""A file made ready to be walked in: labelled, its sides and its floor found, with lights; read and baked once."""
+"""A file made ready to be walked in: labelled, its sides and its floor found, lit; read and baked once."""
 
 from __future__ import annotations
 

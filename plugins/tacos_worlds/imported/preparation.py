@@ -148,7 +148,9 @@ def _recorded(config: ImportedScene.Config, read: Read) -> tuple[Recorded | None
     except UserError as error:
         return None, list(error.faults)
     except (Damaged, Unreadable) as error:
-        return None, [Fault(config.path, f"cannot be used: {error}", "poses as TUM, EuRoC or KITTI write them")]
+        return None, [
+            Fault(config.path, f"cannot be used: {error}", "poses as TUM, EuRoC or KITTI write them")
+        ]
 
 
 def _idle(config: ImportedScene.Config, read: Read, rules: Sequence[Rule]) -> Iterator[Fault]:
@@ -193,7 +195,8 @@ def _floor(config: ImportedScene.Config, occlusion: Occlusion, agent: Agent) -> 
     raise UserError(
         Fault(
             config.file,
-            f"has no floor an agent of {2 * agent.radius_m:g} m width and {agent.height_m:g} m height can walk "
+            f"has no floor an agent of {2 * agent.radius_m:g} m width and {agent.height_m:g} m height "
+            f"can walk "
             f"on ({len(everything.points_m)} places to stand in {extent} m)",
             "level surfaces with room above, z up after the settings up and metres_per_unit",
             "Check up and metres_per_unit by that extent; leave closed doors out (leave_out); or set ground, "

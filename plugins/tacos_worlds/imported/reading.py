@@ -107,13 +107,17 @@ def _opened(file: Path, most_px: int) -> Model:
         return read_plain_mesh(file, most_px)
     except (Damaged, Unreadable) as error:
         raise UserError(
-            Fault(str(file), f"cannot be used: {error}", remedy="Export it again, as a whole and uncompressed.")
+            Fault(
+                str(file), f"cannot be used: {error}", remedy="Export it again, as a whole and uncompressed."
+            )
         ) from error
 
 
 def _of_content(file: Path, model: Model) -> Iterator[Fault]:
     if not model.triangle_count:
-        yield Fault(str(file), "holds no triangles that hide anything", "a mesh of a room, building or street")
+        yield Fault(
+            str(file), "holds no triangles that hide anything", "a mesh of a room, building or street"
+        )
     if model.triangle_count > MOST_TRIANGLES:
         yield Fault(
             str(file),
@@ -152,7 +156,8 @@ def _of_size(file: Path, model: Model, turn: NDArray[np.float64]) -> Iterator[Fa
             f"{file}: metres_per_unit",
             f"the world is {said} m large",
             f"at most {_WIDEST_M:g} m, and 1000 m high",
-            "Give 0.01 for a file in centimetres (Unreal's OBJ and PLY), 0.001 for millimetres, 0.0254 for inches.",
+            "Give 0.01 for a file in centimetres (Unreal's OBJ and PLY), 0.001 for millimetres, 0.0254 "
+            "for inches.",
         )
 
 

@@ -54,7 +54,8 @@ def read_recorded(file: Path, turn: NDArray[np.float64], *, of_camera: bool) -> 
 def recorded_episode(
     rng: np.random.Generator, world: World, place: Place, frames: int, frame_rate_hz: float
 ) -> Episode:
-    """Frames at a steady rate along a recorded path, from a random start where they do not cover all of it."""
+    """Frames at a steady rate along a recorded path, from a random start where they do not cover all of
+    it."""
     assert place.recorded is not None
     trajectory = place.recorded.trajectory
     duration_s = float(trajectory.time_s[-1])

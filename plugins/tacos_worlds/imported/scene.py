@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
@@ -29,10 +28,12 @@ class ImportedScene:
 
     The file is a glTF 2.0 (``.glb``, ``.gltf``), OBJ or PLY mesh. It is lit by its own lights and glowing
     surfaces, by a panorama (`sky`), or by lamps placed under its ceilings, and scaled to the scenario's
-    illuminance. What things are is read from a table (`labels`), from properties of nodes, or from their names.
+    illuminance. What things are is read from a table (`labels`), from properties of nodes, or from their
+    names.
     The agent follows a recorded path, waypoints, or tours drawn over all of the floor it can reach.
 
-    Names of settings are those of `scene.indoor` where they mean the same, so that a recipe changes from one to
+    Names of settings are those of `scene.indoor` where they mean the same, so that a recipe changes from
+    one to
     the other by two keys. One generator state gives one trip, always; the world is that of the file in each.
 
     Examples
@@ -78,21 +79,25 @@ class ImportedScene:
             1.0, help="Luminance for one unit of emission in the file, 1 in glTF.", unit="cd/m2", gt=0
         )
         sky: str = setting(
-            "", help="Panorama around the world (.hdr, .exr), zenith on top; its sun casts shadows.", is_path=True
+            "",
+            help="Panorama around the world (.hdr, .exr), zenith on top; its sun casts shadows.",
+            is_path=True,
         )
         sky_turn_deg: float = setting(
             0.0, help="Turns the panorama to the left about the vertical.", unit="deg", ge=-360, le=360
         )
         sky_lux: float | None = setting(
             None,
-            help="Illuminance of the panorama with its sun on open, level ground; as in its file where not given. "
+            help="Illuminance of the panorama with its sun on open, level ground; as in its file where "
+            "not given. "
             "Weighs it against the file's lights.",
             unit="lux",
             gt=0,
         )
         path: str = setting(
             "",
-            help="Recorded poses in the world of the file: TUM, EuRoC or KITTI; else ways are found on the floor.",
+            help="Recorded poses in the world of the file: TUM, EuRoC or KITTI; else ways are found on "
+            "the floor.",
             is_path=True,
         )
         path_of: Literal["camera", "agent"] = setting(
@@ -113,14 +118,14 @@ class ImportedScene:
             None, help="A place on the floor to walk on, (x, y) or (x, y, z) with z up.", unit="m"
         )
         size_m: tuple[Metres, Metres] | None = setting(
-            None, help="Largest extent of the floor a tour covers along x and y; all of it by default.", unit="m"
+            None,
+            help="Largest extent of the floor a tour covers along x and y; all of it by default.",
+            unit="m",
         )
         radius_m: float = setting(
             0.25, help="The agent's middle stays this far from things.", unit="m", gt=0, le=3
         )
-        height_m: float = setting(
-            1.8, help="Room the agent needs above the floor.", unit="m", gt=0, le=10
-        )
+        height_m: float = setting(1.8, help="Room the agent needs above the floor.", unit="m", gt=0, le=10)
         step_m: float = setting(
             0.25, help="Greatest step up or down; higher things are walked around.", unit="m", ge=0.01, le=1
         )
@@ -223,7 +228,8 @@ class ImportedScene:
                     f"{config.file}: sampling",
                     f"is approaches, but nothing in the file is of the class {' or '.join(config.obstacles)}",
                     "things to step on",
-                    f"Name them in a table (labels) or give sampling: walk. Names in the file: {place.names}.",
+                    f"Name them in a table (labels) or give sampling: walk. Names in the file: "
+                    f"{place.names}.",
                 )
             )
         walks = draw_walks(rng, place, waypoints, config.size_m, config.speed_m_s, (0.0, 0.0))

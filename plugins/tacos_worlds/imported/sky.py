@@ -70,7 +70,9 @@ def read_surroundings(file: Path, turn_deg: float) -> Surroundings:
     image = _decoded(file)
     height, width = image.shape[:2]
     if width != 2 * height or height < _HDR_LIMITS[0]:
-        raise Unreadable(f"{file.name} has {width} x {height} pixels, but a panorama is twice as wide as high")
+        raise Unreadable(
+            f"{file.name} has {width} x {height} pixels, but a panorama is twice as wide as high"
+        )
     image = np.maximum(np.nan_to_num(image, nan=0.0, posinf=float(np.finfo(np.float16).max)), 0)
     image, star = without_sun(image)
     panorama = cv2.resize(image, (2 * ROWS, ROWS), interpolation=cv2.INTER_AREA)
@@ -84,13 +86,16 @@ def read_surroundings(file: Path, turn_deg: float) -> Surroundings:
 def without_sun(image: NDArray[np.float32]) -> tuple[NDArray[np.float32], Light | None]:
     """A panorama without its sun, and the sun as a light of as much illuminance.
 
-    The sun is the brightest patch, where it is many times brighter than the rest and small. Baked as part of a
+    The sun is the brightest patch, where it is many times brighter than the rest and small. Baked as part
+    of a
     panorama it would cast no shadows.
     """
     height, width = image.shape[:2]
     luminance = photopic(image)
     zenith = (np.arange(height) + 0.5) / height * math.pi
-    solid = np.broadcast_to((np.sin(zenith) * (math.pi / height) * (2 * math.pi / width))[:, None], (height, width))
+    solid = np.broadcast_to(
+        (np.sin(zenith) * (math.pi / height) * (2 * math.pi / width))[:, None], (height, width)
+    )
     upper = luminance[: height // 2]
     typical = float(np.average(np.minimum(upper, np.quantile(upper, 0.99)), weights=solid[: height // 2]))
     bright, _ = ndimage.label(luminance > _SUN_OVER_MEAN * max(typical, 1e-9))
@@ -140,7 +145,8 @@ def _decoded_exr(file: Path) -> NDArray[np.float32]:
         import OpenEXR
     except ModuleNotFoundError as error:
         raise Unreadable(
-            f"{file.name} takes the package OpenEXR: pip install 'tacos-framework[export]', or give a .hdr file"
+            f"{file.name} takes the package OpenEXR: pip install 'tacos-framework[export]', or give a "
+            f".hdr file"
         ) from error
     try:
         with OpenEXR.File(str(file)) as opened:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -94,7 +95,7 @@ def along_waypoints(floor: Floor, waypoints_m: NDArray[np.float64]) -> NDArray[n
         if away[at[-1]] > _REACH_M + floor.cell_m:
             raise ValueError(f"waypoint {number} is {away[at[-1]]:.2f} m from where the agent can walk")
     graph, line = _penalised(floor), [np.array(at[:1])]
-    for here, there in zip(at, at[1:], strict=False):
+    for here, there in itertools.pairwise(at):
         _, before = dijkstra(graph, directed=False, indices=here, return_predecessors=True)
         line.append(_traced(before, here, there)[1:])
     return _even(floor.points_m[np.concatenate(line)], _SMOOTHING_M)

@@ -36,7 +36,9 @@ def draw_walks(
             try:
                 line = along_waypoints(place.floor, waypoints_m)
             except ValueError as error:
-                raise UserError(Fault("scene.imported: waypoints_m", str(error), "places on the floor")) from error
+                raise UserError(
+                    Fault("scene.imported: waypoints_m", str(error), "places on the floor")
+                ) from error
         else:
             line = draw_tour(rng, piece)
         length_m = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
@@ -52,5 +54,9 @@ def draw_walks(
         route = Route(line[:, :2], tuple((point, thing - _FIRST_OBJECT) for point, thing in way.steps_on))
         height_m = float(rng.uniform(*camera_height_m))
         yield draw_walk(
-            rng, route, speed_m_s=speed_m_s, camera_height_m=height_m, floor_m=np.ascontiguousarray(line[:, 2])
+            rng,
+            route,
+            speed_m_s=speed_m_s,
+            camera_height_m=height_m,
+            floor_m=np.ascontiguousarray(line[:, 2]),
         )

@@ -34,7 +34,9 @@ def material(name, colour, roughness=0.8, emission=0.0, image=None, alpha=1.0):
 
 def pattern(name, seed, tint, size=256):
     rng = np.random.default_rng(seed)
-    fine = rng.normal(0, 0.12, (size, size, 1)) + np.kron(rng.normal(0, 0.12, (32, 32, 1)), np.ones((8, 8, 1)))
+    fine = rng.normal(0, 0.12, (size, size, 1)) + np.kron(
+        rng.normal(0, 0.12, (32, 32, 1)), np.ones((8, 8, 1))
+    )
     pixels = np.ones((size, size, 4), np.float32)
     pixels[..., :3] = np.clip(np.array(tint) * (1 + fine), 0, 1)
     image = bpy.data.images.new(name, size, size)

@@ -42,7 +42,8 @@ def test_a_house_exported_from_blender_is_walked_lit_and_labelled(tmp_path: Path
     assert classes.count("threshold") == 3  # two by name, one by a custom property
     assert {"sofa", "bed", "table", "toy"} < set(classes)
     assert len(episode.world.lights) == 5  # four panels that glow, one point light
-    assert len(episode) == 8 and len(episode.crossings) == 2
+    assert len(episode) == 8
+    assert len(episode.crossings) == 2
     assert scene.place.floor.area_m2 > 30
 
 
@@ -58,7 +59,9 @@ def test_radiance_is_that_of_the_inverse_square_law() -> None:
     lit = world([floor], materials=[matte(0.6)], lights=[lamp])
     renderer = BlenderRenderer(BlenderRenderer.Config(samples=64, max_depth=2))
     down = camera(33, 33, 60.0)
-    view = renderer.capture(standing(lit, pose((0, 0, 0), (2, 0, -0.9))), rig=rig(down), exposure=Exposure()).views[0]
+    view = renderer.capture(
+        standing(lit, pose((0, 0, 0), (2, 0, -0.9))), rig=rig(down), exposure=Exposure()
+    ).views[0]
     seen_from = view.world_from_camera[0]
     rays = np.stack(np.meshgrid(np.arange(33), np.arange(33)), -1) - np.array(down.centre_px)
     rays = np.dstack([rays / down.focal_length_px, np.ones((33, 33))]) @ seen_from[:3, :3].T
@@ -68,4 +71,6 @@ def test_radiance_is_that_of_the_inverse_square_law() -> None:
     squared = (offset**2).sum(axis=1)
     illuminance = 100 / np.pi * (-offset[:, 2]) ** 2 / squared**2
     assert hit.sum() > 100
-    assert np.median(view.luminance_cd_m2[0][hit][:, 1] / (0.6 * illuminance / np.pi)) == pytest.approx(1, abs=0.02)
+    assert np.median(view.luminance_cd_m2[0][hit][:, 1] / (0.6 * illuminance / np.pi)) == pytest.approx(
+        1, abs=0.02
+    )

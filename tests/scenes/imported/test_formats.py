@@ -54,7 +54,8 @@ def gltf(folder: Path, **more: object) -> Path:
 def test_gltf_names_places_extras_emission_and_lights(tmp_path: Path) -> None:
     model = read_gltf(gltf(tmp_path), 1024)
     (surface,) = model.surfaces
-    assert surface.path == ("flat", "kitchen", "slab") and surface.extras == {"storey": 1}
+    assert surface.path == ("flat", "kitchen", "slab")
+    assert surface.extras == {"storey": 1}
     assert surface.vertices == pytest.approx(np.array([[0, 2, 0], [2, 2, 0], [0, 2, -2]]))
     assert model.skins[0].emission == pytest.approx([40, 20, 0])
     (light,) = model.lights
@@ -69,7 +70,10 @@ def test_gltf_names_places_extras_emission_and_lights(tmp_path: Path) -> None:
     ("more", "said"),
     [
         ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "KHR_draco_mesh_compression"),
-        ({"accessors": [{"bufferView": 0, "componentType": 5126, "count": 300_000_000, "type": "VEC3"}]}, "beyond"),
+        (
+            {"accessors": [{"bufferView": 0, "componentType": 5126, "count": 300_000_000, "type": "VEC3"}]},
+            "beyond",
+        ),
         ({"buffers": [{"uri": "corners.bin", "byteLength": 99}]}, "cut short"),
         ({"nodes": [{"children": [0]}]}, "contain themselves"),
         ({"asset": {"version": "1.0"}}, "not glTF 2.0"),

@@ -32,15 +32,19 @@ def test_a_house_is_read_labelled_and_walked(imported: ImportedScene) -> None:
         ("Sofa.001", "sofa"),
     }
     vertices = np.concatenate([part.vertices_m for part in place.world.parts])
-    assert np.ptp(vertices, axis=0) == pytest.approx([ROOM_M[0] + 0.2, ROOM_M[1] + 0.2, ROOM_M[2] + 0.2], abs=1e-4)
+    assert np.ptp(vertices, axis=0) == pytest.approx(
+        [ROOM_M[0] + 0.2, ROOM_M[1] + 0.2, ROOM_M[2] + 0.2], abs=1e-4
+    )
     points = place.floor.points_m
-    assert points[:, 0].min() < 0.6 and points[:, 0].max() > 5.4  # both rooms, through the door
+    assert points[:, 0].min() < 0.6
+    assert points[:, 0].max() > 5.4
     on_sofa = np.all((points[:, :2] > [0.1, 0.1]) & (points[:, :2] < [1.9, 0.9]), axis=1)
     assert not on_sofa.any()
     episode = imported.episode(rng=np.random.default_rng(0), illumination_lux=30.0)
     eyes = episode.trajectory.at(episode.time_s)[:, :3, 3]
     assert len(episode) == 12
-    assert np.all((eyes[:, :2] > 0) & (eyes[:, :2] < ROOM_M[:2])) and np.all((eyes[:, 2] > 0.9) & (eyes[:, 2] < 2.1))
+    assert np.all((eyes[:, :2] > 0) & (eyes[:, :2] < ROOM_M[:2]))
+    assert np.all((eyes[:, 2] > 0.9) & (eyes[:, 2] < 2.1))
 
 
 def test_the_same_seed_gives_the_same_trip_and_another_another(imported: ImportedScene) -> None:
@@ -56,7 +60,9 @@ def test_light_comes_to_the_illuminance_asked_for(imported: ImportedScene) -> No
     world = imported.episode(rng=np.random.default_rng(0), illumination_lux=80.0).world
     plane = imported.place.floor.points_m[::7] + np.array([0, 0, 1.0])
     up = np.tile(np.float32([0, 0, 1]), (len(plane), 1))
-    assert photopic(irradiance_at(world, plane.astype(np.float32), up)).mean() == pytest.approx(80.0, rel=0.05)
+    assert photopic(irradiance_at(world, plane.astype(np.float32), up)).mean() == pytest.approx(
+        80.0, rel=0.05
+    )
 
 
 def test_thresholds_are_approached_at_the_times_asked_for(house: Path) -> None:
@@ -67,10 +73,13 @@ def test_thresholds_are_approached_at_the_times_asked_for(house: Path) -> None:
     first = episode.crossings[0]
     assert first.time_s - episode.time_s[:2] == pytest.approx([1.5, 0.5], abs=1e-6)
     under = episode.trajectory.at(np.array([first.time_s]))[0, :2, 3]
-    assert 2.8 < under[0] < 3.2 and 1.5 < under[1] < 2.5
+    assert 2.8 < under[0] < 3.2
+    assert 1.5 < under[1] < 2.5
 
 
-def test_a_table_of_labels_goes_before_names_and_tells_what_it_does_not_find(house: Path, tmp_path: Path) -> None:
+def test_a_table_of_labels_goes_before_names_and_tells_what_it_does_not_find(
+    house: Path, tmp_path: Path
+) -> None:
     table = tmp_path / "labels.csv"
     table.write_text("pattern,class\nthing *,crate\nsofa*,background\n", encoding="utf-8")
     names = {o.class_name for o in scene(house, labels=str(table)).place.world.objects}
@@ -78,7 +87,8 @@ def test_a_table_of_labels_goes_before_names_and_tells_what_it_does_not_find(hou
     table.write_text("pattern,class\nthang *,crate\nsofer*,sofa\n", encoding="utf-8")
     with pytest.raises(UserError) as caught:
         _ = scene(house, labels=str(table)).place
-    assert len(caught.value.faults) == 2 and "matches no node" in str(caught.value)
+    assert len(caught.value.faults) == 2
+    assert "matches no node" in str(caught.value)
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj"])
@@ -111,7 +121,8 @@ def test_colours_of_vertices_reach_the_picture(tmp_path: Path) -> None:
     texel = texture[(uv[:, 1] * len(texture)).astype(int), (uv[:, 0] * len(texture)).astype(int)]
     red = centre[:, 0] > 0.7
     blue = centre[:, 0] < -0.7
-    assert np.all(texel[red, 0] > texel[red, 2]) and np.all(texel[blue, 2] > texel[blue, 0])
+    assert np.all(texel[red, 0] > texel[red, 2])
+    assert np.all(texel[blue, 2] > texel[blue, 0])
 
 
 def test_a_room_modelled_from_outside_is_turned_to_the_eye(tmp_path: Path) -> None:
@@ -154,7 +165,9 @@ def test_far_surfaces_lose_their_triangles_first(tmp_path: Path) -> None:
 def test_files_that_are_not_there_are_told_before_anything_is_read(
     settings: dict[str, str], said: str, house: Path, tmp_path: Path
 ) -> None:
-    given = {key: str(house) if value == "house.glb" else str(tmp_path / value) for key, value in settings.items()}
+    given = {
+        key: str(house) if value == "house.glb" else str(tmp_path / value) for key, value in settings.items()
+    }
     with pytest.raises(UserError, match=said):
         ImportedScene(ImportedScene.Config(**given))
 

@@ -34,7 +34,8 @@ def refuse_without_blender() -> None:
             Fault(
                 "renderer.blender",
                 "the package bpy (Blender as a Python module) is not installed",
-                remedy="pip install tacos-framework[blender] (375 MB; each release of bpy is for one Python: 5.0 "
+                remedy="pip install tacos-framework[blender] (375 MB; each release of bpy is for one "
+                "Python: 5.0 "
                 "for 3.11), or use renderer.mitsuba.",
             )
         )
@@ -59,7 +60,11 @@ def pictures(
     """
     (folder / "shots.json").write_text(json.dumps({**settings, "shots": list(shots)}), encoding="utf-8")
     done = subprocess.run(
-        [sys.executable, str(SCRIPT), str(folder)], capture_output=True, text=True, errors="replace", check=False
+        [sys.executable, str(SCRIPT), str(folder)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        check=False,
     )
     files = [folder / f"picture_{number}.npy" for number in range(len(shots))]
     if done.returncode or not all(file.is_file() for file in files):

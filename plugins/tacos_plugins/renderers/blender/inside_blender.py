@@ -99,7 +99,7 @@ def _build(description: dict[str, Any], arrays: Any) -> dict[int, list[Any]]:
         owned.setdefault(part["object"], []).append(_placed(mesh))
     for index, light in enumerate(description["lights"]):
         _light(index, light)
-    _surroundings(description["ambient"], arrays["sky"] if "sky" in arrays else None)
+    _surroundings(description["ambient"], arrays.get("sky", None))
     return owned
 
 
@@ -188,7 +188,12 @@ def _light(index: int, light: dict[str, Any]) -> None:
     else:
         vertices, triangles = _ball(light["radius"])
         corners = vertices[triangles]
-        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+        area = (
+            np.linalg.norm(
+                np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+            ).sum()
+            / 2
+        )
         scale = 4 * np.pi * light["radius"] ** 2 / area  # its facets have less area than the sphere
         mesh = _mesh(f"light_{index}", vertices + np.array(light["at"]), triangles)
     mesh.materials.append(_glow(f"light_{index}", scale * np.array(light["luminance"])))
@@ -213,7 +218,9 @@ def _ball(radius: float, rings: int = 12, sectors: int = 24) -> tuple[np.ndarray
     """A sphere about the origin, facing outwards."""
     tilt = np.linspace(0, np.pi, rings + 1)[:, None]
     turn = np.arange(sectors)[None] / sectors * 2 * np.pi
-    points = np.stack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt) + 0 * turn], axis=-1)
+    points = np.stack(
+        [np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt) + 0 * turn], axis=-1
+    )
     row, column = np.meshgrid(np.arange(rings), np.arange(sectors), indexing="ij")
     a, b = row * sectors + column, row * sectors + (column + 1) % sectors
     faces = np.concatenate([np.stack([a, a + sectors, b + sectors], -1), np.stack([a, b + sectors, b], -1)])

@@ -19,9 +19,12 @@ from tacos_plugins.renderers.blender.scene_file import shot, write_scene
 class BlenderRenderer:
     """Path tracing with Blender's Cycles on the processor, for a last test of the highest realism.
 
-    Geometry, units and materials are those of `renderer.moderngl` and `renderer.mitsuba`: one unit of radiance in
-    Blender stands for 1 cd/m2. A panorama around the world also lights it, where the others light by its mean.
-    Lights that no glowing surface shows are not seen, as in `renderer.moderngl`. Depth and ids are traced through
+    Geometry, units and materials are those of `renderer.moderngl` and `renderer.mitsuba`: one unit of
+    radiance in
+    Blender stands for 1 cd/m2. A panorama around the world also lights it, where the others light by its
+    mean.
+    Lights that no glowing surface shows are not seen, as in `renderer.moderngl`. Depth and ids are traced
+    through
     pixel centres, and are those where things stand in the middle of the exposure.
 
     Blender runs in a process of its own, one for each batch of frames.
@@ -45,7 +48,9 @@ class BlenderRenderer:
             1, help="Poses averaged over the exposure for motion blur; 1 is none.", ge=1, le=256
         )
         near_m: float = setting(0.05, help="Surfaces nearer than this are not seen.", unit="m", gt=0)
-        threads: int = setting(1, help="Threads of each process; pictures do not depend on it.", ge=1, le=1024)
+        threads: int = setting(
+            1, help="Threads of each process; pictures do not depend on it.", ge=1, le=1024
+        )
         seed: int = setting(0, help="Seed of the noise.", ge=0)
 
     def __init__(self, config: Config):
@@ -63,7 +68,11 @@ class BlenderRenderer:
         truth = _Truth(episode)
         with workplace() as folder:
             write_scene(folder, episode.world)
-            shots = [each for n, camera in enumerate(rig.cameras) for each in self._shots(episode, camera, n, exposure)]
+            shots = [
+                each
+                for n, camera in enumerate(rig.cameras)
+                for each in self._shots(episode, camera, n, exposure)
+            ]
             config = self._config
             settings = {
                 "max_depth": config.max_depth,
@@ -86,7 +95,9 @@ class BlenderRenderer:
             for moment, pose in enumerate(poses):
                 entropy = (config.seed, episode.first_frame + frame, number, moment)
                 seed = int(np.random.SeedSequence(entropy).generate_state(1)[0] >> 1)
-                moved = {m.object_id: m.trajectory.at(moments[moment : moment + 1])[0] for m in episode.movers}
+                moved = {
+                    m.object_id: m.trajectory.at(moments[moment : moment + 1])[0] for m in episode.movers
+                }
                 yield shot(camera, pose, moved, samples=-(-config.samples // count), seed=seed)
 
     def _view(
@@ -97,7 +108,9 @@ class BlenderRenderer:
         luminance = np.zeros((*shape, 3), np.float32)
         depth, object_id = np.empty(shape, np.float32), np.empty(shape, np.int32)
         for frame, pose in enumerate(poses):
-            depth[frame], object_id[frame] = truth.seen(camera, pose, self._config.near_m, float(episode.time_s[frame]))
+            depth[frame], object_id[frame] = truth.seen(
+                camera, pose, self._config.near_m, float(episode.time_s[frame])
+            )
             for _ in range(self._config.motion_samples):
                 luminance[frame] += np.maximum(next(taken), 0) / np.float32(self._config.motion_samples)
         return View(camera, poses, luminance, depth, object_id)

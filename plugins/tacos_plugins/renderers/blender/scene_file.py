@@ -112,7 +112,12 @@ def _light(light: Light) -> dict[str, Any]:
     if light.normal is None and distance > _FAR_M:
         lux = light.flux_lm.astype(float) / (4 * np.pi * distance**2)
         angle = 2 * np.arctan2(light.radius_m, distance)
-        return {"kind": "sun", "towards": (at / distance).tolist(), "lux": lux.tolist(), "angle": float(angle)}
+        return {
+            "kind": "sun",
+            "towards": (at / distance).tolist(),
+            "lux": lux.tolist(),
+            "angle": float(angle),
+        }
     if light.normal is None:
         luminance = emitter_luminance_cd_m2(light.flux_lm, 4 * np.pi * light.radius_m**2)
         return {

@@ -21,7 +21,8 @@ _UNDERSTOOD = {
     "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
     "KHR_materials_transmission", "KHR_mesh_quantization", "EXT_texture_webp", "KHR_materials_specular",
     "KHR_materials_ior", "KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_volume",
-    "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion", "KHR_materials_variants",
+    "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion",
+    "KHR_materials_variants",
 }  # fmt: skip
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
@@ -42,7 +43,9 @@ def read_gltf(file: Path, most_px: int) -> Model:
     buffers = Buffers(file)
     required = set(map(str, buffers.header.get("extensionsRequired", [])))
     if unknown := sorted(required - _UNDERSTOOD):
-        raise Damaged(f"it needs {', '.join(unknown)}: export it without compression and without that extension")
+        raise Damaged(
+            f"it needs {', '.join(unknown)}: export it without compression and without that extension"
+        )
     return _Reader(buffers, most_px).model()
 
 
@@ -183,7 +186,9 @@ def _turned(normals: NDArray[Any], world: NDArray[np.float64]) -> NDArray[np.flo
 
 def _unit(values: NDArray[Any]) -> NDArray[np.float64]:
     """Integers that stand for 0..1, whether or not they are said to; floats as they are."""
-    return values / float(np.iinfo(values.dtype).max) if values.dtype.kind in "iu" else values.astype(np.float64)
+    return (
+        values / float(np.iinfo(values.dtype).max) if values.dtype.kind in "iu" else values.astype(np.float64)
+    )
 
 
 def _wide(values: NDArray[Any], width: int, path: tuple[str, ...]) -> NDArray[np.float64]:

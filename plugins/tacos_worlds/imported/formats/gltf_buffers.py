@@ -1,6 +1,7 @@
 """The binary side of glTF 2.0: containers, buffers and accessors.
 
-Sizes are checked against what is there before anything is allocated, and no file outside the model's folder is
+Sizes are checked against what is there before anything is allocated, and no file outside the model's
+folder is
 opened.
 
 References
@@ -60,7 +61,9 @@ class Buffers:
             header = json.loads(text)
         except (UnicodeDecodeError, json.JSONDecodeError) as error:
             raise Damaged(f"its JSON cannot be read: {error}") from error
-        if not isinstance(header, dict) or not str(header.get("asset", {}).get("version", "")).startswith("2"):
+        if not isinstance(header, dict) or not str(header.get("asset", {}).get("version", "")).startswith(
+            "2"
+        ):
             raise Damaged("it is not glTF 2.0: asset.version is missing or another")
         self.header: Json = header
         self._buffers: dict[int, memoryview] = {}
@@ -112,9 +115,7 @@ class Buffers:
         except (KeyError, TypeError) as error:
             raise Damaged(f"{where} has an unknown componentType or type") from error
 
-    def _strided(
-        self, entry: Json, where: str, count: int, dtype: np.dtype[Any], width: int
-    ) -> NDArray[Any]:
+    def _strided(self, entry: Json, where: str, count: int, dtype: np.dtype[Any], width: int) -> NDArray[Any]:
         data = self.view(entry["bufferView"])
         offset = _natural(entry.get("byteOffset", 0), f"{where}.byteOffset")
         item = dtype.itemsize * width

@@ -43,7 +43,11 @@ class Skins:
             return 0, np.eye(3)
         info = _pbr(self._buffers.entry("materials", material)).get("baseColorTexture", {})
         moved = info.get("extensions", {}).get("KHR_texture_transform", {})
-        turn, (du, dv), (su, sv) = moved.get("rotation", 0.0), moved.get("offset", (0, 0)), moved.get("scale", (1, 1))
+        turn, (du, dv), (su, sv) = (
+            moved.get("rotation", 0.0),
+            moved.get("offset", (0, 0)),
+            moved.get("scale", (1, 1)),
+        )
         cos, sin = math.cos(turn), math.sin(turn)
         matrix = np.array([[cos * su, sin * sv, du], [-sin * su, cos * sv, dv], [0, 0, 1]], np.float64)
         return int(moved.get("texCoord", info.get("texCoord", 0))), matrix
