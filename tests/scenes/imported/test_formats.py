@@ -62,7 +62,7 @@ def test_gltf_names_places_extras_emission_and_lights(tmp_path: Path) -> None:
     assert light.direction == pytest.approx([0, -1, 0])
     y_up_to_z_up = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
     (star,) = of_file(model.lights, y_up_to_z_up)
-    assert star.position_m == pytest.approx([0, 0, SUN_DISTANCE_M])
+    assert star.position_m == pytest.approx([0, 0, SUN_DISTANCE_M], abs=1e-6)
     assert star.flux_lm / (4 * np.pi * SUN_DISTANCE_M**2) == pytest.approx(np.full(3, 500.0))  # lux
 
 

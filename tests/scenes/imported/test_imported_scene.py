@@ -146,7 +146,7 @@ def test_far_surfaces_lose_their_triangles_first(tmp_path: Path) -> None:
     y.apply_transform(np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]))
     y.export(file)
     world = scene(file, triangles=12_000, ground="outside").place.world
-    assert world.triangle_count < 13_000
+    assert world.triangle_count < 14_000  # with the ground split for its light
     left = {"near": 0, "far": 0}
     for part in world.parts:
         if len(part.triangles) > 12:
