@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-import yaml
-
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_text
+from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_worlds.imported.model import Surface
 from tacos_worlds.indoor.furnishing.catalogue import CLASS_NAMES
 
@@ -65,11 +64,12 @@ class Rule:
 
 def read_table(file: Path) -> tuple[list[Rule], list[Fault]]:
     """Rules of a table: CSV with the columns pattern and class, or YAML with ``pattern: class``."""
+    if file.suffix.lower() != ".csv":
+        return _from_yaml(file)
     try:
-        text = read_text(file).removeprefix("\ufeff")
+        return _from_csv(file, read_text(file).removeprefix("\ufeff"))
     except UserError as error:
         return [], list(error.faults)
-    return _from_csv(file, text) if file.suffix.lower() == ".csv" else _from_yaml(file, text)
 
 
 def _from_csv(file: Path, text: str) -> tuple[list[Rule], list[Fault]]:
@@ -91,11 +91,11 @@ def _from_csv(file: Path, text: str) -> tuple[list[Rule], list[Fault]]:
     return rules, faults
 
 
-def _from_yaml(file: Path, text: str) -> tuple[list[Rule], list[Fault]]:
+def _from_yaml(file: Path) -> tuple[list[Rule], list[Fault]]:
     try:
-        table = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        return [], [Fault(str(file), f"is not YAML: {error}")]
+        table = read_yaml(file).data
+    except UserError as error:
+        return [], list(error.faults)
     if not isinstance(table, dict) or not all(
         isinstance(key, str) and isinstance(value, str) for key, value in table.items()
     ):

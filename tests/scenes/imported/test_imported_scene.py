@@ -10,6 +10,7 @@ import trimesh
 
 from tacos_framework.errors import UserError
 from tacos_plugins.lighting import irradiance_at, photopic
+from tacos_worlds.imported.labels import read_table
 from tacos_worlds.imported.scene import ImportedScene
 
 from .conftest import ROOM_M, two_rooms
@@ -84,6 +85,9 @@ def test_a_table_of_labels_goes_before_names_and_tells_what_it_does_not_find(
     table.write_text("pattern,class\nthing *,crate\nsofa*,background\n", encoding="utf-8")
     names = {o.class_name for o in scene(house, labels=str(table)).place.world.objects}
     assert names == {"background", "crate", "threshold"}
+    same = tmp_path / "labels.yaml"
+    same.write_text('"thing *": crate\n"sofa*": background\n', encoding="utf-8")
+    assert read_table(same) == read_table(table)
     table.write_text("pattern,class\nthang *,crate\nsofer*,sofa\n", encoding="utf-8")
     with pytest.raises(UserError) as caught:
         _ = scene(house, labels=str(table)).place

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files.arrays import read_npy
 
 SCRIPT = Path(__file__).with_name("inside_blender.py")
 _LINES_SHOWN = 15
@@ -70,4 +71,4 @@ def pictures(
     if done.returncode or not all(file.is_file() for file in files):
         said = "\n".join((done.stdout + done.stderr).splitlines()[-_LINES_SHOWN:])
         raise RuntimeError(f"Blender ended with {done.returncode} and these lines:\n{said}")
-    return [np.load(file) for file in files]
+    return [read_npy(file) for file in files]
