@@ -65,8 +65,8 @@ def test_radiance_is_that_of_the_inverse_square_law() -> None:
     seen_from = view.world_from_camera[0]
     rays = np.stack(np.meshgrid(np.arange(33), np.arange(33)), -1) - np.array(down.centre_px)
     rays = np.dstack([rays / down.focal_length_px, np.ones((33, 33))]) @ seen_from[:3, :3].T
-    points = seen_from[:3, 3] + rays * view.depth_m[0][..., None]
     hit = np.isfinite(view.depth_m[0])
+    points = seen_from[:3, 3] + rays * np.where(hit, view.depth_m[0], 0)[..., None]
     offset = points[hit] - lamp.position_m
     squared = (offset**2).sum(axis=1)
     illuminance = 100 / np.pi * (-offset[:, 2]) ** 2 / squared**2
