@@ -55,7 +55,7 @@ def _shares(counts: NDArray[np.float64], closeness: NDArray[np.float64], most: i
 def _by_distance(patch: Patch, eyes_m: NDArray[np.float64]) -> list[tuple[Patch, float]]:
     """A patch in rings around the eyes, each with its distance [m]."""
     centres = patch.vertices_m[patch.triangles].mean(axis=1)
-    distance, _ = cKDTree(eyes_m).query(centres)
+    distance = np.asarray(cKDTree(eyes_m).query(centres)[0], np.float64)
     ring = np.searchsorted(_RINGS_M, distance)
     return [
         (patch.with_triangles(patch.triangles[ring == each]), float(distance[ring == each].mean()))

@@ -168,7 +168,7 @@ def _standing_places(
         active = active[start[active] > lowest_m - 1.0]
     cell, height, room = (np.concatenate([part[k] for part in found]) for k in range(3))
     order = np.lexsort((-height, cell))
-    return cell[order].astype(np.intp), height[order], room[order]
+    return cell[order].astype(np.intp), height[order].astype(np.float64), room[order].astype(np.float64)
 
 
 def _steps(

@@ -145,7 +145,9 @@ def lit_world(
         objects=objects,
         class_names=class_names,
         lights=tuple(strongest(lights)),
-        ambient_cd_m2=np.zeros(3) if surroundings is None else surroundings.mean,
+        ambient_cd_m2=np.zeros(3, np.float32)
+        if surroundings is None
+        else surroundings.mean.astype(np.float32),
         sky_cd_m2=None if surroundings is None else surroundings.panorama,
     )
     return _baked(world, floor)

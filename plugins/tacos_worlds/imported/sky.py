@@ -80,7 +80,7 @@ def read_surroundings(file: Path, turn_deg: float) -> Surroundings:
     panorama = np.roll(panorama[:, ::-1], ROWS + round(turn_deg / 180 * ROWS), axis=1)
     if star is not None:
         star = _turned(star, turn_deg)
-    return Surroundings(panorama.astype(np.float32), cosine_mean(panorama), star)
+    return Surroundings(panorama.astype(np.float32), cosine_mean(np.asarray(panorama, np.float32)), star)
 
 
 def without_sun(image: NDArray[np.float32]) -> tuple[NDArray[np.float32], Light | None]:

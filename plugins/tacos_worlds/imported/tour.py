@@ -71,9 +71,9 @@ def draw_tour(rng: np.random.Generator, floor: Floor) -> NDArray[np.float64]:
         chosen.append(int(rng.choice(roomy, p=weight / weight.sum())))  # far from all stops so far
     left, line = set(chosen[1:]) - {here}, [np.array([here])]
     while left:
-        lengths, before = dijkstra(graph, directed=False, indices=here, return_predecessors=True)
-        there = min(left, key=lambda stop: (lengths[stop], stop))
-        line.append(_traced(before, here, there)[1:])
+        lengths, before = dijkstra(graph, directed=False, indices=np.array([here]), return_predecessors=True)
+        there = min(left, key=lambda stop: (lengths[0, stop], stop))
+        line.append(_traced(before[0], here, there)[1:])
         left -= set(line[-1].tolist()) | {there}
         here = there
     return _even(floor.points_m[np.concatenate(line)], _SMOOTHING_M)
@@ -96,8 +96,8 @@ def along_waypoints(floor: Floor, waypoints_m: NDArray[np.float64]) -> NDArray[n
             raise ValueError(f"waypoint {number} is {away[at[-1]]:.2f} m from where the agent can walk")
     graph, line = _penalised(floor), [np.array(at[:1])]
     for here, there in itertools.pairwise(at):
-        _, before = dijkstra(graph, directed=False, indices=here, return_predecessors=True)
-        line.append(_traced(before, here, there)[1:])
+        _, before = dijkstra(graph, directed=False, indices=np.array([here]), return_predecessors=True)
+        line.append(_traced(before[0], here, there)[1:])
     return _even(floor.points_m[np.concatenate(line)], _SMOOTHING_M)
 
 
@@ -127,7 +127,7 @@ def _penalised(floor: Floor) -> csr_array:
 
 
 def _lengths(graph: csr_array, start: int) -> NDArray[np.float64]:
-    return np.asarray(dijkstra(graph, directed=False, indices=start))
+    return np.asarray(dijkstra(graph, directed=False, indices=np.array([start])))[0]
 
 
 def _traced(before: NDArray[np.int32], start: int, end: int) -> NDArray[np.intp]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -30,7 +31,7 @@ def read_plain_mesh(file: Path, most_px: int) -> Model:
         Where it cannot be read, or names files that are not there.
     """
     is_obj = file.suffix.lower() == ".obj"
-    options = {"split_objects": True, "group_material": True} if is_obj else {}
+    options: dict[str, Any] = {"split_objects": True, "group_material": True} if is_obj else {}
     scene = read_mesh_file(file, process=False, **options).scene
     surfaces: list[Surface] = []
     skins: list[Skin] = []
@@ -44,10 +45,11 @@ def read_plain_mesh(file: Path, most_px: int) -> Model:
 def _surface(name: str, mesh: trimesh.Trimesh, skin: int) -> Surface:
     uv = getattr(mesh.visual, "uv", None)
     colours = None
-    if mesh.visual.kind == "vertex":
-        colours = _LINEAR[np.asarray(mesh.visual.vertex_colors)[:, :3]]
-    elif mesh.visual.kind == "face":
-        colours = _of_faces(mesh)
+    if isinstance(coloured := mesh.visual, trimesh.visual.ColorVisuals):
+        if coloured.kind == "vertex":
+            colours = _LINEAR[np.asarray(coloured.vertex_colors)[:, :3]]
+        elif coloured.kind == "face":
+            colours = _of_faces(mesh, np.asarray(coloured.face_colors)[:, :3])
     has_normals = "vertex_normals" in mesh._cache  # given in the file, not worked out
     normals = np.asarray(mesh.vertex_normals, np.float64) if has_normals else None
     return Surface(
@@ -61,11 +63,11 @@ def _surface(name: str, mesh: trimesh.Trimesh, skin: int) -> Surface:
     )
 
 
-def _of_faces(mesh: trimesh.Trimesh) -> NDArray[np.float64]:
+def _of_faces(mesh: trimesh.Trimesh, colours: NDArray[np.uint8]) -> NDArray[np.float64]:
     """Mean colour of the faces around each vertex."""
     total, count = np.zeros((len(mesh.vertices), 3)), np.zeros((len(mesh.vertices), 1))
     for corner in range(3):
-        np.add.at(total, mesh.faces[:, corner], _LINEAR[np.asarray(mesh.visual.face_colors)[:, :3]])
+        np.add.at(total, mesh.faces[:, corner], _LINEAR[colours])
         np.add.at(count, mesh.faces[:, corner], 1)
     return np.asarray(total / np.maximum(count, 1))
 
@@ -75,7 +77,9 @@ def _skin(mesh: trimesh.Trimesh, most_px: int) -> Skin:
     if isinstance(material, trimesh.visual.material.SimpleMaterial):
         material = material.to_pbr()
     if not isinstance(material, trimesh.visual.material.PBRMaterial):
-        return Skin("colours", np.ones(3) if mesh.visual.defined else np.full(3, 0.5))
+        return Skin(
+            "colours", np.ones(3) if mesh.visual is not None and mesh.visual.defined else np.full(3, 0.5)
+        )
     factor = np.ones(4) if material.baseColorFactor is None else np.asarray(material.baseColorFactor) / 255
     image = None
     if material.baseColorTexture is not None:
