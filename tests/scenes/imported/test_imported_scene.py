@@ -194,3 +194,15 @@ def test_all_that_is_wrong_is_told_at_once(house: Path, tmp_path: Path) -> None:
         scene(house, sampling="approaches", obstacles=("stair",)).episode(
             rng=np.random.default_rng(0), illumination_lux=1.0
         )
+
+
+def test_waypoints_are_walked_by_and_those_off_the_floor_refused(house: Path) -> None:
+    way = ((1.0, 2.0), (5.0, 2.0))
+    imported = scene(house, waypoints_m=way, frame_rate_hz=2.0)
+    episode = imported.episode(rng=np.random.default_rng(0), illumination_lux=30.0)
+    walked = episode.trajectory.world_from_agent[:, :2, 3]
+    for place in way:
+        assert np.linalg.norm(walked - place, axis=1).min() < 0.35
+    with pytest.raises(UserError, match="waypoint 2 is"):
+        off = scene(house, waypoints_m=((1.0, 2.0), (1.0, 0.5)))  # on the sofa
+        off.episode(rng=np.random.default_rng(0), illumination_lux=30.0)
