@@ -2,9 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
+
+_NOT_PRINTABLE = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+"""Control characters but tab and line feed, marks of direction, and halves of characters."""
+
+
+def printable(text: str) -> str:
+    """Text with control characters written as escapes, so that a terminal shows them and obeys none.
+
+    >>> print(printable("sensor" + chr(27) + "[2J"))
+    sensor\\x1b[2J
+    """
+    return _NOT_PRINTABLE.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
 
 
 @dataclass(frozen=True)
@@ -34,7 +49,7 @@ class Fault:
             lines.append(f"  expected: {self.expected}")
         if self.remedy:
             lines.append(f"  to do: {self.remedy}")
-        return "\n".join(lines)
+        return printable("\n".join(lines))
 
 
 class UserError(Exception):

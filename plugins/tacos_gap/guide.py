@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_json
 
 WIDTH = 100
 
@@ -184,12 +184,7 @@ def for_diagnosis(path: Path, effects: Mapping[str, type[Any]]) -> Iterator[str]
 
 
 def _diagnosis(path: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise UserError(Fault(str(path), f"cannot be read: {error.strerror}", "a diagnosis.json")) from error
-    except ValueError as error:
-        raise UserError(Fault(str(path), f"is no JSON: {error}", "a diagnosis.json")) from error
+    found = read_json(path, expected="a diagnosis.json")
     if not isinstance(found, dict) or not isinstance(found.get("cause_set"), list):
         raise UserError(Fault(str(path), "is no diagnosis", "the diagnosis.json of `tacos-run diagnose`"))
     return found

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from tacos_framework.errors import UserError
 from tacos_report.study_data import CameraResult
 from tacos_report.view_geometry import half_extents, horizon_from_top
 
@@ -39,9 +40,13 @@ def picture(path: Path, widest_px: int, *, lossless: bool = False) -> EmbeddedIm
     import cv2
     import numpy as np
 
-    image = cv2.imdecode(np.frombuffer(path.read_bytes() or b"\0", np.uint8), cv2.IMREAD_COLOR)
-    if image is None:
+    from tacos_framework.files.images import read_samples
+
+    try:
+        image = read_samples(path)
+    except UserError:
         return None
+    image = np.ascontiguousarray(image if image.ndim == 2 else image[..., ::-1])
     height_px, width_px = image.shape[:2]
     if width_px > widest_px:
         size = widest_px, max(1, round(height_px * widest_px / width_px))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from tacos_framework.components import Command
+from tacos_framework.errors import UserError
+from tacos_framework.files import read_json
 from tacos_framework.hookspecs import hookimpl
 from tacos_report.commands import commands
 
@@ -28,7 +29,7 @@ def tacos_report(folder: Path) -> Path | None:
 
 def _of_a_procedure(folder: Path) -> bool:
     try:
-        result = json.loads((folder / "result.json").read_text("utf-8"))
-    except (OSError, ValueError):
+        result = read_json(folder / "result.json")
+    except UserError:
         return False  # what is wrong with it is said by who reads the study
     return isinstance(result, dict) and "procedure" in result

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_bytes, read_json, read_lines
+from tacos_framework.files.text import parse_json
+from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_report.analysis import Analysis, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
+from tacos_report.plain_values import rows as plain_rows
 
 DESIGNED = "designed"
 """The name under which the winner of the search appears among the cameras."""
@@ -136,18 +139,18 @@ class StudyData:
     @property
     def best_fitness(self) -> float | None:
         """Fitness of the winner on the scenes it was designed on."""
-        return finite((self.result.get("best") or {}).get("fitness"))
+        return finite(mapping(self.result.get("best")).get("fitness"))
 
     @property
     def units(self) -> Mapping[str, str]:
         """Units of the derived quantities and design variables, by name."""
         space = {row["name"]: row.get("unit") or "" for row in self.design_space}
-        return {**space, **(self.result.get("derived_units") or {})}
+        return {**space, **mapping(self.result.get("derived_units"))}
 
     @property
     def design_space(self) -> list[dict[str, Any]]:
         """The design variables with kind, unit and bounds."""
-        return list(self.result.get("design_space") or [])
+        return [dict(row) for row in plain_rows(self.result.get("design_space")) if "name" in row]
 
 
 def read_study(folder: Path) -> StudyData:
@@ -172,7 +175,7 @@ def read_study(folder: Path) -> StudyData:
         generations=generations,
         recipe=recipe,
         log=_text(folder / "log.txt"),
-        scene_map=_inside(folder, scene_map) if scene_map else None,
+        scene_map=_inside(folder, scene_map),
         eye_height_m=_eye_height_m(document),
         notes=tuple(notes),
         analysis=read_analysis(result),
@@ -184,12 +187,9 @@ def read_study(folder: Path) -> StudyData:
 def _read_result(folder: Path) -> dict[str, Any]:
     path = folder / "result.json"
     remedy = "Name the folder that tacos-run wrote with --out."
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy)) from None
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise UserError(Fault(str(path), f"not readable as JSON: {error}", remedy=remedy)) from None
+    if not path.exists():
+        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy))
+    result = read_json(path, remedy=remedy)
     if not isinstance(result, dict):
         raise UserError(Fault(str(path), "not a JSON object", "the result of a study", remedy))
     return result
@@ -197,80 +197,85 @@ def _read_result(folder: Path) -> dict[str, Any]:
 
 def _read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
     """The generations, and whether the last line was torn by a kill while it was written."""
-    lines = [line for line in _text(path).splitlines() if line.strip()]
+    lines = [line for line in read_lines(path) if line.strip()] if path.exists() else []
     generations: list[Generation] = []
     for index, line in enumerate(lines):
         try:
-            row = json.loads(line)
-        except json.JSONDecodeError as error:
+            row = parse_json(line, f"{path}:{index + 1}")
+        except UserError:
             if index == len(lines) - 1:
                 return tuple(generations), True
-            raise UserError(Fault(f"{path}:{index + 1}", f"not readable as JSON: {error}")) from None
+            raise
+        if not isinstance(row, dict):
+            raise UserError(Fault(f"{path}:{index + 1}", "not a JSON object", "a generation"))
         generations.append(_generation(row))
     return tuple(generations), False
 
 
 def _generation(row: Mapping[str, Any]) -> Generation:
-    number = int(row.get("generation", 0))
+    number = int(finite(row.get("generation")) or 0)
     tried = tuple(
         Tried(
             generation=number,
-            camera=candidate.get("camera") or {},
+            camera=mapping(candidate.get("camera")),
             derived=numbers(candidate.get("derived")),
             fitness=finite(candidate.get("fitness")),
             failed=candidate.get("failed"),
         )
-        for candidate in row.get("candidates") or []
+        for candidate in plain_rows(row.get("candidates"))
     )
-    return Generation(number, int(row.get("frames") or 0), tried)
+    return Generation(number, int(finite(row.get("frames")) or 0), tried)
 
 
 def _cameras(folder: Path, result: Mapping[str, Any]) -> list[CameraResult]:
-    rows: dict[str, Mapping[str, Any]] = dict(result.get("cameras") or {})
-    best = result.get("best")
-    if best and best.get("camera") and DESIGNED not in rows:  # stopped before the test
+    rows = {name: row for name, row in mapping(result.get("cameras")).items() if isinstance(row, Mapping)}
+    best = mapping(result.get("best"))
+    if mapping(best.get("camera")) and DESIGNED not in rows:  # stopped before the test
         rows = {DESIGNED: best, **rows}
     names = sorted(rows, key=lambda name: name != DESIGNED)  # the winner first, the rest as they stand
     return [_camera(folder, result, name, rows[name]) for name in names]
 
 
 def _camera(folder: Path, result: Mapping[str, Any], name: str, row: Mapping[str, Any]) -> CameraResult:
-    test = numbers((result.get("test") or {}).get(name))
+    test = numbers(mapping(result.get("test")).get(name))
     title = "Designed camera" if name == DESIGNED else row.get("title") or name.replace("_", " ")
-    samples = (result.get("samples") or {}).get(name) or []
+    samples = texts(mapping(result.get("samples")).get(name))
     return CameraResult(
         name=name,
         title=str(title),
-        camera=row.get("camera") or {},
+        camera=mapping(row.get("camera")),
         derived=numbers(row.get("derived")),
         scores={score: value for score, value in test.items() if score != "fitness"},
         terms=numbers(row.get("terms")) if test else {},
         scenarios={name: numbers(scores) for name, scores in mapping(row.get("scenarios")).items()},
         spread=numbers(row.get("spread")),
-        episodes=tuple(numbers(episode) for episode in row.get("episodes") or ()),
+        episodes=tuple(numbers(episode) for episode in plain_rows(row.get("episodes"))),
         fitness=test.get("fitness"),
         evaluations=row.get("evaluations"),
-        free=tuple(row.get("free") or ()),
+        free=texts(row.get("free")),
         samples=tuple(path for sample in samples if (path := _inside(folder, sample))),
     )
 
 
-def _inside(folder: Path, name: str) -> Path | None:
+def _inside(folder: Path, name: Any) -> Path | None:
     """The file of that name, if it exists and lies in the folder: a result cannot pull in others."""
-    path = (folder / name).resolve()
-    return path if path.is_relative_to(folder.resolve()) and path.is_file() else None
+    if not text(name):
+        return None
+    try:
+        path = (folder / name).resolve()
+        return path if path.is_relative_to(folder.resolve()) and path.is_file() else None
+    except (OSError, ValueError):  # a name too long, or with a NUL
+        return None
 
 
 def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    return read_bytes(path, "lines_mb").decode("utf-8", "replace") if path.exists() else ""
 
 
 def _document(recipe: str) -> Mapping[str, Any]:
-    import yaml
-
     try:
-        return mapping(yaml.safe_load(recipe))
-    except yaml.YAMLError:
+        return mapping(read_yaml(recipe).data)
+    except UserError:
         return {}
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from pydantic import ValidationError
 
 from tacos_framework.catalog import OffTheShelf, camera_names, load_cameras
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.files import read_json
 from tacos_framework.plan import Plan
 from tacos_framework.values import Rig
 from tacos_framework.variables import CatalogChoice
@@ -82,17 +82,17 @@ def built_rig(plan: Plan, camera: CameraChoice) -> Rig:
 
 def _of_run(run: Path, name: str) -> CameraChoice:
     path = run / "result.json"
-    try:
-        cameras = json.loads(path.read_text("utf-8"))["cameras"]
-    except (OSError, ValueError, KeyError) as error:
-        raise UserError(
-            Fault(
-                str(path), f"the cameras of the run cannot be read: {error!r}", "a study that has ended", ""
-            )
-        ) from error
+    if not path.exists():
+        raise UserError(Fault(str(path), "there is no result", "a study that has ended"))
+    result = read_json(path, expected="a study that has ended")
+    cameras = result.get("cameras") if isinstance(result, dict) else None
+    if not isinstance(cameras, dict):
+        raise UserError(Fault(str(path), "it is not the result of a study", "a study that has ended"))
     if name not in cameras:
         raise UserError(Fault(name, f"the run {run} has no such camera", "", did_you_mean(name, cameras)))
-    return CameraChoice(cameras[name].get("title", name), cameras[name]["camera"])
+    if not isinstance(cameras[name], dict) or not isinstance(cameras[name].get("camera"), dict):
+        raise UserError(Fault(str(path), f"the camera {name} has no values", "a study that has ended"))
+    return CameraChoice(str(cameras[name].get("title", name)), cameras[name]["camera"])
 
 
 def _product(plan: Plan, name: str) -> OffTheShelf:

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 
-import cv2
-import numpy as np
-
 from tacos_framework.catalog import Catalog
+from tacos_framework.files.images import decode_samples
 from tacos_report.figures.canvas import draw
 from tacos_report.page import Drawing, Page, PagePicture, Paragraph, Section, SideBySide, Table, write_page
 from tacos_report.page import Warnings as PageWarnings
@@ -153,9 +151,7 @@ def write_catalog(out: Path, catalog: Catalog) -> Path:
     paint_sheet(figure, placed)
     png = BytesIO()
     figure.savefig(png, format="png", dpi=110)
-    picture = cv2.imdecode(np.frombuffer(png.getvalue(), np.uint8), cv2.IMREAD_COLOR)
-    assert picture is not None, "matplotlib wrote a PNG"
-    folder.add(catalog.name, np.asarray(picture[..., ::-1], np.uint8), "")
+    folder.add(catalog.name, decode_samples(png.getvalue(), catalog.name, "the drawing"), "")
     drawn = {part.name for part in parts}
     left_out = [part.name for part in catalog.rows if part.name not in drawn]
     said = f"{len(parts)} parts to one scale: " + (

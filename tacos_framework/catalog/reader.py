@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
-from io import StringIO
 from pathlib import Path
 from typing import Any, Literal
 
 from tacos_framework.catalog.checks import CatalogCell, PartChecker, RawPart, checked_value, unit_of
 from tacos_framework.catalog.parts import Catalog, CatalogColumn, Grade
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.files import read_csv
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
-from tacos_framework.settings.yaml_reader import Document, read_text, read_yaml
+from tacos_framework.settings.yaml_reader import Document, read_yaml
 
 SIZES = ("width_mm", "height_mm", "pixel_um")
 """What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""
@@ -188,12 +187,7 @@ def _cell(
 
 def _from_csv(path: Path) -> Catalog:
     """A table whose first line names the columns: ``name``, and names that end in their unit."""
-    table = csv.reader(StringIO(read_text(path)), strict=True)
-    try:
-        lines = [(table.line_num, [cell.strip() for cell in line]) for line in table]
-    except csv.Error as error:
-        what = f"this is no table of comma-separated values: {error}"
-        raise UserError(Fault(f"{path}:{table.line_num}", what)) from error
+    lines = read_csv(path)
     heading = lines[0][1] if lines else []
     if "name" not in heading:
         what = f"the first line names no column 'name', but {', '.join(heading) or 'nothing'}"

@@ -16,6 +16,8 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bars
 
+from tacos_framework.cli.terminal import terminal_errors
+from tacos_framework.errors import printable
 from tacos_framework.simulation import Evaluation
 from tacos_framework.study.progress import Progress, Silent
 
@@ -23,7 +25,7 @@ from tacos_framework.study.progress import Progress, Silent
 @contextmanager
 def progress_for(*, quiet: bool) -> Iterator[Progress]:
     """A live bar on a terminal, a line per generation elsewhere, nothing when quiet."""
-    console = Console(stderr=True)
+    console = Console(file=terminal_errors())
     if quiet:
         yield Silent()
     elif console.is_terminal:
@@ -52,6 +54,7 @@ class _Live:
 
     def phase(self, title: str, candidates: int | None) -> None:
         self._finish()
+        title = printable(title)
         self._best = None
         self._task = self._bars.add_task(title, total=candidates, note="")
 
@@ -72,7 +75,7 @@ class _Live:
 
     def step(self, note: str = "") -> None:
         if self._task is not None:
-            self._bars.update(self._task, advance=1, note=note)
+            self._bars.update(self._task, advance=1, note=printable(note))
 
 
 class _Lines:
@@ -83,6 +86,7 @@ class _Lines:
         self._title, self._done = "", 0
 
     def phase(self, title: str, candidates: int | None) -> None:
+        title = printable(title)
         self._title, self._done = title, 0
         self._console.print(title if candidates is None else f"{title}: {candidates} to do", highlight=False)
 
@@ -95,7 +99,9 @@ class _Lines:
 
     def step(self, note: str = "") -> None:
         self._done += 1
-        self._console.print(f"{self._title}: {self._done} done{note and f', {note}'}", highlight=False)
+        self._console.print(
+            f"{self._title}: {self._done} done{note and f', {printable(note)}'}", highlight=False
+        )
 
 
 def _number(fitness: float | None) -> str:

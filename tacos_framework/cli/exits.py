@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
+from tacos_framework.cli.terminal import printable_output
 from tacos_framework.errors import UserError
 
 DONE = 0
@@ -15,7 +16,15 @@ INTERRUPTED = 130
 
 
 def exit_status(command: Callable[[], int]) -> int:
-    """Run a command; print the faults of a `UserError` to stderr instead of a traceback."""
+    """Run a command; print the faults of a `UserError` to stderr instead of a traceback.
+
+    Whatever is printed meanwhile, by commands of plugins too, holds no control characters.
+    """
+    with printable_output():
+        return _status(command)
+
+
+def _status(command: Callable[[], int]) -> int:
     try:
         return command()
     except UserError as error:

@@ -103,8 +103,8 @@ def _array(content: bytes, where: str, name: str, kinds: str) -> NDArray[Any]:
     if any(length < 0 for length in shape) or wanted != there:
         what = f"{name} holds {there} bytes of numbers, and its header says {shape} of {dtype}: {wanted}"
         raise UserError(Fault(where, what, "a whole .npy file", "Copy or save it anew."))
-    order = "F" if by_columns else "C"
-    return np.frombuffer(content, dtype, math.prod(shape), start).reshape(shape, order=order)
+    flat: NDArray[Any] = np.frombuffer(content, dtype, math.prod(shape), start)
+    return flat.reshape(shape[::-1]).T if by_columns else flat.reshape(shape)
 
 
 def _no_array(where: str, name: str, error: Exception) -> Fault:

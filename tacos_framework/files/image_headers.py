@@ -1,6 +1,6 @@
 """What an image file says of its size, and whether it is whole, before anything is decoded.
 
-Decoders believe the header: a file of a megabyte may claim gigabytes, and rows that lack become black or grey.
+Decoders believe the header: a file of a megabyte may claim gigabytes, and rows that are missing become black.
 Pure functions of bytes.
 
 References
@@ -58,7 +58,7 @@ def read_header(content: bytes) -> ImageHeader:
         if content.startswith(start):
             try:
                 header = reader(content)
-            except (struct.error, IndexError) as error:
+            except (struct.error, IndexError, OverflowError) as error:
                 raise HeaderError(_SHORT) from error
             if header.width_px < 1 or header.height_px < 1:
                 raise HeaderError(f"it says its size is {header.width_px} x {header.height_px}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +23,7 @@ UNREADABLE = (OSError, SyntaxError, ValueError, EOFError, LookupError, TypeError
 
 
 def read_samples(path: Path, *, where: str | None = None, within: Path | None = None) -> NDArray[Any]:
-    """The samples of an image file as stored: (H, W), or (H, W, C) in the order B, G, R, A, as OpenCV has it.
+    """The samples of an image file as stored: (H, W), or (H, W, 3) in the order R, G, B; alpha is left out.
 
     Parameters are those of `tacos_framework.files.regular.read_bytes`.
 
@@ -51,7 +53,8 @@ def decode_samples(content: bytes, where: str, name: str) -> NDArray[Any]:
         raise UserError(_damaged(where, name, str(error).strip())) from error
     if image is None or image.shape[:2] != (header.height_px, header.width_px):
         raise UserError(_damaged(where, name, f"its samples are no {header.format}"))
-    return np.asarray(image)
+    samples: NDArray[Any] = np.asarray(image)
+    return samples[..., 2::-1] if samples.ndim == 3 and samples.shape[2] in (3, 4) else samples
 
 
 def decode_picture(content: bytes, where: str, name: str) -> Image:
@@ -59,12 +62,12 @@ def decode_picture(content: bytes, where: str, name: str) -> Image:
     from PIL import Image as Pillow
 
     checked_header(content, where, name)
-    from io import BytesIO
-
     try:
-        image = Pillow.open(BytesIO(content))
-        image.load()
-    except UNREADABLE as error:
+        with warnings.catch_warnings():  # Pillow warns of sizes, which were checked, and of odd entries
+            warnings.simplefilter("ignore")
+            image = Pillow.open(BytesIO(content))
+            image.load()
+    except (*UNREADABLE, Pillow.DecompressionBombError) as error:
         raise UserError(_damaged(where, name, str(error))) from error
     return image
 

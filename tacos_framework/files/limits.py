@@ -28,7 +28,9 @@ class Limits:
     text_mb
         Size of a YAML file, or of a table [MB].
     json_mb
-        Size of a JSON file, or of one line of a file of lines [MB]; in memory it may be twenty times that.
+        Size of a JSON file [MB]; in memory it may be twenty times that.
+    lines_mb
+        Size of a log, or of a file with a JSON object a line [MB].
     image_mb
         Decoded samples of one image [MB], and size of its file.
     array_mb
@@ -39,6 +41,8 @@ class Limits:
         Size of a file of weights [MB].
     mesh_mb
         Size of a file of triangles, with all it refers to [MB].
+    obj_mb
+        Size of an OBJ file, which is text and takes twenty times as much [MB].
     mesh_triangles
         Triangles of one such file, copies in the scene counted each.
 
@@ -50,11 +54,13 @@ class Limits:
 
     text_mb: float = 1.0
     json_mb: float = 32.0
+    lines_mb: float = 400.0
     image_mb: float = 256.0
     array_mb: float = 400.0
     captures_mb: float = 8000.0
     weights_mb: float = 1000.0
     mesh_mb: float = 128.0
+    obj_mb: float = 32.0
     mesh_triangles: float = 2e6
 
     def bytes_of(self, name: str) -> int:

@@ -45,34 +45,41 @@ def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path
     try:
         descriptor = os.open(path, _FLAGS | getattr(os, "O_BINARY", 0))
     except FileNotFoundError:
-        raise UserError(Fault(where, f"there is no file {str(path)!r}", "", "Check the path.")) from None
+        expected = "" if where == str(path) else str(path)
+        raise UserError(
+            Fault(where, f"there is no file {path.name!r}", expected, "Check the path.")
+        ) from None
     except ValueError as error:  # a NUL in the path
         raise UserError(Fault(where, f"{str(path)!r} is not a path: {error}")) from error
     except OSError as error:
         raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
-    with os.fdopen(descriptor, "rb") as file:
-        found = os.fstat(descriptor)
-        if not stat.S_ISREG(found.st_mode):
-            kind = next((name for test, name in _KINDS if test(found.st_mode)), "no regular file")
-            raise UserError(Fault(where, f"{_shown(path)} is {kind}", "a file"))
-        if within is not None and not _opened(descriptor, path).is_relative_to(within.resolve()):
-            raise UserError(
-                Fault(
-                    where, f"{_shown(path)} leads out of {within}", "a file inside", "Copy the file into it."
-                )
-            )
-        most = limits().bytes_of(limit)
-        if found.st_size > most:
-            raise UserError(too_large(where, _shown(path), found.st_size, limit))
-        try:
-            content = file.read(found.st_size + 1)
-            if len(content) > found.st_size:  # it grows meanwhile; or it is one of /proc, which have no size
-                content += file.read(most + 1 - len(content))
-        except OSError as error:
-            raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
-    if len(content) > most:
+    try:
+        size_bytes = _checked_size(descriptor, path, where, limit, within)
+        with os.fdopen(descriptor, "rb", closefd=False) as file:
+            content = file.read(size_bytes + 1)
+            if len(content) > size_bytes:  # it grows meanwhile; or it is one of /proc, which have no size
+                content += file.read(limits().bytes_of(limit) + 1 - len(content))
+    except OSError as error:
+        raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
+    finally:
+        os.close(descriptor)
+    if len(content) > limits().bytes_of(limit):
         raise UserError(too_large(where, _shown(path), len(content), limit))
     return content
+
+
+def _checked_size(descriptor: int, path: Path, where: str, limit: str, within: Path | None) -> int:
+    """The size of an open file that may be read [bytes]."""
+    found = os.fstat(descriptor)
+    if not stat.S_ISREG(found.st_mode):
+        kind = next((name for test, name in _KINDS if test(found.st_mode)), "no regular file")
+        raise UserError(Fault(where, f"{_shown(path)} is {kind}", "a file"))
+    if within is not None and not _opened(descriptor, path).is_relative_to(within.resolve()):
+        what = f"{_shown(path)} leads out of {within}"
+        raise UserError(Fault(where, what, "a file inside", "Copy the file into it."))
+    if found.st_size > limits().bytes_of(limit):
+        raise UserError(too_large(where, _shown(path), found.st_size, limit))
+    return found.st_size
 
 
 def too_large(where: str, what: str, size_bytes: int, limit: str) -> Fault:
@@ -94,4 +101,4 @@ def _opened(descriptor: int, path: Path) -> Path:
 
 def _shown(path: Path) -> str:
     """The name of a file, cut where it is longer than any file's."""
-    return repr(path.name if len(path.name) <= 255 else f"{path.name[:60]}...")
+    return path.name if len(path.name) <= 255 else f"{path.name[:60]}..."

@@ -52,15 +52,16 @@ def read_json(path: Path, *, where: str | None = None, expected: str = "", remed
     return parse_json(read_text(path, where=where, limit="json_mb"), name, expected, remedy)
 
 
-def read_lines(path: Path, *, where: str | None = None, limit: str = "json_mb") -> list[str]:
-    """The lines of a text file; a last one without its end is among them.
+def read_lines(path: Path, *, where: str | None = None) -> list[str]:
+    """The lines of a text file, such as one of JSON objects; a last one without its end is among them.
 
     Raises
     ------
     UserError
         As for `read_text`.
     """
-    return read_text(path, where=where, limit=limit).splitlines()
+    lines = read_text(path, where=where, limit="lines_mb").split("\n")  # text in JSON may hold other ends
+    return lines[:-1] if not lines[-1] else lines
 
 
 def parse_json(text: str, where: str, expected: str = "", remedy: str = "") -> Any:
@@ -79,7 +80,9 @@ def parse_json(text: str, where: str, expected: str = "", remedy: str = "") -> A
         raise UserError(Fault(where, "JSON nested too deeply to be read", expected, remedy)) from None
 
 
-def read_csv(path: Path, *, where: str | None = None) -> list[tuple[int, list[str]]]:
+def read_csv(
+    path: Path, *, where: str | None = None, within: Path | None = None
+) -> list[tuple[int, list[str]]]:
     """The lines of a table with their numbers, cells without the blanks around them.
 
     Raises
@@ -87,7 +90,9 @@ def read_csv(path: Path, *, where: str | None = None) -> list[tuple[int, list[st
     UserError
         When it cannot be read or is no table.
     """
-    table = csv.reader(StringIO(read_text(path, where=where)), strict=True)
+    table = csv.reader(
+        StringIO(read_text(path, where=where, within=within), newline=""), strict=True, skipinitialspace=True
+    )
     try:
         return [(table.line_num, [cell.strip() for cell in line]) for line in table]
     except csv.Error as error:

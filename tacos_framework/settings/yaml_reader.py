@@ -3,7 +3,7 @@
 The dialect is the one most people believe YAML to be: scalars of the YAML 1.2 core schema (``1e-3`` is a
 number, ``no`` and ``on`` are words, ``010`` is ten), plain mappings with distinct text keys, lists, one
 document. What can surprise or harm is refused: aliases and anchors (which also blow up in size), tags, merge
-keys, NaN and infinities, files over 1 MB, nesting over 50 levels.
+keys, NaN and infinities, files over the limit ``text_mb``, nesting over 50 levels.
 
 References
 ----------
@@ -22,9 +22,8 @@ from typing import Any, NamedTuple
 import yaml
 
 from tacos_framework.errors import Fault, UserError
-
-MAX_BYTES = 1_000_000
-"""Size of the largest file that is read [bytes]."""
+from tacos_framework.files import limits, read_text
+from tacos_framework.files.regular import too_large
 
 MAX_DEPTH = 50
 """Deepest nesting of mappings and lists that is read."""
@@ -143,46 +142,13 @@ def read_yaml_draft(source: Path | str, name: str | None = None) -> Document:
     """
     if isinstance(source, Path):
         name = str(source) if name is None else name
-        text = read_text(source, name)
+        text = read_text(source, where=name)
     else:
         name = "text" if name is None else name
         text = source
-    if len(text) > MAX_BYTES:
-        raise UserError(_too_large(name))
+        if len(text) > limits().bytes_of("text_mb"):
+            raise UserError(too_large(name, "the text", len(text), "text_mb"))
     return _Reader(text, name).document()
-
-
-def read_text(path: Path, name: str | None = None) -> str:
-    """The text of a file of at most `MAX_BYTES`, in UTF-8.
-
-    Raises
-    ------
-    UserError
-        When it cannot be read, is too large, or is not UTF-8.
-    """
-    name = str(path) if name is None else name
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise UserError(Fault(name, "there is no such file", remedy="Check the path.")) from None
-    except OSError as error:
-        raise UserError(Fault(name, f"the file cannot be read: {error.strerror}")) from error
-    except ValueError as error:  # a NUL in the path
-        raise UserError(Fault(repr(name), f"this is not a path: {error}")) from error
-    if len(content) > MAX_BYTES:
-        raise UserError(_too_large(name))
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise UserError(
-            Fault(f"{name}:{line}", f"byte {content[error.start]:#04x} is not UTF-8", "text in UTF-8")
-        ) from error
-
-
-def _too_large(name: str) -> Fault:
-    return Fault(name, f"the text is larger than {MAX_BYTES} bytes", f"at most {MAX_BYTES} bytes")
 
 
 def _where(name: str, position: Position) -> str:

@@ -121,7 +121,7 @@ def test_a_measured_map_takes_the_place_of_the_drawn_one(tmp_path):
         (np.ones((60, 70)), "has the shape"),
         (np.ones((60, 80)), "is flat"),
         (np.full((60, 80), np.nan), "no numbers"),
-        (None, "cannot be read"),
+        (None, "is no array"),
     ],
 )
 def test_a_map_that_cannot_serve_is_refused_by_name(tmp_path, array, words):

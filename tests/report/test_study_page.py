@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,6 +17,7 @@ from tacos_framework.errors import UserError
 from tacos_report import write_report
 from tests.report.results_folder import write_json, write_results
 
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 _VOID = {"meta", "img", "br", "image", "path", "use", "rect", "polygon", "link", "input"}
 
 
@@ -90,7 +92,10 @@ def test_the_page_answers_first_and_has_every_part(html: str) -> None:
 
 def test_the_page_stands_alone(html: str) -> None:
     page = Page(html)
-    assert "http" not in html
+    assert "http" not in html.replace("http-equiv", "")
+    policy = next(attrs["content"] for tag, attrs in page.tags if tag == "meta" and "http-equiv" in attrs)
+    assert policy.startswith("default-src 'none'; img-src data:;")
+    assert "script-src" not in policy  # so none may run
     assert "url(" not in html.replace("url(#", "")
     assert not {"script", "link", "iframe"} & {tag for tag, _ in page.tags}
     sources = [
@@ -98,6 +103,27 @@ def test_the_page_stands_alone(html: str) -> None:
     ]
     assert sources
     assert all(source and source.startswith(("data:image/", "#")) for source in sources)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
+def test_the_policy_blocks_nothing_of_our_own_and_every_script(folder: Path, tmp_path: Path) -> None:
+    html = (folder / "report.html").read_text("utf-8")
+    evil = html.replace(
+        "</body>", '<script>document.title="run"</script><img src="http://127.0.0.1:9/x"></body>'
+    )
+    said = {}
+    for name, text in (("own", html), ("evil", evil)):
+        (tmp_path / f"{name}.html").write_text(text)
+        command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+        done = subprocess.run(
+            [*command, "--enable-logging=stderr", f"--user-data-dir={tmp_path}", f"file://{tmp_path}/{name}.html"],
+            capture_output=True, text=True, timeout=60, check=True,
+        )  # fmt: skip
+        said[name] = done.stderr
+        assert "<title>run" not in done.stdout
+    assert "Content Security Policy" not in said["own"]
+    assert said["evil"].count("Content Security Policy") >= 2
 
 
 def test_every_picture_is_described_and_ids_are_unique(html: str) -> None:

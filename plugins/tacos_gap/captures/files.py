@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import limits, read_csv
+from tacos_framework.files.regular import too_large
 from tacos_framework.settings.yaml_reader import Document
 from tacos_gap.captures.images import read_array, read_image
 
@@ -38,6 +39,7 @@ class CaptureFiles:
         self.channels = channels
         self.faults: list[Fault] = []
         self._document = document
+        self._bytes = 0
 
     def fault(self, path: tuple[str | int, ...], what: str, expected: str = "", remedy: str = "") -> None:
         """Keep a fault of what stands at a path of the document."""
@@ -49,6 +51,9 @@ class CaptureFiles:
         for name in [names] if isinstance(names, str) else names:
             if not any(sign in name for sign in "*?[") or _is_file(self.folder / name):
                 paths.append(self.folder / name)
+                continue
+            if ".." in Path(name).parts:  # it might search the whole disk
+                self.fault(("captures", i, key), f"{name!r} leaves the folder", f"files in {self.folder}")
                 continue
             try:
                 matching = sorted(filter(Path.is_file, self.folder.glob(name)), key=_by_number)
@@ -65,10 +70,14 @@ class CaptureFiles:
     ) -> NDArray[np.float32] | None:
         """(N, H, W, C) images [DN]; None where one of them cannot be used, or there is none."""
         where = self._document.where(("captures", i, key))
+        self._bytes += len(paths) * math.prod(shape) * self.channels * np.dtype(np.float32).itemsize
+        if self._bytes > limits().bytes_of("captures_mb"):
+            self.faults.append(too_large(where, "the images up to here", self._bytes, "captures_mb"))
+            return None
         images = []
         for path in paths:
             try:
-                image = self._with_channels(read_image(path, where), path, where)
+                image = self._with_channels(read_image(path, where, self.folder), path, where)
             except UserError as error:
                 self.faults.extend(error.faults)
                 continue
@@ -106,7 +115,7 @@ class CaptureFiles:
         path = self.folder / name
         try:
             numbers = path.suffix.lower() == ".npy" and _is_file(path)
-            array = read_array(path, where) if numbers else read_image(path, where)
+            array = (read_array if numbers else read_image)(path, where, self.folder)
         except UserError as error:
             self.faults.extend(error.faults)
             return None
@@ -127,15 +136,13 @@ class CaptureFiles:
         path = self.folder / name
         rows, before = [], len(self.faults)
         try:
-            for line, row in _lines(path):
+            for line, row in _rows(path, where, self.folder):
                 try:
                     rows.append(_patch(row, shape))
                 except ValueError as error:
                     self.faults.append(Fault(f"{where}: {name}:{line}", str(error)))
-        except (OSError, ValueError, csv.Error) as error:
-            self.faults.append(
-                Fault(where, f"{name} cannot be read: {error}", ",".join(("id", *PATCH_COLUMNS)))
-            )
+        except UserError as error:
+            self.faults.extend(error.faults)
         if len(self.faults) > before:
             return None
         if not rows:
@@ -157,22 +164,23 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _lines(path: Path) -> Iterator[tuple[int, dict[str, str | None]]]:
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.DictReader(file, skipinitialspace=True)
-        missing = [name for name in PATCH_COLUMNS if name not in (reader.fieldnames or ())]
-        if missing:
-            raise ValueError(f"there is no column {', '.join(missing)}")
-        for row in reader:
-            yield reader.line_num, row
+def _rows(path: Path, where: str, within: Path) -> Iterator[tuple[int, dict[str, str]]]:
+    """The lines of a table of patches, with their numbers."""
+    (_, heading), *lines = read_csv(path, where=where, within=within) or [(1, [])]
+    expected = ",".join(("id", *PATCH_COLUMNS))
+    if missing := [name for name in PATCH_COLUMNS if name not in heading]:
+        raise UserError(Fault(where, f"{path.name} has no column {', '.join(missing)}", expected))
+    for number, cells in lines:
+        if any(cells):
+            yield number, dict(zip(heading, cells, strict=False))
 
 
-def _patch(row: dict[str, str | None], shape: tuple[int, int]) -> tuple[tuple[int, ...], tuple[float, ...]]:
+def _patch(row: Mapping[str, str], shape: tuple[int, int]) -> tuple[tuple[int, ...], tuple[float, ...]]:
     values = {}
     for name in PATCH_COLUMNS:
-        text = row[name]
+        text = row.get(name, "")
         try:
-            values[name] = float(text) if text is not None else math.nan
+            values[name] = float(text)
         except ValueError:
             values[name] = math.nan
         if not math.isfinite(values[name]):

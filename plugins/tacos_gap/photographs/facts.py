@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_gap.captures.images import RAW_SUFFIXES
+from tacos_framework.files import read_bytes
+from tacos_framework.files.images import UNREADABLE
+from tacos_gap.captures.images import RAW_SUFFIXES, open_raw
 
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})
 PICTURE_SUFFIXES = LOSSY_SUFFIXES | RAW_SUFFIXES | {".png", ".tif", ".tiff", ".npy"}
@@ -86,14 +90,17 @@ def read_facts(path: Path) -> Facts:
 
 
 def _of_exif(path: Path, *, needed: bool) -> dict[str, Any]:
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
+    content = read_bytes(path, "image_mb")
     try:
-        with Image.open(path) as image:
-            width, height = image.size
-            base = image.getexif()
-            tags = {**base, **base.get_ifd(_EXIF)}
-    except (UnidentifiedImageError, OSError, SyntaxError, ValueError) as error:
+        with warnings.catch_warnings():  # of a size that is checked where samples are decoded, of odd entries
+            warnings.simplefilter("ignore")
+            with Image.open(BytesIO(content)) as image:
+                width, height = image.size
+                base = image.getexif()
+                tags = {**base, **base.get_ifd(_EXIF)}
+    except (*UNREADABLE, Image.DecompressionBombError) as error:
         if needed:
             raise UserError(Fault(str(path), f"{path.name} cannot be read: {error}")) from error
         return {}
@@ -144,32 +151,23 @@ def _text(value: Any) -> str:
 
 
 def _of_raw(path: Path) -> dict[str, Any]:
-    try:
-        import rawpy
-    except ImportError:
-        raise UserError(
-            Fault(str(path), f"{path.name} is a RAW file", "", "pip install 'tacos-framework[raw]'")
-        ) from None
-    try:
-        with rawpy.imread(str(path)) as raw:
-            other = getattr(raw, "other", None)  # since rawpy 0.22; EXIF says the same of most cameras
-            letters = raw.color_desc.decode("ascii", "replace")
-            pattern = None if raw.raw_pattern is None else raw.raw_pattern.ravel().tolist()
-            filters = "".join(letters[k] for k in pattern) if pattern and len(pattern) == 4 else None
-            said = {
-                "raw": True,
-                "black_level_dn": float(sum(raw.black_level_per_channel) / len(raw.black_level_per_channel)),
-                "white_level_dn": float(raw.white_level),
-                "cfa": filters if filters in ("RGGB", "BGGR", "GRBG", "GBRG") else None,
-            }
-            for key, name, scale in (
-                ("exposure_ms", "shutter_speed", 1e3),
-                ("iso", "iso_speed", 1.0),
-                ("f_number", "aperture", 1.0),
-                ("focal_length_mm", "focal_length", 1.0),
-            ):
-                if value := _number(getattr(other, name, None)):
-                    said[key] = value * scale
-            return said
-    except (rawpy.LibRawError, OSError) as error:
-        raise UserError(Fault(str(path), f"{path.name} is no RAW file that can be read: {error}")) from error
+    with open_raw(path, str(path)) as raw:
+        other = getattr(raw, "other", None)  # since rawpy 0.22; EXIF says the same of most cameras
+        letters = raw.color_desc.decode("ascii", "replace")
+        pattern = None if raw.raw_pattern is None else raw.raw_pattern.ravel().tolist()
+        filters = "".join(letters[k] for k in pattern) if pattern and len(pattern) == 4 else None
+        said = {
+            "raw": True,
+            "black_level_dn": float(sum(raw.black_level_per_channel) / len(raw.black_level_per_channel)),
+            "white_level_dn": float(raw.white_level),
+            "cfa": filters if filters in ("RGGB", "BGGR", "GRBG", "GBRG") else None,
+        }
+        for key, name, scale in (
+            ("exposure_ms", "shutter_speed", 1e3),
+            ("iso", "iso_speed", 1.0),
+            ("f_number", "aperture", 1.0),
+            ("focal_length_mm", "focal_length", 1.0),
+        ):
+            if value := _number(getattr(other, name, None)):
+                said[key] = value * scale
+        return said

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files.arrays import read_npy
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageGeometry
@@ -79,12 +80,7 @@ def _drawn(seed: int, name: str, camera: str, height: int, width: int, channels:
 @lru_cache(maxsize=_KEPT)
 def _measured(path: str, height: int, width: int, channels: int) -> NDArray[np.float32]:
     wanted = f"an .npy array of ({height}, {width}) or ({height}, {width}, {channels}) numbers"
-    try:
-        found = np.load(Path(path), allow_pickle=False)
-    except (OSError, ValueError) as error:
-        raise UserError(
-            Fault(path, f"the map cannot be read: {error}", wanted, "Correct the path.")
-        ) from error
+    found = read_npy(Path(path))
     if found.shape not in ((height, width), (height, width, channels)):
         raise UserError(
             Fault(

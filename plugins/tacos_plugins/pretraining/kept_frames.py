@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.files.arrays import read_npz
 from tacos_framework.values import Capture, Episode, FrameBatch, Object, Rig, Trajectory, View, World
 
 
@@ -41,8 +42,7 @@ def read_frames(path: Path, rig: Rig) -> FrameBatch:
 
     Its light is zero, and its world has objects and classes but no surfaces: tasks see images, depth and ids.
     """
-    with np.load(path, allow_pickle=False) as kept:
-        arrays = dict(kept)
+    arrays = read_npz(path)
     world = World(
         key=path.stem,
         parts=(),

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_json
 
 SURE = 0.5
 """Presence above which an effect counts as named."""
@@ -150,9 +150,9 @@ def read_known(folder: Path, effects: Sequence[str]) -> dict[str, KnownTruth]:
 
 def _read(file: Path, faults: list[Fault]) -> dict[str, Any]:
     try:
-        data = json.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        faults.append(Fault(str(file), f"it cannot be read: {error}", "JSON", "Correct the file."))
+        data = read_json(file, expected="JSON", remedy="Correct the file.")
+    except UserError as error:
+        faults.extend(error.faults)
         return {}
     if not isinstance(data, dict):
         faults.append(Fault(str(file), f"it holds {type(data).__name__}", "an object", "Correct the file."))

@@ -13,6 +13,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from tacos_framework.files.images import read_samples
 from tacos_validation.blind.generators.specifications import CAPTURES
 from tacos_validation.blind.judgement import KnownTruth
 from tacos_validation.blind.real_folders import RealCase
@@ -205,8 +206,6 @@ def _half(image: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _read(file: Path) -> NDArray[np.float64]:
     """An image as one channel of whole numbers' size, float64."""
-    image = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
-    if image is None:
-        raise OSError(f"{file} cannot be read")
+    image = read_samples(file)
     scale = 257.0 if image.dtype == np.uint16 else 1.0
-    return np.asarray(image if image.ndim == 2 else image[..., :3].mean(axis=-1), np.float64) / scale
+    return np.asarray(image if image.ndim == 2 else image.mean(axis=-1), np.float64) / scale

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_lines
 from tacos_validation.blind.cases import Case
 
 CASES, COMMITMENTS = "cases.jsonl", "commitments.jsonl"
@@ -30,7 +31,7 @@ def read_cases(file: Path) -> Iterator[Case]:
     """
     if not file.is_file():
         return
-    for line in file.read_text("utf-8").splitlines():
+    for line in read_lines(file):
         try:
             data = json.loads(line)
         except json.JSONDecodeError:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_text
 from tacos_framework.formation import PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
@@ -74,4 +75,4 @@ def given_patch(path: Path, plugins: Plugins) -> CameraPatch:
         raise UserError(Fault(document.where(()), "no list of effects", wanted))
     parts = [part_of(Use.model_validate(entry), "effect", plugins) for entry in listed]
     effects = tuple(PlacedEffect(part.use, part.use, part.cls, part.config) for part in parts)
-    return CameraPatch(effects, "given", path.read_text("utf-8"), {})
+    return CameraPatch(effects, "given", read_text(path), {})

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files.arrays import read_npy
+from tacos_framework.files.images import read_samples
 
 Mosaic = Literal["none", "RGGB", "BGGR", "GRBG", "GBRG"]
 """The colours of the 2 x 2 photosites at the top left of a file, row by row; none where it is no mosaic."""
@@ -111,18 +112,10 @@ def read_stack(pattern: str, mosaic: Mosaic = "none") -> FrameStack:
 
 
 def _read(path: Path) -> NDArray[Any] | Fault:
-    if path.suffix.lower() == ".npy":
-        try:
-            image = np.load(path, allow_pickle=False)
-        except (ValueError, OSError, EOFError) as error:
-            return Fault(str(path), f"this is no array that can be read: {error}", "uint8 or uint16")
-    else:
-        read = cv2.imdecode(np.frombuffer(path.read_bytes() or b"\0", np.uint8), cv2.IMREAD_UNCHANGED)
-        if read is None:
-            return Fault(str(path), "this file cannot be read as an image", "PNG or TIFF")
-        image = np.asarray(read)
-        if image.ndim == 3:
-            image = image[..., :3][..., ::-1]
+    try:
+        image = read_npy(path) if path.suffix.lower() == ".npy" else read_samples(path)
+    except UserError as error:
+        return error.faults[0]
     if image.dtype not in (np.uint8, np.uint16) or image.ndim not in (2, 3):
         return Fault(
             str(path),

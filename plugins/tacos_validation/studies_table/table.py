@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,8 @@ from typing import Any
 
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.files import read_lines
+from tacos_framework.files.text import parse_json
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
@@ -151,7 +152,7 @@ class StudiesTable:
 
 
 def _lines(path: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    return [parse_json(line, str(path)) for line in read_lines(path)]
 
 
 def _once(faults: Sequence[Fault]) -> list[Fault]:

@@ -100,7 +100,11 @@ def _load(file: Path, root: Path, class_name: str, images: dict[int, NDArray[np.
     vertices = np.concatenate([mesh.vertices for mesh in meshes])
     if not np.isfinite(vertices).all() or not np.ptp(vertices, axis=0).max() > 0:
         raise UserError(Fault(str(file), "has vertices that are not finite or all in one place"))
-    return piece(class_name, [(_mesh(mesh), _finish(mesh, images)) for mesh in meshes])
+    try:
+        return piece(class_name, [(_mesh(mesh), _finish(mesh, images)) for mesh in meshes])
+    except (TypeError, ValueError, AttributeError) as error:  # values of extensions, which no header tells
+        what = f"has a material that cannot be read: {error}"
+        raise UserError(Fault(str(file), what, "", "Export the model again.")) from error
 
 
 def _mesh(loaded: trimesh.Trimesh) -> Mesh:

@@ -93,6 +93,37 @@ class _Image(BaseModel):
     mimeType: str = ""
 
 
+class _TextureInfo(BaseModel):
+    index: Count
+
+
+class _Reflection(BaseModel):
+    baseColorFactor: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    baseColorTexture: _TextureInfo | None = None
+    metallicFactor: FiniteFloat | None = None
+    roughnessFactor: FiniteFloat | None = None
+    metallicRoughnessTexture: _TextureInfo | None = None
+
+
+class _Material(BaseModel):
+    pbrMetallicRoughness: _Reflection = _Reflection()
+    normalTexture: _TextureInfo | None = None
+    occlusionTexture: _TextureInfo | None = None
+    emissiveTexture: _TextureInfo | None = None
+    emissiveFactor: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+
+    @property
+    def textures(self) -> list[int]:
+        """Indices of the textures it has."""
+        own = self.pbrMetallicRoughness
+        named = (own.baseColorTexture, own.metallicRoughnessTexture, self.normalTexture)
+        return [each.index for each in (*named, self.occlusionTexture, self.emissiveTexture) if each]
+
+
+class _Texture(BaseModel):
+    source: Count | None = None
+
+
 class _Gltf(BaseModel):
     extensionsRequired: list[str] = []
     buffers: list[_Buffer] = []
@@ -103,8 +134,8 @@ class _Gltf(BaseModel):
     scenes: list[_Scene] = []
     scene: Count = 0
     images: list[_Image] = []
-    materials: list[dict[str, Any]] = []
-    textures: list[dict[str, Any]] = []
+    materials: list[_Material] = []
+    textures: list[_Texture] = []
 
 
 def glb_chunks(content: bytes, where: str) -> tuple[bytes, bytes | None]:
@@ -121,7 +152,8 @@ def glb_chunks(content: bytes, where: str) -> tuple[bytes, bytes | None]:
             raise ValueError("it is not a binary glTF file of version 2")
         if whole != len(content):
             raise ValueError(f"it should be {whole} bytes long and is {len(content)}")
-        chunks, offset = {}, _HEAD
+        chunks: dict[bytes, bytes] = {}
+        offset = _HEAD
         while offset < whole:
             length, kind = struct.unpack_from("<I4s", content, offset)
             offset += _CHUNK_HEAD
@@ -226,6 +258,11 @@ def _check_views(file: _Gltf, sizes: Sequence[int], where: str) -> None:
 
 
 def _check_pictures(file: _Gltf, buffers: Sequence[bytes], references: References) -> None:
+    """Pictures are whole, and materials name pictures that are there."""
+    for material in file.materials:
+        for index in material.textures:
+            if (source := file.textures[index].source) is not None:
+                file.images[source]
     for i, image in enumerate(file.images):
         if image.uri is not None:
             references.picture(references.bytes_of(image.uri, quoted=True), f"picture {i}")
@@ -242,7 +279,8 @@ def _triangles(file: _Gltf) -> int:
     per_mesh = [sum(_primitive(file, part) for part in mesh.primitives) for mesh in file.meshes]
     if not file.scenes:
         return 0
-    placed, seen, level = 0, set(), list(file.scenes[file.scene].nodes)
+    placed, level = 0, list(file.scenes[file.scene].nodes)
+    seen: set[int] = set()
     for _ in range(_DEEPEST):
         if not level:
             return placed

@@ -5,9 +5,15 @@ from __future__ import annotations
 import re
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import limits
+from tacos_framework.files.regular import too_large
 from tacos_worlds.mesh_files.references import References
 
 _FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
+_MOST_GROUPS, _LONGEST = 5000, 10_000
+"""Beyond either, parsing takes the square of it."""
+_GROUP = re.compile(rb"^(?:usemtl|o|g)[ \t]", re.MULTILINE)
+_LONG_LINE = re.compile(rb"[^\n]{%d}" % _LONGEST)
 _LIBRARY = re.compile(rb"mtllib([^\n]*)")
 _PLY_SIZES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
@@ -31,6 +37,11 @@ def check_obj(content: bytes, references: References, where: str) -> int:
         raise UserError(
             Fault(where, f"cannot be read: {error}", "text in UTF-8", "Export the model again.")
         ) from error
+    if len(content) > limits().bytes_of("obj_mb"):  # text takes twenty times its size while it is parsed
+        raise UserError(too_large(where, "the OBJ file", len(content), "obj_mb"))
+    if len(_GROUP.findall(content)) > _MOST_GROUPS or _LONG_LINE.search(content):
+        what = f"has more than {_MOST_GROUPS} groups and materials, or a line of more than {_LONGEST} bytes"
+        raise UserError(Fault(where, what, "", "Join objects, or export glTF."))
     if found := _LIBRARY.search(content):  # trimesh takes the first
         try:
             references.bytes_of(found[1].decode("utf-8").strip())

@@ -25,6 +25,7 @@ SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 UNREADABLE = (
     ValueError,
     LookupError,
+    NameError,  # UnboundLocalError, of headers that trimesh did not expect
     TypeError,
     AttributeError,
     AssertionError,
@@ -75,7 +76,8 @@ def read_mesh_file(
     where
         What names the file in messages; the path, when left out.
     most_triangles
-        Triangles it may have at most, copies in the scene counted each; by default the limit ``mesh_triangles``.
+        Triangles it may have at most, copies in the scene counted each; by default the limit
+        ``mesh_triangles``.
     options
         Passed on to `trimesh.load_scene`, such as ``process=False``.
 
@@ -132,9 +134,11 @@ def _loaded(
 def _shape_faults(scene: trimesh.Scene, where: str) -> list[Fault]:
     """What is wrong with the numbers of a scene, which trimesh believes."""
     for name, mesh in scene.geometry.items():
+        faces = getattr(mesh, "faces", np.zeros((0, 3), np.int64))
+        if mesh.vertices.shape[1:] != (3,) or faces.shape[1:] != (3,):
+            return [Fault(where, f"{name} has vertices or triangles that are not of three numbers")]
         if not np.isfinite(mesh.vertices).all():
             return [Fault(where, f"{name} has vertices that are not finite")]
-        faces = getattr(mesh, "faces", np.zeros((0, 3), np.int64))
         if len(faces) and not 0 <= faces.min() <= faces.max() < len(mesh.vertices):
             return [Fault(where, f"{name} has triangles of vertices that are not there")]
         uv = getattr(mesh.visual, "uv", None)

@@ -33,7 +33,7 @@ def only(found: list[str]) -> str:
 
 def test_a_folder_without_captures_says_so(tmp_path):
     assert "there is no captures.yaml" in only(faults(tmp_path))
-    assert "there is no such file" in only(faults(tmp_path / "nowhere"))
+    assert "there is no file" in only(faults(tmp_path / "nowhere"))
 
 
 def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
@@ -84,7 +84,7 @@ def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
         ({"simulated": None, "scene": "bench.yaml"}, "nothing renders recipes here"),
         ({"real": "flat"}, "flat is a folder"),
         ({"real": "a**b.png"}, "no pattern for files"),
-        ({"real": "x" * 300 + ".png"}, "cannot be a file"),
+        ({"real": "x" * 300 + ".png"}, "File name too long"),
         ({"simulated": ["a.npy", "b.npy", "c.npy"]}, "expects 3 images and has 2 frames"),
         ({"gain_db": 6}, "no block for gain_db 6"),
         ({"mask": "none.png"}, "there is no file 'none.png'"),
@@ -92,7 +92,7 @@ def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
             {"crop": {"x": 90, "full_width_px": 100, "full_height_px": 80}},
             "columns 90 .. 110 are not on a sensor",
         ),
-        ({"chart": {"patches": "none.csv"}}, "none.csv cannot be read"),
+        ({"chart": {"patches": "none.csv"}}, "there is no file 'none.csv'"),
     ],
     ids=str,
 )
@@ -159,7 +159,7 @@ def png() -> bytes:
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("empty.png", b"", "cannot be read"),
+        ("empty.png", b"", "it is empty"),
         ("text.png", b"no image at all", "no image that can be read"),
         ("half.png", png()[:200], "breaks off in the middle"),
         ("empty.npy", b"", "is no array"),
@@ -175,7 +175,7 @@ def test_a_file_that_cannot_be_read(tmp_path, name, content, message):
 
 def test_arrays_never_run_code(tmp_path):
     np.save(tmp_path / "evil.npy", np.array([{"a": 1}], dtype=object), allow_pickle=True)
-    assert "is no array" in only(faults(flat_folder(tmp_path, simulated="evil.npy")))
+    assert "holds object" in only(faults(flat_folder(tmp_path, simulated="evil.npy")))
 
 
 @pytest.mark.parametrize(
@@ -216,7 +216,7 @@ def test_a_map_that_does_not_fit(tmp_path, key, array, message):
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ("id,x,y,width,height,r,g\na,0,0,2,2,1,1", "there is no column b"),
+        ("id,x,y,width,height,r,g\na,0,0,2,2,1,1", "patches.csv has no column b"),
         ("id,x,y,width,height,r,g,b", "lists no patch"),
         (
             "id,x,y,width,height,r,g,b\na,0,0,2,2,1,1,1\nb,0,0,2,2,nan,1,1",
@@ -363,3 +363,16 @@ def test_a_scene_of_another_size(tmp_path):
 
     fault = only(faults(flat_folder(tmp_path, simulated=None, scene="bench.yaml"), render=render))
     assert "renders images of (12, 22, 1)" in fault
+
+
+def test_captures_may_not_name_files_elsewhere(tmp_path):
+    folder = tmp_path / "captures"
+    folder.mkdir()
+    np.save(tmp_path / "secret.npy", np.full((HEIGHT, WIDTH), 100, np.uint8))
+    (folder / "link.npy").symlink_to(tmp_path / "secret.npy")
+    for name in ("../secret.npy", str(tmp_path / "secret.npy"), "link.npy"):
+        assert "leads out of" in only(faults(flat_folder(folder, simulated=name))), name
+    described = {"id": "flat", "kind": "flat", "real": "../*.npy", "simulated": 100}
+    assert "leaves the folder" in only(faults(describe(folder, described)))
+    (folder / "patches.csv").symlink_to("/etc/passwd")
+    assert "leads out of" in only(faults(flat_folder(folder, chart={"patches": "patches.csv"})))

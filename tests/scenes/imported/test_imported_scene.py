@@ -203,6 +203,6 @@ def test_waypoints_are_walked_by_and_those_off_the_floor_refused(house: Path) ->
     walked = episode.trajectory.world_from_agent[:, :2, 3]
     for place in way:
         assert np.linalg.norm(walked - place, axis=1).min() < 0.35
+    off = scene(house, waypoints_m=((1.0, 2.0), (1.0, 0.5)))  # on the sofa
     with pytest.raises(UserError, match="waypoint 2 is"):
-        off = scene(house, waypoints_m=((1.0, 2.0), (1.0, 0.5)))  # on the sofa
         off.episode(rng=np.random.default_rng(0), illumination_lux=30.0)

@@ -7,15 +7,17 @@ import struct
 import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file
+from safetensors.torch import load
 from torch import Tensor, nn
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.files import read_bytes
 from tacos_framework.packaged_resources import shipped_folder
 from tacos_plugins.tasks.learning.states import MODEL
 
@@ -40,6 +42,7 @@ UNREADABLE = (
     zipfile.BadZipFile,
 )
 """What torch's loader raises on files that are damaged, wherever the damage trips it."""
+_ZIP = b"PK\x03\x04"
 SHOWN = 3
 """Names listed of each kind of mismatch."""
 
@@ -93,9 +96,8 @@ def read_checkpoint(path: Path, *, where: str) -> dict[str, Tensor]:
     UserError
         When the file is not there or not such a checkpoint.
     """
-    if not path.is_file():
-        raise UserError(Fault(where, f"there is no file {path}", EXPECTED, "Correct the path."))
-    content = _safetensors(path, where) if path.suffix == ".safetensors" else _torch(path, where)
+    raw = read_bytes(path, "weights_mb", where=where)
+    content = _safetensors(raw, path, where) if path.suffix == ".safetensors" else _torch(raw, path, where)
     for key in ("state_dict", "model"):
         if isinstance(content, Mapping) and isinstance(content.get(key), Mapping):
             content = content[key]
@@ -152,18 +154,23 @@ def load_checkpoint(tensors: Mapping[str, Tensor], module: nn.Module, *, where: 
     module.load_state_dict(given)
 
 
-def _safetensors(path: Path, where: str) -> dict[str, Tensor]:
+def _safetensors(raw: bytes, path: Path, where: str) -> dict[str, Tensor]:
     try:
-        return load_file(path)
-    except (SafetensorError, OSError) as error:
+        return load(raw)
+    except (SafetensorError, KeyError, ValueError) as error:
         raise _not_one(path, where, f"it is no safetensors file: {error}") from error
 
 
-def _torch(path: Path, where: str) -> Any:
+def _torch(raw: bytes, path: Path, where: str) -> Any:
     try:
+        if raw.startswith(_ZIP):  # torch itself packs nothing, and unpacks whatever is claimed
+            with zipfile.ZipFile(BytesIO(raw)) as archive:
+                claimed = sum(member.file_size for member in archive.infolist())
+            if claimed > len(raw):
+                raise _not_one(path, where, f"it is packed, {len(raw)} bytes for {claimed}")
         with warnings.catch_warnings():  # of a format it may not know; it then reads it, or not
             warnings.simplefilter("ignore", UserWarning)
-            return torch.load(path, map_location="cpu", weights_only=True)
+            return torch.load(BytesIO(raw), map_location="cpu", weights_only=True)
     except pickle.UnpicklingError as error:
         reason = "it is damaged, or holds more than tensors and plain values, which is not run"
         raise _not_one(path, where, reason) from error
