@@ -44,6 +44,11 @@ RENDERERS = {
         "Path tracing with Mitsuba 3: slow, the reference the rasterizer is compared with.",
         "mitsuba=tacos-framework[mitsuba]",
     ),
+    "blender": (
+        "blender.renderer:BlenderRenderer",
+        "Path tracing with Blender's Cycles: slow, for a last test of the highest realism.",
+        "bpy=tacos-framework[blender]",
+    ),
 }
 
 EFFECTS = {

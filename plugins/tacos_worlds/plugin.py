@@ -24,6 +24,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "scene",
+            "imported",
+            "tacos_worlds.imported.scene:ImportedScene",
+            summary="A room, building or street of your own: glTF, OBJ or PLY, lit, labelled and walked in.",
+        ),
+        Component(
+            "scene",
             "grey-bars",
             "tacos_worlds.bench.grey_bars:GreyBars",
             summary="A test target of grey bars from black to white, to measure noise with.",

@@ -54,8 +54,18 @@ class Walk:
         return replace(self, world_from_agent=poses)
 
 
-def draw_walk(rng: np.random.Generator, route: Route, *, speed_m_s: float, camera_height_m: float) -> Walk:
-    """Walk along a route: slower in bends, the head turned along the way, now and then looking around."""
+def draw_walk(
+    rng: np.random.Generator,
+    route: Route,
+    *,
+    speed_m_s: float,
+    camera_height_m: float,
+    floor_m: NDArray[np.float64] | None = None,
+) -> Walk:
+    """Walk along a route: slower in bends, the head turned along the way, now and then looking around.
+
+    `floor_m` is the height of the floor at each point of the route; zero by default [m].
+    """
     time_at_point, heading_at_point = _schedule(route.points_m, speed_m_s)
     time_s = np.arange(0, time_at_point[-1], 1 / KEY_RATE_HZ)
     x = np.interp(time_s, time_at_point, route.points_m[:, 0])
@@ -71,6 +81,8 @@ def draw_walk(rng: np.random.Generator, route: Route, *, speed_m_s: float, camer
         / _STEP_LENGTH_M
     )
     z = camera_height_m + _BOB_M * np.sin(stride) + _drift(rng, len(time_s), 0.008)
+    if floor_m is not None:
+        z += np.interp(time_s, time_at_point, floor_m)
     sway = _SWAY_M * np.sin(stride / 2)
     pitch = _drift(rng, len(time_s), math.radians(1.2)) + math.radians(0.25) * np.sin(stride + 0.7)
     roll = _drift(rng, len(time_s), math.radians(0.5)) + math.radians(0.3) * np.sin(stride / 2 + 0.4)

@@ -154,8 +154,8 @@ def approaches(
         if in_vain == _WALKS_IN_VAIN:
             raise UserError(
                 Fault(
-                    "scene.indoor: before_step_s",
-                    f"none of {in_vain} walks comes to a threshold as late as {before_s[0]:g} s",
+                    "before_step_s",
+                    f"none of {in_vain} walks comes to an obstacle as late as {before_s[0]:g} s",
                     "times that lie within a walk",
                     "Give shorter ones, a larger size_m, or a lower speed_m_s.",
                 )

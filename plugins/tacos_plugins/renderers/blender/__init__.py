@@ -1,0 +1,1 @@
+"""`renderer.blender`: path tracing with Blender's Cycles, in a process of its own."""

@@ -1,0 +1,135 @@
+"""A world and the pictures to take of it, as plain arrays that a process without this package can read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import Camera, Light, Material, World
+from tacos_plugins.lighting import emitter_luminance_cd_m2
+
+_STEPS = np.arange(256) / 255
+_LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4).astype(np.float32)
+"""Linear value of each sRGB byte (IEC 61966-2-1)."""
+_MATTE_ROUGHNESS, _SHEEN_RANGE = 0.8, 0.4
+_FAR_M = 1000.0
+"""Spheres farther off are suns: parallel light [m]."""
+_BESIDE_M = 0.05
+
+
+def write_scene(folder: Path, world: World) -> None:
+    """Write ``scene.json`` and ``scene.npz``.
+
+    Radiance in Blender stands for luminance [cd/m2], irradiance for illuminance [lux].
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    for index, part in enumerate(world.parts):
+        size_m = np.float32(world.materials[part.material].texture_size_m)
+        arrays[f"vertices_{index}"] = part.vertices_m
+        arrays[f"normals_{index}"] = part.normals
+        arrays[f"uv_{index}"] = part.uv_m / size_m
+        arrays[f"triangles_{index}"] = part.triangles
+    for index, material in enumerate(world.materials):
+        if material.texture is not None:
+            arrays[f"texture_{index}"] = _LINEAR[material.texture] * material.base_colour
+        if material.normal_map is not None:
+            arrays[f"bumps_{index}"] = 0.5 + 0.5 * (material.normal_map.astype(np.float32) - 128) / 127
+    if world.sky_cd_m2 is not None:
+        arrays["sky"] = world.sky_cd_m2
+    scene = {
+        "parts": [{"material": part.material, "object": part.object_id} for part in world.parts],
+        "materials": [_material(material) for material in world.materials],
+        "lights": [_light(light) for light in bare_lights(world)],
+        "ambient": world.ambient_cd_m2.astype(float).tolist(),
+    }
+    np.savez(folder / "scene.npz", **arrays)  # type: ignore[arg-type]
+    (folder / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
+
+
+def shot(
+    camera: Camera,
+    world_from_camera: NDArray[np.float64],
+    moved: Mapping[int, NDArray[np.float64]],
+    *,
+    samples: int,
+    seed: int,
+) -> dict[str, Any]:
+    """One picture: what to put into ``shots.json``."""
+    return {
+        "width": camera.width_px,
+        "height": camera.height_px,
+        "focal_px": camera.focal_length_px,
+        "centre_px": [float(c) for c in camera.centre_px],
+        "pose": world_from_camera.tolist(),
+        "moved": {str(thing): matrix.tolist() for thing, matrix in moved.items()},
+        "samples": samples,
+        "seed": seed,
+    }
+
+
+def bare_lights(world: World) -> Sequence[Light]:
+    """The lights that no glowing surface shows: Blender lights the world by those that do."""
+    glowing = [
+        part.vertices_m[part.triangles].mean(axis=1)
+        for part in world.parts
+        if world.materials[part.material].emission_cd_m2.any()
+    ]
+    centres_m = np.concatenate([np.zeros((0, 3), np.float32), *glowing])
+    return [light for light in world.lights if not _shown(light, centres_m)]
+
+
+def _shown(light: Light, point_m: NDArray[np.float32]) -> bool:
+    """Whether any of (N, 3) points lies on a light, or hardly off it [m]."""
+    offset = point_m - light.position_m
+    if light.normal is None:
+        return bool((np.linalg.norm(offset, axis=1) <= light.radius_m + _BESIDE_M).any())
+    inside = np.abs(offset @ light.normal) <= _BESIDE_M
+    for half in (light.half_u_m, light.half_v_m):
+        length = float(np.linalg.norm(half))
+        inside &= np.abs(offset @ half) / max(length, 1e-9) <= length + _BESIDE_M
+    return bool(inside.any())
+
+
+def _material(material: Material) -> dict[str, Any]:
+    sheen = float(np.clip((_MATTE_ROUGHNESS - material.roughness) / _SHEEN_RANGE, 0.0, 1.0))
+    return {
+        "colour": material.base_colour.astype(float).tolist(),
+        "roughness": float(material.roughness),
+        "metallic": float(material.metallic),
+        "coat": sheen,
+        "emission": material.emission_cd_m2.astype(float).tolist(),
+    }
+
+
+def _light(light: Light) -> dict[str, Any]:
+    at = light.position_m.astype(float)
+    distance = float(np.linalg.norm(at))
+    if light.normal is None and distance > _FAR_M:
+        lux = light.flux_lm.astype(float) / (4 * np.pi * distance**2)
+        angle = 2 * np.arctan2(light.radius_m, distance)
+        return {
+            "kind": "sun",
+            "towards": (at / distance).tolist(),
+            "lux": lux.tolist(),
+            "angle": float(angle),
+        }
+    if light.normal is None:
+        luminance = emitter_luminance_cd_m2(light.flux_lm, 4 * np.pi * light.radius_m**2)
+        return {
+            "kind": "sphere",
+            "at": at.tolist(),
+            "radius": float(light.radius_m),
+            "luminance": luminance.tolist(),
+        }
+    u, v = light.half_u_m.astype(float), light.half_v_m.astype(float)
+    area = 4 * float(np.linalg.norm(np.cross(u, v)))
+    if np.cross(u, v) @ light.normal < 0:
+        u, v = v, u
+    corners = [at - u - v, at + u - v, at + u + v, at - u + v]
+    luminance = emitter_luminance_cd_m2(light.flux_lm, area)
+    return {"kind": "square", "corners": np.array(corners).tolist(), "luminance": luminance.tolist()}

@@ -1,0 +1,1 @@
+"""`scene.imported`: a room, a building or a street of the user's own, from a file."""

@@ -1,0 +1,1 @@
+"""Files that hold worlds, read into :class:`tacos_worlds.imported.model.Model`."""

@@ -1,0 +1,197 @@
+"""glTF 2.0 (.glb, .gltf): surfaces of the default scene, with names, extras, materials and lights."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
+from tacos_worlds.imported.formats.gltf_skins import Skins
+from tacos_worlds.imported.model import Model, PunctualLight, Surface
+
+_DEEPEST = 200
+"""Levels of nodes; more mean that nodes contain themselves."""
+_UNDERSTOOD = {
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
+    "KHR_materials_transmission", "KHR_mesh_quantization", "EXT_texture_webp", "KHR_materials_specular",
+    "KHR_materials_ior", "KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_volume",
+    "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion",
+    "KHR_materials_variants",
+}  # fmt: skip
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+
+
+def read_gltf(file: Path, most_px: int) -> Model:
+    """The default scene of a file.
+
+    Parameters
+    ----------
+    most_px
+        Longest edge of textures [px].
+
+    Raises
+    ------
+    Damaged, Unreadable
+        Where it is not what the format says, or names files that are not there.
+    """
+    buffers = Buffers(file)
+    required = set(map(str, buffers.header.get("extensionsRequired", [])))
+    if unknown := sorted(required - _UNDERSTOOD):
+        raise Damaged(
+            f"it needs {', '.join(unknown)}: export it without compression and without that extension"
+        )
+    return _Reader(buffers, most_px).model()
+
+
+class _Reader:
+    def __init__(self, buffers: Buffers, most_px: int) -> None:
+        self._buffers = buffers
+        self._skins = Skins(buffers, most_px)
+        self._lights: list[PunctualLight] = []
+        self._default_skin = len(buffers.listed("materials"))
+
+    def model(self) -> Model:
+        scenes = self._buffers.listed("scenes")
+        if scenes:
+            roots = self._buffers.entry("scenes", self._buffers.header.get("scene", 0)).get("nodes", [])
+        else:
+            children = {child for node in self._buffers.listed("nodes") for child in node.get("children", [])}
+            roots = [index for index in range(len(self._buffers.listed("nodes"))) if index not in children]
+        surfaces = [found for root in roots for found in self._walk(root, np.eye(4), (), {})]
+        return Model(tuple(surfaces), self._skins.all(), tuple(self._lights), up="y")
+
+    def _walk(
+        self, index: object, above: NDArray[np.float64], path: tuple[str, ...], extras: Mapping[str, Any]
+    ) -> Iterator[Surface]:
+        """All surfaces of a node and of those below it."""
+        if len(path) > _DEEPEST:
+            raise Damaged("its nodes contain themselves")
+        node = self._buffers.entry("nodes", index)
+        own = node.get("extras")
+        extras = {**extras, **own} if isinstance(own, dict) else extras
+        path = (*path, str(node.get("name", f"node {index}")))
+        world = above @ _local(node)
+        if not np.isfinite(world).all():
+            raise Damaged(f"node {'/'.join(path)} has a transform that is not finite")
+        if (light := node.get("extensions", {}).get("KHR_lights_punctual")) is not None:
+            self._lights.append(self._light(light, world))
+        if "mesh" in node:
+            mesh = self._buffers.entry("meshes", node["mesh"])
+            named = mesh.get("name")
+            for primitive in mesh.get("primitives", []):
+                surface = self._surface(primitive, world, (*path, str(named)) if named else path, extras)
+                if surface is not None:
+                    yield surface
+        for child in node.get("children", []):
+            yield from self._walk(child, world, path, extras)
+
+    def _surface(
+        self, primitive: Json, world: NDArray[np.float64], path: tuple[str, ...], extras: Mapping[str, Any]
+    ) -> Surface | None:
+        """A primitive in the world; None for points and lines."""
+        mode, attributes = primitive.get("mode", _TRIANGLES), primitive.get("attributes", {})
+        if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:
+            return None
+        if "KHR_draco_mesh_compression" in primitive.get("extensions", {}):
+            raise Damaged("it is compressed by Draco: export it without compression")
+        read = self._buffers.accessor
+        vertices = _wide(read(attributes["POSITION"]), 3, path)
+        indices = read(primitive["indices"])[:, 0] if "indices" in primitive else np.arange(len(vertices))
+        triangles = _triangles(indices.astype(np.int64), mode)
+        if len(triangles) and int(triangles.max()) >= len(vertices):
+            raise Damaged(f"{'/'.join(path)} names vertex {int(triangles.max())} of {len(vertices)}")
+        if np.linalg.det(world[:3, :3]) < 0:
+            triangles = triangles[:, ::-1]  # mirrored
+        material = primitive.get("material")
+        return Surface(
+            path=path,
+            vertices=vertices @ world[:3, :3].T + world[:3, 3],
+            triangles=triangles,
+            skin=self._default_skin if material is None else int(material),
+            normals=_turned(read(attributes["NORMAL"]), world) if "NORMAL" in attributes else None,
+            uv=self._uv(attributes, material, len(vertices)),
+            colours=_wide(_unit(read(attributes["COLOR_0"])), 3, path) if "COLOR_0" in attributes else None,
+            extras=extras,
+        )
+
+    def _uv(self, attributes: Json, material: object, count: int) -> NDArray[np.float64] | None:
+        which, moved = self._skins.uv_set(material)
+        if (name := f"TEXCOORD_{which}") not in attributes:
+            return None
+        uv = _unit(self._buffers.accessor(attributes[name]))[:, :2]
+        if len(uv) != count:
+            raise Damaged(f"{name} has {len(uv)} entries for {count} vertices")
+        uv = uv @ moved[:2, :2].T + moved[:2, 2]
+        return np.column_stack([uv[:, 0], 1 - uv[:, 1]])  # glTF counts v downwards
+
+    def _light(self, named: Json, world: NDArray[np.float64]) -> PunctualLight:
+        lights = self._buffers.header.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
+        index = named.get("light")
+        if not isinstance(index, int) or not 0 <= index < len(lights):
+            raise Damaged(f"light {index!r} does not exist")
+        light = lights[index]
+        kind = light.get("type")
+        if kind not in ("point", "spot", "directional"):
+            raise Damaged(f"light {index} is of the unknown type {kind!r}")
+        direction = -world[:3, 2]  # lights shine along -z
+        return PunctualLight(
+            kind=kind,
+            position=world[:3, 3],
+            direction=direction / max(float(np.linalg.norm(direction)), 1e-12),
+            colour=np.asarray(light.get("color", (1, 1, 1)), np.float64),
+            intensity=float(light.get("intensity", 1.0)),
+            outer_rad=float(light.get("spot", {}).get("outerConeAngle", math.pi / 4)),
+        )
+
+
+def _local(node: Json) -> NDArray[np.float64]:
+    """(4, 4) transform of a node into its parent."""
+    try:
+        if "matrix" in node:
+            return np.asarray(node["matrix"], np.float64).reshape(4, 4).T
+        matrix = np.eye(4)
+        if "rotation" in node:
+            matrix[:3, :3] = Rotation.from_quat(np.asarray(node["rotation"], np.float64)).as_matrix()
+        matrix[:3, :3] *= np.asarray(node.get("scale", (1, 1, 1)), np.float64)
+        matrix[:3, 3] = np.asarray(node.get("translation", (0, 0, 0)), np.float64)
+    except (ValueError, TypeError) as error:
+        raise Damaged(f"node {node.get('name')!r} has a transform that cannot be read: {error}") from error
+    return matrix
+
+
+def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
+    """(T, 3) triangles of a list, a strip or a fan."""
+    if mode == _TRIANGLES:
+        return indices[: len(indices) // 3 * 3].reshape(-1, 3)
+    if len(indices) < 3:
+        return np.zeros((0, 3), np.int64)
+    if mode == _FAN:
+        return np.column_stack([np.full(len(indices) - 2, indices[0]), indices[1:-1], indices[2:]])
+    triangles = np.column_stack([indices[:-2], indices[1:-1], indices[2:]])
+    triangles[1::2] = triangles[1::2, ::-1]  # every other one runs the other way
+    return triangles
+
+
+def _turned(normals: NDArray[Any], world: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Normals in the world: turned by the inverse transpose, so that they stay upright on scaled surfaces."""
+    turned = normals.astype(np.float64) @ np.linalg.pinv(world[:3, :3])
+    return np.asarray(turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-12))
+
+
+def _unit(values: NDArray[Any]) -> NDArray[np.float64]:
+    """Integers that stand for 0..1, whether or not they are said to; floats as they are."""
+    return (
+        values / float(np.iinfo(values.dtype).max) if values.dtype.kind in "iu" else values.astype(np.float64)
+    )
+
+
+def _wide(values: NDArray[Any], width: int, path: tuple[str, ...]) -> NDArray[np.float64]:
+    if values.shape[1] < width:
+        raise Damaged(f"{'/'.join(path)} has vertices of {values.shape[1]} numbers, not {width}")
+    return values[:, :width].astype(np.float64)

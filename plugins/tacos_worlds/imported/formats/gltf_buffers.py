@@ -1,0 +1,208 @@
+"""The binary side of glTF 2.0: containers, buffers and accessors.
+
+Sizes are checked against what is there before anything is allocated, and no file outside the model's
+folder is
+opened.
+
+References
+----------
+Khronos Group, glTF 2.0 specification, sections 3.6 (binary data storage) and 4 (GLB).
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import struct
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_worlds.imported.formats.file_bytes import file_bytes, neighbour
+
+Json = dict[str, Any]
+
+_GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+_DTYPES = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+
+
+class Damaged(ValueError):
+    """A file is not what its format says; the message says where."""
+
+
+class Buffers:
+    """The header of a glTF file, and its numbers.
+
+    Parameters
+    ----------
+    file
+        A ``.glb`` or ``.gltf`` file.
+
+    Attributes
+    ----------
+    header
+        The JSON object.
+
+    Raises
+    ------
+    Damaged
+        Where the container is not glTF 2.0.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        text, self._embedded = _container(file_bytes(file))
+        try:
+            header = json.loads(text)
+        except (UnicodeDecodeError, json.JSONDecodeError) as error:
+            raise Damaged(f"its JSON cannot be read: {error}") from error
+        if not isinstance(header, dict) or not str(header.get("asset", {}).get("version", "")).startswith(
+            "2"
+        ):
+            raise Damaged("it is not glTF 2.0: asset.version is missing or another")
+        self.header: Json = header
+        self._buffers: dict[int, memoryview] = {}
+
+    def listed(self, name: str) -> list[Json]:
+        """An array of the header; empty where there is none."""
+        entries = self.header.get(name, [])
+        if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+            raise Damaged(f"{name} is not a list of objects")
+        return entries
+
+    def entry(self, name: str, index: object) -> Json:
+        """One entry of an array of the header."""
+        entries = self.listed(name)
+        if not isinstance(index, int) or not 0 <= index < len(entries):
+            raise Damaged(f"{name}[{index!r}] does not exist, there are {len(entries)}")
+        return entries[index]
+
+    def view(self, index: object) -> memoryview:
+        """The bytes of a buffer view."""
+        entry = self.entry("bufferViews", index)
+        if "EXT_meshopt_compression" in entry.get("extensions", {}):
+            raise Damaged("it is compressed by EXT_meshopt_compression: export it without compression")
+        return _cut(self._buffer(entry.get("buffer")), entry, f"bufferViews[{index}]")
+
+    def image(self, index: object) -> bytes:
+        """The encoded bytes of an image."""
+        entry = self.entry("images", index)
+        return self._at(str(entry["uri"])) if "uri" in entry else bytes(self.view(entry.get("bufferView")))
+
+    def accessor(self, index: object) -> NDArray[Any]:
+        """(N, width) numbers, normalised integers as floats in -1..1 or 0..1."""
+        entry = self.entry("accessors", index)
+        where, count = f"accessors[{index}]", _natural(entry.get("count"), f"accessors[{index}].count")
+        dtype, width = self._layout(entry, where)
+        if "bufferView" in entry:
+            values = self._strided(entry, where, count, dtype, width)
+        else:
+            values = np.zeros((_held(count, self._file), width), dtype)
+        if isinstance(sparse := entry.get("sparse"), dict):
+            values = self._replaced(values, sparse, where, dtype, width)
+        if entry.get("normalized") and dtype.kind in "iu":
+            return np.maximum(values / float(np.iinfo(dtype).max), -1.0)
+        return values
+
+    def _layout(self, entry: Json, where: str) -> tuple[np.dtype[Any], int]:
+        try:
+            return np.dtype(_DTYPES[entry["componentType"]]).newbyteorder("<"), _WIDTHS[entry["type"]]
+        except (KeyError, TypeError) as error:
+            raise Damaged(f"{where} has an unknown componentType or type") from error
+
+    def _strided(self, entry: Json, where: str, count: int, dtype: np.dtype[Any], width: int) -> NDArray[Any]:
+        data = self.view(entry["bufferView"])
+        offset = _natural(entry.get("byteOffset", 0), f"{where}.byteOffset")
+        item = dtype.itemsize * width
+        stride = self.entry("bufferViews", entry["bufferView"]).get("byteStride") or item
+        stride = _natural(stride, f"{where}.byteStride")
+        if count and offset + (count - 1) * stride + item > len(data):
+            raise Damaged(f"{where} claims {count} items, beyond the {len(data)} bytes of its view")
+        array: NDArray[Any] = np.ndarray((count, width), dtype, data, offset, (stride, dtype.itemsize))
+        return array.copy()
+
+    def _replaced(
+        self, values: NDArray[Any], sparse: Json, where: str, dtype: np.dtype[Any], width: int
+    ) -> NDArray[Any]:
+        """Values with those of a sparse accessor put in."""
+        count = _natural(sparse.get("count"), f"{where}.sparse.count")
+        indices, others = sparse.get("indices", {}), sparse.get("values", {})
+        index_type, _ = self._layout({"type": "SCALAR", **indices}, f"{where}.sparse.indices")
+        rows = self._strided(indices, f"{where}.sparse.indices", count, index_type, 1)[:, 0]
+        if len(rows) and int(rows.max()) >= len(values):
+            raise Damaged(f"{where}.sparse names item {int(rows.max())} of {len(values)}")
+        values[rows] = self._strided(others, f"{where}.sparse.values", count, dtype, width)
+        return values
+
+    def _buffer(self, index: object) -> memoryview:
+        entry = self.entry("buffers", index)
+        assert isinstance(index, int)
+        if index not in self._buffers:
+            if "uri" in entry:
+                data = self._at(str(entry["uri"]))
+            elif self._embedded is None or index:
+                raise Damaged(f"buffers[{index}] has no data")
+            else:
+                data = self._embedded
+            length = _natural(entry.get("byteLength"), f"buffers[{index}].byteLength")
+            if length > len(data):
+                raise Damaged(f"buffers[{index}] is cut short: {len(data)} of {length} bytes are there")
+            self._buffers[index] = memoryview(data)[:length]
+        return self._buffers[index]
+
+    def _at(self, uri: str) -> bytes:
+        if not uri.startswith("data:"):
+            return neighbour(self._file, unquote(uri))
+        try:
+            return base64.b64decode(uri.partition(",")[2], validate=True)
+        except binascii.Error as error:
+            raise Damaged(f"a data URI cannot be decoded: {error}") from error
+
+
+def _container(data: bytes) -> tuple[bytes, bytes | None]:
+    """The JSON and the binary chunk of a GLB; all of a .gltf is JSON."""
+    if data[:4] != struct.pack("<I", _GLB_MAGIC):
+        return data, None
+    if len(data) < 20:
+        raise Damaged("it ends within its header")
+    total = struct.unpack_from("<I", data, 8)[0]
+    if total > len(data):
+        raise Damaged(f"it is cut short: {len(data)} of {total} bytes are there")
+    chunks: dict[int, bytes] = {}
+    at = 12
+    while at + 8 <= total:
+        length, kind = struct.unpack_from("<II", data, at)
+        if at + 8 + length > total:
+            raise Damaged("a chunk reaches beyond its end")
+        chunks.setdefault(kind, data[at + 8 : at + 8 + length])
+        at += 8 + length
+    if _JSON_CHUNK not in chunks:
+        raise Damaged("it has no JSON chunk")
+    return chunks[_JSON_CHUNK], chunks.get(_BINARY_CHUNK)
+
+
+def _cut(buffer: memoryview, entry: Json, where: str) -> memoryview:
+    offset = _natural(entry.get("byteOffset", 0), f"{where}.byteOffset")
+    length = _natural(entry.get("byteLength"), f"{where}.byteLength")
+    if offset + length > len(buffer):
+        raise Damaged(f"{where} reaches beyond its buffer")
+    return buffer[offset : offset + length]
+
+
+def _natural(value: object, where: str) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise Damaged(f"{where} is {value!r}, not a number of 0 or more")
+    return value
+
+
+def _held(count: int, file: Path) -> int:
+    """A count of zeros that no bytes stand behind, kept to what a file of its size might mean."""
+    most = max(file.stat().st_size, 1 << 20)
+    if count > most:
+        raise Damaged(f"an accessor without data claims {count} items")
+    return count

@@ -1,0 +1,98 @@
+"""OBJ and PLY, as scanners and mesh programs write them, read by trimesh."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from tacos_worlds.imported.model import Model, Skin, Surface
+from tacos_worlds.mesh_files import read_mesh_file
+
+_STEPS = np.arange(256) / 255
+_LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4)
+"""Linear value of each sRGB byte (IEC 61966-2-1)."""
+
+
+def read_plain_mesh(file: Path, most_px: int) -> Model:
+    """Surfaces and skins of an OBJ (with its MTL) or a PLY file.
+
+    Parameters
+    ----------
+    most_px
+        Longest edge of textures [px].
+
+    Raises
+    ------
+    UserError
+        Where it cannot be read, or names files that are not there.
+    """
+    is_obj = file.suffix.lower() == ".obj"
+    options: dict[str, Any] = {"split_objects": True, "group_material": True} if is_obj else {}
+    scene = read_mesh_file(file, process=False, **options).scene
+    surfaces: list[Surface] = []
+    skins: list[Skin] = []
+    for name, mesh in scene.geometry.items():
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+            surfaces.append(_surface(str(mesh.metadata.get("name", name)), mesh, len(skins)))
+            skins.append(_skin(mesh, most_px))
+    return Model(tuple(surfaces), tuple(skins))
+
+
+def _surface(name: str, mesh: trimesh.Trimesh, skin: int) -> Surface:
+    uv = getattr(mesh.visual, "uv", None)
+    colours = None
+    if isinstance(coloured := mesh.visual, trimesh.visual.ColorVisuals):
+        if coloured.kind == "vertex":
+            colours = _LINEAR[np.asarray(coloured.vertex_colors)[:, :3]]
+        elif coloured.kind == "face":
+            colours = _of_faces(mesh, np.asarray(coloured.face_colors)[:, :3])
+    has_normals = "vertex_normals" in mesh._cache  # given in the file, not worked out
+    normals = np.asarray(mesh.vertex_normals, np.float64) if has_normals else None
+    return Surface(
+        path=(name,),
+        vertices=np.asarray(mesh.vertices, np.float64),
+        triangles=np.asarray(mesh.faces, np.int64),
+        skin=skin,
+        normals=normals,
+        uv=None if uv is None or len(uv) != len(mesh.vertices) else np.asarray(uv, np.float64)[:, :2],
+        colours=colours,
+    )
+
+
+def _of_faces(mesh: trimesh.Trimesh, colours: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Mean colour of the faces around each vertex."""
+    total, count = np.zeros((len(mesh.vertices), 3)), np.zeros((len(mesh.vertices), 1))
+    for corner in range(3):
+        np.add.at(total, mesh.faces[:, corner], _LINEAR[colours])
+        np.add.at(count, mesh.faces[:, corner], 1)
+    return np.asarray(total / np.maximum(count, 1))
+
+
+def _skin(mesh: trimesh.Trimesh, most_px: int) -> Skin:
+    material = getattr(mesh.visual, "material", None)
+    if isinstance(material, trimesh.visual.material.SimpleMaterial):
+        material = material.to_pbr()
+    if not isinstance(material, trimesh.visual.material.PBRMaterial):
+        return Skin(
+            "colours", np.ones(3) if mesh.visual is not None and mesh.visual.defined else np.full(3, 0.5)
+        )
+    factor = np.ones(4) if material.baseColorFactor is None else np.asarray(material.baseColorFactor) / 255
+    image = None
+    if material.baseColorTexture is not None:
+        loaded = material.baseColorTexture.convert("RGB")
+        loaded.thumbnail((most_px, most_px))
+        image = np.ascontiguousarray(np.asarray(loaded)[::-1])
+    emission = np.zeros(3) if material.emissiveFactor is None else np.asarray(material.emissiveFactor, float)
+    roughness = 0.8 if material.roughnessFactor is None else float(material.roughnessFactor)
+    return Skin(
+        name=str(material.name or ""),
+        base_colour=np.clip(np.ones(3) if image is not None else factor[:3], 0, 1),
+        opacity=float(factor[3]),
+        texture=image,
+        roughness=float(np.clip(roughness, 0, 1)),
+        emission=emission,
+    )

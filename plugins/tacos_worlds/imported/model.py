@@ -1,0 +1,133 @@
+"""What a file holds, before anything is made of it: meshes, materials and lights, in the file's own axes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """How a surface looks, as files say it (metallic-roughness).
+
+    Parameters
+    ----------
+    name
+        The material's name.
+    base_colour
+        (3,) linear factor [1].
+    opacity
+        0 for what is not there, 1 for what hides all behind it [1].
+    texture
+        (H, W, 3) uint8 sRGB, row 0 at the bottom (v = 0); or None.
+    normal_map
+        (H, W, 3) uint8 tangent-space normals, row 0 at the bottom; or None.
+    roughness, metallic
+        0..1 [1].
+    emission
+        (3,) light sent out, in the file's unit (cd/m2 in glTF).
+    two_sided
+        Whether both sides are to be seen.
+    """
+
+    name: str
+    base_colour: NDArray[np.float64] = field(default_factory=lambda: np.full(3, 0.5))
+    opacity: float = 1.0
+    texture: NDArray[np.uint8] | None = None
+    normal_map: NDArray[np.uint8] | None = None
+    roughness: float = 0.8
+    metallic: float = 0.0
+    emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    two_sided: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles of one skin that belong to one node of the file.
+
+    Parameters
+    ----------
+    path
+        Names of the nodes from the root down to this one, and of its mesh.
+    vertices
+        (V, 3) float64 in the world of the file, in its unit.
+    triangles
+        (T, 3) int64.
+    skin
+        Index into `Model.skins`.
+    normals
+        (V, 3) float64 of unit length, or None where the file has none.
+    uv
+        (V, 2) float64 in tiles, v upwards [1]; or None.
+    colours
+        (V, 3) float64 linear reflectance [1]; or None.
+    extras
+        What the file's author noted on the node, inherited from its ancestors.
+    """
+
+    path: tuple[str, ...]
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    skin: int
+    normals: NDArray[np.float64] | None = None
+    uv: NDArray[np.float64] | None = None
+    colours: NDArray[np.float64] | None = None
+    extras: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Names from the root, joined by slashes."""
+        return "/".join(self.path)
+
+
+@dataclass(frozen=True, eq=False)
+class PunctualLight:
+    """A light without a surface (KHR_lights_punctual).
+
+    Parameters
+    ----------
+    kind
+        point, spot or directional.
+    position, direction
+        (3,) where it is and where it shines to, in the world of the file.
+    colour
+        (3,) linear [1].
+    intensity
+        Candela of a point or spot, lux of a directional light [cd, lux].
+    outer_rad
+        Half angle of a spot's cone [rad].
+    """
+
+    kind: Literal["point", "spot", "directional"]
+    position: NDArray[np.float64]
+    direction: NDArray[np.float64]
+    colour: NDArray[np.float64]
+    intensity: float
+    outer_rad: float = 0.785
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A file's content.
+
+    Parameters
+    ----------
+    surfaces, skins, lights
+        What is in it.
+    up
+        The axis that points upwards where the format says so: x, y or z; else None.
+    """
+
+    surfaces: tuple[Surface, ...]
+    skins: tuple[Skin, ...]
+    lights: tuple[PunctualLight, ...] = ()
+    up: Literal["x", "y", "z"] | None = None
+
+    @property
+    def triangle_count(self) -> int:
+        """Number of triangles in all."""
+        return sum(len(surface.triangles) for surface in self.surfaces)

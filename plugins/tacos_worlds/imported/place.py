@@ -1,0 +1,236 @@
+"""A file made ready to be walked in: labelled, its sides and its floor found, lit; read and baked once."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import Light, Material, MeshPart, Object, World
+from tacos_plugins.lighting import LightTransport, photopic, scale_light
+from tacos_plugins.lighting.occlusion import Occlusion
+from tacos_plugins.lighting.refinement import refined
+from tacos_worlds.imported.atlas import painted
+from tacos_worlds.imported.detail import simplified
+from tacos_worlds.imported.facing import facing_the_eye
+from tacos_worlds.imported.finishes import materials_of
+from tacos_worlds.imported.floor import Floor
+from tacos_worlds.imported.lamps import of_glowing, panel_luminance_cd_m2, placed, strongest
+from tacos_worlds.imported.model import Skin
+from tacos_worlds.imported.normals import with_normals
+from tacos_worlds.imported.patch import Patch
+from tacos_worlds.imported.sky import Surroundings, even
+
+PLANE_HEIGHT_M = 1.0
+"""Height of the plane on which the illuminance is given [m]."""
+_MOST_PLANE_POINTS = 2000
+_MOST_SITES = 60_000
+_RAYS = 64
+_FINEST_MERGE_M = 0.08
+_EDGE_M = 0.6
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What a world may take.
+
+    Parameters
+    ----------
+    triangles
+        In all [1].
+    texture_memory_mb
+        For textures [MB].
+    """
+
+    triangles: int
+    texture_memory_mb: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """Where light comes from.
+
+    Parameters
+    ----------
+    lights
+        Those of the file, and the sun.
+    emission_scale
+        Luminance for one unit of emission in the file [cd/m2].
+    surroundings
+        The sky, or None.
+    lamps
+        Whether lamps are placed: always, or never, or (None) where nothing else shines.
+    """
+
+    lights: tuple[Light, ...]
+    emission_scale: float
+    surroundings: Surroundings | None
+    lamps: bool | None
+
+
+def geometry(patches: Sequence[Patch]) -> tuple[Occlusion, NDArray[np.int32]]:
+    """The triangles of patches for rays, and the object of each."""
+    up = np.array([0.0, 0, 1])
+    parts = tuple(
+        _part(p if p.normals is not None else replace(p, normals=np.tile(up, (len(p.vertices_m), 1))))
+        for p in patches
+    )
+    objects = (Object("background", "background"),) * (1 + max((p.object_id for p in patches), default=0))
+    materials = (Material("any", np.ones(3, np.float32)),) * (1 + max((p.skin for p in patches), default=0))
+    world = World("geometry", parts, materials, objects, ("background",))
+    counts = [len(patch.triangles) for patch in patches]
+    return Occlusion(world), np.repeat([p.object_id for p in patches], counts).astype(np.int32)
+
+
+def lit_world(
+    patches: Sequence[Patch],
+    occlusion: Occlusion,
+    skins: Sequence[Skin],
+    objects: tuple[Object, ...],
+    class_names: tuple[str, ...],
+    floor: Floor,
+    eye_m: float,
+    sources: Sources,
+    budget: Budget,
+) -> World:
+    """The world, with the light its sources have, baked.
+
+    Parameters
+    ----------
+    eye_m
+        Height of the agent's eye [m].
+
+    Raises
+    ------
+    ValueError
+        Where no light reaches the floor.
+    """
+    eyes = floor.points_m + np.array([0.0, 0.0, eye_m])
+    faced = facing_the_eye(patches, occlusion, eyes)
+    fewer = simplified(faced, eyes, budget.triangles)
+    lights = [*sources.lights]
+    for patch in fewer:
+        emission = skins[patch.skin].emission * sources.emission_scale
+        if emission.any():
+            lights += of_glowing(patch, emission)
+    lit = bool(lights) or sources.surroundings is not None
+    surroundings = sources.surroundings
+    all_skins, panels = list(skins), list[Patch]()
+    if sources.lamps or (sources.lamps is None and not lit):
+        lamps, panels = placed(floor, occlusion)
+        lights += lamps
+        panels = [replace(panel, skin=len(all_skins)) for panel in panels]
+        glow = panel_luminance_cd_m2() / max(sources.emission_scale, 1e-12)
+        all_skins.append(Skin("placed lamp", np.full(3, 0.8), emission=glow))
+        if not lamps and surroundings is None and not lit:
+            surroundings = even(1.0)
+    coloured = [index for index, patch in enumerate(fewer) if patch.colours is not None]
+    atlases: dict[int, NDArray[np.uint8]] = {}
+    if coloured:
+        textured, atlas = painted([fewer[index] for index in coloured])
+        for index, patch in zip(coloured, textured, strict=True):
+            fewer[index] = replace(patch, skin=len(all_skins))
+        atlases[len(all_skins)] = atlas
+        all_skins.append(Skin("vertex colours", np.ones(3), roughness=0.9))
+    parts = tuple(_part(with_normals(patch)) for patch in [*fewer, *panels])
+    world = World(
+        key="unlit",
+        parts=parts,
+        materials=materials_of(
+            all_skins, atlases, memory_mb=budget.texture_memory_mb, emission_scale=sources.emission_scale
+        ),
+        objects=objects,
+        class_names=class_names,
+        lights=tuple(strongest(lights)),
+        ambient_cd_m2=np.zeros(3, np.float32)
+        if surroundings is None
+        else surroundings.mean.astype(np.float32),
+        sky_cd_m2=None if surroundings is None else surroundings.panorama,
+    )
+    return _baked(world, floor)
+
+
+def at_illuminance(world: World, lux: float, illumination_lux: float | None) -> World:
+    """The world with its light scaled from `lux` to an illuminance; as it is where that is None [lux]."""
+    if illumination_lux is None:
+        return world
+    return scale_light(world, illumination_lux / lux, key=f"{world.key}-{illumination_lux!r}")
+
+
+def illuminance_lux(world: World, floor: Floor) -> float:
+    """Mean illuminance on a plane 1 m above the floor [lux]."""
+    return _on_plane(_transport(world), floor)
+
+
+def _baked(world: World, floor: Floor) -> World:
+    # Light is kept at vertices, of which a wall of two triangles has too few.
+    world = refined(world, _longest_edge_m(world))
+    transport = _transport(world)
+    if not _on_plane(transport, floor) > 0:
+        raise ValueError("no light reaches the floor")
+    return replace(world, indirect_lux=transport.vertex_indirect_lux(), key=_key(world))
+
+
+def _transport(world: World) -> LightTransport:
+    """Light as fine as its number of places allows: a large world is lit more coarsely."""
+    return LightTransport(
+        world,
+        rays=_RAYS,
+        merge_m=max(_FINEST_MERGE_M, _spacing_m(world)),
+        longest_edge_m=_longest_edge_m(world),
+    )
+
+
+def _longest_edge_m(world: World) -> float:
+    return max(_EDGE_M, 4 * _spacing_m(world))
+
+
+def _spacing_m(world: World) -> float:
+    """Distance at which places of light cover all surfaces [m]."""
+    corners = (part.vertices_m[part.triangles].astype(np.float64) for part in world.parts)
+    doubled = (np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]) for c in corners)
+    area_m2 = sum(float(np.linalg.norm(cross, axis=1).sum()) / 2 for cross in doubled)
+    return float((area_m2 / _MOST_SITES) ** 0.5)
+
+
+def _on_plane(transport: LightTransport, floor: Floor) -> float:
+    chosen = np.linspace(0, len(floor.points_m) - 1, min(len(floor.points_m), _MOST_PLANE_POINTS)).astype(int)
+    points = (floor.points_m[chosen] + np.array([0, 0, PLANE_HEIGHT_M])).astype(np.float32)
+    up = np.tile(np.array([0, 0, 1], np.float32), (len(points), 1))
+    return float(photopic(transport.direct_lux(points, up) + transport.indirect_lux(points, up)).mean())
+
+
+def _part(patch: Patch) -> MeshPart:
+    assert patch.normals is not None
+    uv = np.zeros((len(patch.vertices_m), 2)) if patch.uv is None else patch.uv
+    return MeshPart(
+        vertices_m=patch.vertices_m.astype(np.float32),
+        normals=patch.normals.astype(np.float32),
+        uv_m=uv.astype(np.float32),
+        triangles=patch.triangles.astype(np.int32),
+        material=max(patch.skin, 0),
+        object_id=patch.object_id,
+    )
+
+
+def _key(world: World) -> str:
+    """A hash of everything that makes the world what it is."""
+    digest = hashlib.blake2b(digest_size=16)
+    for part in world.parts:
+        digest.update(repr((part.material, part.object_id)).encode())
+        for array in (part.vertices_m, part.normals, part.uv_m, part.triangles):
+            digest.update(array.tobytes())
+    for material in world.materials:
+        digest.update(repr((material.name, material.roughness, material.metallic)).encode())
+        digest.update(material.base_colour.tobytes() + material.emission_cd_m2.tobytes())
+        for image in (material.texture, material.normal_map):
+            digest.update(b"-" if image is None else image.tobytes())
+    for light in world.lights:
+        digest.update(light.position_m.tobytes() + light.flux_lm.tobytes())
+    digest.update(world.ambient_cd_m2.tobytes())
+    digest.update(b"-" if world.sky_cd_m2 is None else world.sky_cd_m2.tobytes())
+    digest.update(repr((world.objects, world.class_names)).encode())
+    return f"imported-{digest.hexdigest()}"

@@ -1,0 +1,236 @@
+"""From settings to a place that can be walked in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.values import Light, Object, World
+from tacos_plugins.lighting import photopic
+from tacos_plugins.lighting.occlusion import Occlusion
+from tacos_worlds.imported.floor import Agent, Floor, find_floor, walkable
+from tacos_worlds.imported.formats.file_bytes import Unreadable
+from tacos_worlds.imported.formats.gltf_buffers import Damaged
+from tacos_worlds.imported.labels import Label, Rule, class_names, label_of, read_table, unused_rules
+from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
+from tacos_worlds.imported.patch import Patch, sound
+from tacos_worlds.imported.place import Budget, Sources, geometry, illuminance_lux, lit_world
+from tacos_worlds.imported.reading import Read, read_world
+from tacos_worlds.imported.recorded import Recorded, read_recorded
+from tacos_worlds.imported.sky import Surroundings, read_surroundings
+
+if TYPE_CHECKING:
+    from tacos_worlds.imported.scene import ImportedScene
+
+_LARGEST_TEXTURE_PX = 8192
+_LAMPS = {"auto": None, "file": False, "lamps": True, "both": True}
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A file, ready to be walked in.
+
+    Parameters
+    ----------
+    world
+        Lit as its sources are.
+    lux
+        Mean illuminance 1 m above the floor in that world [lux].
+    floor
+        Where the agent can walk.
+    agent
+        Who walks.
+    occlusion, object_of_triangle
+        What lies underfoot.
+    obstacles
+        Ids of objects that count when stepped on.
+    names
+        Some names of nodes, for messages.
+    recorded
+        A path from a file, or None.
+    """
+
+    world: World
+    lux: float
+    floor: Floor
+    agent: Agent
+    occlusion: Occlusion
+    object_of_triangle: NDArray[np.int32]
+    obstacles: tuple[int, ...]
+    names: str
+    recorded: Recorded | None
+
+
+def prepare(config: ImportedScene.Config) -> Place:
+    """Read, label, look for the floor, and light.
+
+    Raises
+    ------
+    UserError
+        With a fault for each thing that is wrong.
+    """
+    rules, faults = read_table(Path(config.labels).expanduser()) if config.labels else ([], [])
+    sky, of_sky = _sky(config)
+    try:
+        read = read_world(
+            Path(config.file).expanduser(),
+            up=config.up,
+            metres_per_unit=config.metres_per_unit,
+            leave_out=config.leave_out,
+            most_px=_LARGEST_TEXTURE_PX,
+        )
+    except UserError as error:
+        raise UserError([*error.faults, *faults, *of_sky]) from error
+    recorded, of_path = _recorded(config, read)
+    faults = [*faults, *of_sky, *of_path, *_idle(config, read, rules)]
+    if faults:
+        raise UserError(faults)
+    labels = [label_of(surface, rules) for surface in read.model.surfaces]
+    objects, ids, classes = _objects(labels, config.obstacles)
+    patches = [sound(s, read.turn, i) for s, i in zip(read.model.surfaces, ids, strict=True)]
+    patches = [patch for patch in patches if len(patch.triangles)]
+    occlusion, object_of_triangle = geometry(patches)
+    agent = Agent(config.radius_m, config.height_m, config.step_m)
+    floor = _floor(config, occlusion, agent)
+    world = _lit(config, read, patches, occlusion, objects, classes, floor, sky)
+    obstacles = tuple(i for i, thing in enumerate(objects) if i and thing.class_name in config.obstacles)
+    names = sorted({surface.path[-1] for surface in read.model.surfaces})
+    return Place(
+        world=world,
+        lux=illuminance_lux(world, floor),
+        floor=floor,
+        agent=agent,
+        occlusion=occlusion,
+        object_of_triangle=object_of_triangle,
+        obstacles=obstacles,
+        names=", ".join(names[:12]) + (", ..." if len(names) > 12 else ""),
+        recorded=recorded,
+    )
+
+
+def _sky(config: ImportedScene.Config) -> tuple[Surroundings | None, list[Fault]]:
+    if not config.sky:
+        return None, []
+    try:
+        sky = read_surroundings(Path(config.sky).expanduser(), config.sky_turn_deg)
+    except UserError as error:
+        return None, list(error.faults)
+    except Unreadable as error:
+        return None, [Fault(config.sky, f"cannot be used: {error}", "a panorama in .hdr or .exr")]
+    if config.sky_lux is None:
+        return sky, []
+    given = float(photopic(np.pi * sky.mean)) + (0.0 if sky.sun is None else _level_lux(sky.sun))
+    if not given > 0:
+        return None, [Fault(config.sky, "is black above the horizon", "a panorama that gives light")]
+    factor = config.sky_lux / given
+    star = None if sky.sun is None else replace(sky.sun, flux_lm=sky.sun.flux_lm * np.float32(factor))
+    return Surroundings(sky.panorama * np.float32(factor), sky.mean * factor, star), []
+
+
+def _level_lux(star: Light) -> float:
+    """Illuminance that a sun gives level ground [lux]."""
+    height = max(float(star.position_m[2]) / SUN_DISTANCE_M, 0.0)
+    return float(photopic(star.flux_lm)) / (4 * np.pi * SUN_DISTANCE_M**2) * height
+
+
+def _recorded(config: ImportedScene.Config, read: Read) -> tuple[Recorded | None, list[Fault]]:
+    if not config.path:
+        return None, []
+    turn = read.turn if config.path_axes == "file" else np.eye(3)
+    try:
+        return read_recorded(Path(config.path).expanduser(), turn, of_camera=config.path_of == "camera"), []
+    except UserError as error:
+        return None, list(error.faults)
+    except (Damaged, Unreadable) as error:
+        return None, [
+            Fault(config.path, f"cannot be used: {error}", "poses as TUM, EuRoC or KITTI write them")
+        ]
+
+
+def _idle(config: ImportedScene.Config, read: Read, rules: Sequence[Rule]) -> Iterator[Fault]:
+    """Rules of the table that match nothing: most likely misspelt."""
+    names = {name for surface in read.model.surfaces for name in surface.path}
+    for rule in unused_rules(read.model.surfaces, rules):
+        yield Fault(
+            f"{config.labels}: {rule.pattern}",
+            "matches no node of the file",
+            remedy=did_you_mean(rule.pattern, list(names)[:500]),
+        )
+
+
+def _objects(
+    labels: Sequence[Label], obstacles: Sequence[str]
+) -> tuple[tuple[Object, ...], list[int], tuple[str, ...]]:
+    """Objects, the id of each surface, and the classes."""
+    things: dict[str, str] = {}
+    for label in labels:
+        if label.thing:
+            things.setdefault(label.thing, label.class_name)
+    ids = {thing: number for number, thing in enumerate(things, start=1)}
+    objects = (Object("background", "background"), *(Object(thing, name) for thing, name in things.items()))
+    classes = class_names([*labels, *(Label(name, name) for name in obstacles)])
+    return objects, [ids.get(label.thing, 0) for label in labels], classes
+
+
+def _floor(config: ImportedScene.Config, occlusion: Occlusion, agent: Agent) -> Floor:
+    inside = {"auto": None, "inside": True, "outside": False}[config.ground]
+    everything = find_floor(occlusion, agent)
+    start = None
+    if config.start_m is not None:
+        start = np.array((*config.start_m, np.nan)[:3])
+        if np.isnan(start[2]) and len(everything.points_m):
+            away = np.linalg.norm(everything.points_m[:, :2] - start[:2], axis=1)
+            start[2] = everything.points_m[int(np.argmin(away)), 2]
+    floor = walkable(everything, agent, inside=inside, start_m=start)
+    if len(floor.points_m) >= 2:
+        return floor
+    lower, upper = occlusion.vertices_m.min(axis=0), occlusion.vertices_m.max(axis=0)
+    extent = " x ".join(f"{length:.2f}" for length in upper - lower)
+    raise UserError(
+        Fault(
+            config.file,
+            f"has no floor an agent of {2 * agent.radius_m:g} m width and {agent.height_m:g} m height "
+            f"can walk "
+            f"on ({len(everything.points_m)} places to stand in {extent} m)",
+            "level surfaces with room above, z up after the settings up and metres_per_unit",
+            "Check up and metres_per_unit by that extent; leave closed doors out (leave_out); or set ground, "
+            "radius_m, step_m or height_m.",
+        )
+    )
+
+
+def _lit(
+    config: ImportedScene.Config,
+    read: Read,
+    patches: Sequence[Patch],
+    occlusion: Occlusion,
+    objects: tuple[Object, ...],
+    classes: tuple[str, ...],
+    floor: Floor,
+    sky: Surroundings | None,
+) -> World:
+    own = () if config.light == "lamps" else tuple(of_file(read.model.lights, read.turn))
+    if sky is not None and sky.sun is not None:
+        own = (*own, sky.sun)
+    skins = read.model.skins
+    if config.light == "lamps":
+        skins = tuple(replace(skin, emission=np.zeros(3)) for skin in skins)
+    sources = Sources(own, config.emission_cd_m2, sky, _LAMPS[config.light])
+    eye_m = float(np.mean(config.camera_height_m))
+    budget = Budget(config.triangles, config.texture_memory_mb)
+    try:
+        return lit_world(patches, occlusion, skins, objects, classes, floor, eye_m, sources, budget)
+    except ValueError as error:
+        raise UserError(
+            Fault(
+                f"{config.file}: light",
+                f"is {config.light}, but {error}",
+                remedy="Give a sky, or light: both for lamps under the ceilings.",
+            )
+        ) from error

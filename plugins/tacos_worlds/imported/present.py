@@ -1,0 +1,43 @@
+"""Whether files that settings name are there, before anything is read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from tacos_framework.errors import Fault
+
+WORLD = (".glb", ".gltf", ".obj", ".ply")
+TABLE = (".csv", ".yaml", ".yml")
+PANORAMA = (".hdr", ".exr")
+_CONVERT = {
+    ".blend": "In Blender: File, Export, glTF 2.0.",
+    ".fbx": "Import it into Blender and export it as glTF 2.0.",
+    ".usd": "Import it into Blender and export it as glTF 2.0.",
+    ".usdz": "Import it into Blender and export it as glTF 2.0.",
+    ".dae": "Import it into Blender 4 and export it as glTF 2.0.",
+    ".stl": "STL holds no colours: export the model as glTF 2.0 or PLY.",
+    ".png": "A panorama of high dynamic range is .hdr or .exr.",
+    ".jpg": "A panorama of high dynamic range is .hdr or .exr.",
+}
+
+
+def faults_of_files(file: str, labels: str, sky: str, path: str) -> Iterator[Fault]:
+    """A fault for each file that is not there, or of a kind that is not read."""
+    for name, value, suffixes in (
+        ("file", file, WORLD),
+        ("labels", labels, TABLE),
+        ("sky", sky, PANORAMA),
+        ("path", path, ()),
+    ):
+        if not value:
+            if name == "file":
+                yield Fault("scene.imported: file", "is empty", f"a {', '.join(WORLD)} file")
+            continue
+        where, target = f"scene.imported: {name}", Path(value).expanduser()
+        suffix = target.suffix.lower()
+        if suffixes and suffix not in suffixes:
+            yield Fault(where, f"{target} is no {', '.join(suffixes)} file", remedy=_CONVERT.get(suffix, ""))
+        elif not target.is_file():
+            what = "is not a regular file" if target.exists() else "does not exist"
+            yield Fault(where, f"{target} {what}", remedy="Check the path.")

@@ -1,0 +1,167 @@
+"""A file as patches of surface in metres with z up, and everything that is wrong with it, at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.errors import Fault, UserError
+from tacos_worlds.imported.formats.file_bytes import Unreadable
+from tacos_worlds.imported.formats.gltf_buffers import Damaged
+from tacos_worlds.imported.labels import Rule
+from tacos_worlds.imported.model import Model, Surface
+
+SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
+MOST_TRIANGLES = 30_000_000
+_LEAST_OPACITY = 0.5
+"""Clearer surfaces are left out: a pane of glass, drawn as a wall, would shut the light out [1]."""
+_LOWEST_M, _WIDEST_M = 1.5, 20_000.0
+
+_Z_UP_FROM: dict[str, NDArray[np.float64]] = {
+    "x": np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]),
+    "y": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
+    "z": np.eye(3),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """A model, and how its axes and unit become metres with z up.
+
+    Parameters
+    ----------
+    model
+        Without what is to be left out.
+    turn
+        (3, 3) from the file's coordinates to metres with z up.
+    up
+        The axis that was taken as up.
+    """
+
+    model: Model
+    turn: NDArray[np.float64]
+    up: str
+
+
+def read_world(
+    file: Path,
+    *,
+    up: Literal["auto", "x", "y", "z"],
+    metres_per_unit: float,
+    leave_out: tuple[str, ...],
+    most_px: int,
+) -> Read:
+    """Read a file.
+
+    Raises
+    ------
+    UserError
+        With a fault for each thing that is wrong with it.
+    """
+    model = _opened(file, most_px)
+    rules = [Rule(pattern, "") for pattern in leave_out]
+    kept = [s for s in model.surfaces if all(rule.matches(s.path) is None for rule in rules)]
+    faults = [
+        Fault(f"leave_out: {rule.pattern}", "matches nothing in the file", remedy=_names(model.surfaces))
+        for rule in rules
+        if all(rule.matches(s.path) is None for s in model.surfaces)
+    ]
+    kept = [s for s in kept if model.skins[s.skin].opacity >= _LEAST_OPACITY]
+    model = replace(model, surfaces=tuple(kept))
+    faults += _of_content(file, model)
+    if faults:
+        raise UserError(faults)
+    axis = up if up != "auto" else model.up or likely_up(model)
+    turn = metres_per_unit * _Z_UP_FROM[axis]
+    if faults := list(_of_size(file, model, turn)):
+        raise UserError(faults)
+    return Read(model, turn, axis)
+
+
+def likely_up(model: Model) -> Literal["y", "z"]:
+    """The axis along which most of the area faces: floors and ceilings are larger than any one wall."""
+    facing = np.zeros(3)
+    for surface in model.surfaces:
+        a, b, c = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
+        cross = np.cross(b - a, c - a)
+        area = np.linalg.norm(cross, axis=1)
+        along = np.abs(cross) > 0.966 * np.maximum(area, 1e-30)[:, None]  # within 15 degrees
+        facing += (along * area[:, None]).sum(axis=0)
+    return "z" if facing[2] >= facing[1] else "y"
+
+
+def _opened(file: Path, most_px: int) -> Model:
+    # Late: trimesh takes a while to import, and checking a recipe reads nothing.
+    try:
+        if file.suffix.lower() in (".glb", ".gltf"):
+            from tacos_worlds.imported.formats.gltf import read_gltf
+
+            return read_gltf(file, most_px)
+        from tacos_worlds.imported.formats.plain_meshes import read_plain_mesh
+
+        return read_plain_mesh(file, most_px)
+    except (Damaged, Unreadable) as error:
+        raise UserError(
+            Fault(
+                str(file), f"cannot be used: {error}", remedy="Export it again, as a whole and uncompressed."
+            )
+        ) from error
+
+
+def _of_content(file: Path, model: Model) -> Iterator[Fault]:
+    if not model.triangle_count:
+        yield Fault(
+            str(file), "holds no triangles that hide anything", "a mesh of a room, building or street"
+        )
+    if model.triangle_count > MOST_TRIANGLES:
+        yield Fault(
+            str(file),
+            f"has {model.triangle_count} triangles",
+            f"at most {MOST_TRIANGLES}",
+            "Decimate it, or export a part of it.",
+        )
+    for surface in model.surfaces:
+        if not np.isfinite(surface.vertices).all():
+            bad = int((~np.isfinite(surface.vertices).all(axis=1)).sum())
+            yield Fault(f"{file}: {surface.name}", f"has {bad} vertices that are not finite numbers")
+        if not 0 <= surface.skin < len(model.skins):
+            yield Fault(f"{file}: {surface.name}", f"names material {surface.skin} of {len(model.skins)}")
+        if len(surface.triangles) and not 0 <= surface.triangles.min() <= surface.triangles.max() < len(
+            surface.vertices
+        ):
+            yield Fault(f"{file}: {surface.name}", "names vertices that do not exist")
+
+
+def _of_size(file: Path, model: Model, turn: NDArray[np.float64]) -> Iterator[Fault]:
+    """Worlds nobody can walk in: the unit is another one."""
+    lower = np.min([(s.vertices @ turn.T).min(axis=0) for s in model.surfaces if len(s.vertices)], axis=0)
+    upper = np.max([(s.vertices @ turn.T).max(axis=0) for s in model.surfaces if len(s.vertices)], axis=0)
+    extent = upper - lower
+    widest = float(extent[:2].max())
+    said = " x ".join(f"{length:.3g}" for length in extent)
+    if widest < _LOWEST_M:
+        yield Fault(
+            f"{file}: metres_per_unit",
+            f"the world is {said} m large, too small to walk in",
+            "metres for one unit of the file",
+            f"For a file in kilometres give 1000; for one of {widest:.3g} units across see its program.",
+        )
+    if widest > _WIDEST_M or (float(extent[2]) > 1000.0):
+        yield Fault(
+            f"{file}: metres_per_unit",
+            f"the world is {said} m large",
+            f"at most {_WIDEST_M:g} m, and 1000 m high",
+            "Give 0.01 for a file in centimetres (Unreal's OBJ and PLY), 0.001 for millimetres, 0.0254 "
+            "for inches.",
+        )
+
+
+def _names(surfaces: tuple[Surface, ...]) -> str:
+    names = sorted({surface.path[0] if len(surface.path) == 1 else surface.path[-2] for surface in surfaces})
+    shown = ", ".join(names[:12])
+    return f"Names in the file: {shown}{', ...' if len(names) > 12 else ''}." if names else ""

@@ -1,0 +1,80 @@
+"""Trips along recorded poses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.values import Crossing, Episode, Trajectory, World
+from tacos_worlds.imported.formats.poses import AGENT_FROM_OPTICAL, read_poses
+from tacos_worlds.imported.tour import stepped_on
+
+if TYPE_CHECKING:
+    from tacos_worlds.imported.preparation import Place
+
+_DEEPEST_M = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """A recorded path in metres with z up.
+
+    Parameters
+    ----------
+    trajectory
+        Poses of the agent.
+    """
+
+    trajectory: Trajectory
+
+
+def read_recorded(file: Path, turn: NDArray[np.float64], *, of_camera: bool) -> Recorded:
+    """A path from a file.
+
+    Parameters
+    ----------
+    turn
+        (3, 3) from its axes and unit to metres with z up.
+    of_camera
+        Whether its poses are of an optical frame; else of an agent.
+    """
+    found = read_poses(file)
+    rotation = turn / np.cbrt(np.linalg.det(turn))
+    poses = np.tile(np.eye(4), (len(found.poses), 1, 1))
+    own = found.poses[:, :3, :3]
+    poses[:, :3, :3] = rotation @ (own @ AGENT_FROM_OPTICAL[:3, :3].T if of_camera else own)
+    poses[:, :3, 3] = found.poses[:, :3, 3] @ turn.T
+    return Recorded(Trajectory(found.time_s, poses))
+
+
+def recorded_episode(
+    rng: np.random.Generator, world: World, place: Place, frames: int, frame_rate_hz: float
+) -> Episode:
+    """Frames at a steady rate along a recorded path, from a random start where they do not cover all of
+    it."""
+    assert place.recorded is not None
+    trajectory = place.recorded.trajectory
+    duration_s = float(trajectory.time_s[-1])
+    count = min(frames, int(duration_s * frame_rate_hz + 1e-9) + 1)
+    spare_s = duration_s - (count - 1) / frame_rate_hz
+    time_s = rng.uniform(0, max(spare_s, 0.0)) + np.arange(count) / frame_rate_hz
+    crossings = tuple(
+        Crossing(thing, at_s) for at_s, thing in _steps(place) if time_s[0] <= at_s <= time_s[-1]
+    )
+    return Episode(world, trajectory, time_s, np.zeros(count, np.int32), crossings)
+
+
+def _steps(place: Place) -> list[tuple[float, int]]:
+    """When an obstacle lies below the agent: (time [s], object)."""
+    assert place.recorded is not None
+    trajectory = place.recorded.trajectory
+    time_s = np.arange(0.0, float(trajectory.time_s[-1]), 0.05)
+    if not len(time_s) or not place.obstacles:
+        return []
+    eyes = trajectory.at(time_s)[:, :3, 3]
+    way = stepped_on(place.occlusion, place.object_of_triangle, eyes, place.obstacles, _DEEPEST_M / 2)
+    return [(float(time_s[point]), thing) for point, thing in way.steps_on]

@@ -1,0 +1,142 @@
+"""Readers of files, against what is known of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tacos_worlds.imported.formats.gltf import read_gltf
+from tacos_worlds.imported.formats.gltf_buffers import Damaged
+from tacos_worlds.imported.formats.poses import read_poses
+from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
+from tacos_worlds.imported.recorded import read_recorded
+from tacos_worlds.imported.sky import read_surroundings
+
+
+def gltf(folder: Path, **more: object) -> Path:
+    """A triangle below a turned and scaled node, with a lamp that shines down."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 0, -1]], "<f4")
+    (folder / "corners.bin").write_bytes(corners.tobytes())
+    tree = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": "corners.bin", "byteLength": 36}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "materials": [
+            {
+                "emissiveFactor": [1, 0.5, 0],
+                "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 40}},
+            }
+        ],
+        "meshes": [{"name": "slab", "primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "nodes": [
+            {"name": "flat", "scale": [2, 2, 2], "children": [1, 2], "extras": {"storey": 1}},
+            {"name": "kitchen", "mesh": 0, "translation": [0, 1, 0]},
+            {
+                "name": "lamp",
+                "rotation": Rotation.from_euler("x", -90, degrees=True).as_quat().tolist(),
+                "extensions": {"KHR_lights_punctual": {"light": 0}},
+            },
+        ],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 500.0}]}},
+        "scenes": [{"nodes": [0]}],
+        **more,
+    }
+    file = folder / "flat.gltf"
+    file.write_text(json.dumps(tree), encoding="utf-8")
+    return file
+
+
+def test_gltf_names_places_extras_emission_and_lights(tmp_path: Path) -> None:
+    model = read_gltf(gltf(tmp_path), 1024)
+    (surface,) = model.surfaces
+    assert surface.path == ("flat", "kitchen", "slab")
+    assert surface.extras == {"storey": 1}
+    assert surface.vertices == pytest.approx(np.array([[0, 2, 0], [2, 2, 0], [0, 2, -2]]))
+    assert model.skins[0].emission == pytest.approx([40, 20, 0])
+    (light,) = model.lights
+    assert light.direction == pytest.approx([0, -1, 0])
+    y_up_to_z_up = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    (star,) = of_file(model.lights, y_up_to_z_up)
+    assert star.position_m == pytest.approx([0, 0, SUN_DISTANCE_M], abs=1e-6)
+    assert star.flux_lm / (4 * np.pi * SUN_DISTANCE_M**2) == pytest.approx(np.full(3, 500.0))  # lux
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "KHR_draco_mesh_compression"),
+        (
+            {"accessors": [{"bufferView": 0, "componentType": 5126, "count": 300_000_000, "type": "VEC3"}]},
+            "beyond",
+        ),
+        ({"buffers": [{"uri": "corners.bin", "byteLength": 99}]}, "cut short"),
+        ({"nodes": [{"children": [0]}]}, "contain themselves"),
+        ({"asset": {"version": "1.0"}}, "not glTF 2.0"),
+    ],
+)
+def test_gltf_that_claims_what_is_not_there(more: dict[str, object], said: str, tmp_path: Path) -> None:
+    with pytest.raises(Damaged, match=said):
+        read_gltf(gltf(tmp_path, **more), 1024)
+
+
+def test_one_path_in_three_formats_is_one_path(tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    time_s = np.arange(6) * 0.1
+    turns, places = Rotation.random(6, rng=rng), rng.normal(size=(6, 3))
+    x, y, z, w = turns.as_quat().T
+    matrices = np.concatenate([turns.as_matrix(), places[:, :, None]], axis=2).reshape(6, 12)
+    files = {
+        "tum": np.column_stack([time_s, places, x, y, z, w]),
+        "euroc": np.column_stack([time_s * 1e9, places, w, x, y, z, np.zeros((6, 9))]),
+        "kitti": matrices,
+    }
+    for form, table in files.items():
+        file = tmp_path / f"{form}.txt"
+        np.savetxt(file, table, delimiter="," if form == "euroc" else " ", header="a comment", fmt="%.12f")
+        found = read_poses(file)
+        assert found.form == form
+        assert found.time_s == pytest.approx(time_s)
+        assert found.poses[:, :3, :3] == pytest.approx(turns.as_matrix(), abs=1e-9)
+        assert found.poses[:, :3, 3] == pytest.approx(places, abs=1e-9)
+
+
+def test_a_camera_that_looks_level_is_an_agent_that_looks_level(tmp_path: Path) -> None:
+    # In glTF's axes: y up, the camera at 1.6 m looking along -z, its own y axis down.
+    file = tmp_path / "poses.txt"
+    file.write_text("0 0 1.6 0 1 0 0 0\n1 0 1.6 -1 1 0 0 0\n", encoding="utf-8")
+    turn = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    pose = read_recorded(file, turn, of_camera=True).trajectory.at(np.array([1.0]))[0]
+    assert pose[:3, 3] == pytest.approx([0, 1, 1.6])
+    assert pose[:3, 0] == pytest.approx([0, 1, 0], abs=1e-9)  # ahead is +y, the way it goes
+    assert pose[:3, 2] == pytest.approx([0, 0, 1], abs=1e-9)
+
+
+def test_the_sun_of_a_panorama_becomes_a_light_of_its_illuminance(tmp_path: Path) -> None:
+    import cv2
+
+    height, width = 256, 512
+    zenith, azimuth = np.radians(40.0), np.radians(60.0)
+    sky = np.full((height, width, 3), 1.0, np.float32)
+    row, column = int(zenith / np.pi * height), int((np.pi - azimuth) / (2 * np.pi) * width)
+    sky[row : row + 2, column : column + 2] = 5000.0
+    file = tmp_path / "sky.hdr"
+    cv2.imwrite(str(file), sky[..., ::-1])
+    found = read_surroundings(file, 0.0)
+    assert found.sun is not None
+    towards = found.sun.position_m / np.linalg.norm(found.sun.position_m)
+    true = np.array([np.sin(zenith) * np.cos(azimuth), np.sin(zenith) * np.sin(azimuth), np.cos(zenith)])
+    assert np.degrees(np.arccos(towards @ true)) < 2.0
+    solid = 4 * np.sin(zenith) * (np.pi / height) * (2 * np.pi / width)
+    lux = found.sun.flux_lm / (4 * np.pi * SUN_DISTANCE_M**2)
+    assert lux == pytest.approx(np.full(3, 4999 * solid), rel=0.03)
+    assert found.panorama.max() == pytest.approx(1.0, rel=0.02)
+    turned = read_surroundings(file, 90.0)
+    assert turned.sun is not None
+    assert turned.sun.position_m[:2] == pytest.approx(
+        [-found.sun.position_m[1], found.sun.position_m[0]], rel=1e-4
+    )
