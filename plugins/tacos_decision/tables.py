@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.results import read_run_json
 
 if TYPE_CHECKING:
     import pandas
@@ -143,13 +143,8 @@ def read_result(folder: str | Path) -> StudyResult:
         When there is no readable ``result.json`` of a study.
     """
     path = Path(folder) / "result.json"
-    try:
-        data = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        what = f"the result cannot be read: {error}"
-        expected = "the results folder of a study that has ended"
-        raise UserError(Fault(str(path), what, expected, "Run the study, or name its folder.")) from error
-    if not isinstance(data, dict) or "cameras" not in data:
+    data = read_run_json(path)
+    if "cameras" not in data:
         fault = Fault(str(path), "it is not the result of a study", "a result.json with cameras", "")
         raise UserError(fault)
     return StudyResult(data)

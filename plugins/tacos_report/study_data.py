@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.results import read_run_json, read_run_lines
 from tacos_report.analysis import Analysis, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
 
@@ -184,30 +184,15 @@ def read_study(folder: Path) -> StudyData:
 def _read_result(folder: Path) -> dict[str, Any]:
     path = folder / "result.json"
     remedy = "Name the folder that tacos-run wrote with --out."
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy)) from None
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise UserError(Fault(str(path), f"not readable as JSON: {error}", remedy=remedy)) from None
-    if not isinstance(result, dict):
-        raise UserError(Fault(str(path), "not a JSON object", "the result of a study", remedy))
-    return result
+    if not path.exists():
+        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy))
+    return read_run_json(path)
 
 
 def _read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
     """The generations, and whether the last line was torn by a kill while it was written."""
-    lines = [line for line in _text(path).splitlines() if line.strip()]
-    generations: list[Generation] = []
-    for index, line in enumerate(lines):
-        try:
-            row = json.loads(line)
-        except json.JSONDecodeError as error:
-            if index == len(lines) - 1:
-                return tuple(generations), True
-            raise UserError(Fault(f"{path}:{index + 1}", f"not readable as JSON: {error}")) from None
-        generations.append(_generation(row))
-    return tuple(generations), False
+    lines = read_run_lines(path)
+    return tuple(map(_generation, lines.values)), lines.torn > 0
 
 
 def _generation(row: Mapping[str, Any]) -> Generation:

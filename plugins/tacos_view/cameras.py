@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from pydantic import ValidationError
 from tacos_framework.catalog import OffTheShelf, camera_names, load_cameras
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plan import Plan
+from tacos_framework.results import read_run_json
 from tacos_framework.values import Rig
 from tacos_framework.variables import CatalogChoice
 
@@ -83,8 +83,8 @@ def built_rig(plan: Plan, camera: CameraChoice) -> Rig:
 def _of_run(run: Path, name: str) -> CameraChoice:
     path = run / "result.json"
     try:
-        cameras = json.loads(path.read_text("utf-8"))["cameras"]
-    except (OSError, ValueError, KeyError) as error:
+        cameras = read_run_json(path)["cameras"]
+    except KeyError as error:
         raise UserError(
             Fault(
                 str(path), f"the cameras of the run cannot be read: {error!r}", "a study that has ended", ""

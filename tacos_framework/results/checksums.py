@@ -57,7 +57,7 @@ def text_with_checksum(text: str) -> str:
 
 
 def checked_text(data: bytes) -> str:
-    """A text without its checksum; what has none was written by an earlier version, and is taken as it is.
+    """A text without its checksum.
 
     Raises
     ------
@@ -65,10 +65,12 @@ def checked_text(data: bytes) -> str:
         When it is not as it was written.
     """
     found = _TEXT.fullmatch(data)
-    if found is not None and checksum(found[1]) != found[2].decode():
+    if found is None:
+        raise Damaged("it does not end with its checksum")
+    if checksum(found[1]) != found[2].decode():
         raise Damaged("its checksum does not fit its content")
     try:
-        return (data if found is None else found[1]).decode()
+        return found[1].decode()
     except UnicodeDecodeError as error:
         raise Damaged(f"it is no text: {error}") from error
 

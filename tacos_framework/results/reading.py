@@ -105,14 +105,21 @@ def read_run_lines(path: Path) -> Lines:
 
 
 def read_run_text(path: Path) -> str:
-    """``recipe.yaml`` of a run.
+    """``recipe.yaml`` of a run, of earlier versions as well.
 
     Raises
     ------
     UserError
         When it cannot be read, or is not as the run left it.
     """
-    return checked_file(path, checked_text)
+    earlier = not (path.parent / MANIFEST).exists()
+
+    def parse(data: bytes) -> str:
+        return (
+            data.decode(errors="replace") if earlier and b"# checksum: " not in data else checked_text(data)
+        )
+
+    return checked_file(path, parse)
 
 
 def read_recorded(path: Path, recorded: str) -> bytes:

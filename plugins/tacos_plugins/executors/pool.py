@@ -209,17 +209,13 @@ class Pool:
                 self._take(each, message, done)
             elif time.monotonic() > (deadline := self._deadline(each)):
                 each.process.kill()
-                why = (
-                    ""
-                    if self._limits.job_s
-                    else ", far longer than any before (timeout_s sets how long it may)"
-                )
-                self._replace(
-                    each, f"it took longer than {deadline - each.began_s:.3g} s{why}", waiting, done
-                )
+                how = f"it took longer than {deadline - each.began_s:.3g} s"
+                if self._limits.job_s is None:
+                    how += ", far longer than any before it (timeout_s says how long it may)"
+                self._replace(each, how, waiting, done)
 
     def _deadline(self, each: _Worker) -> float:
-        """When a worker counts as hung; those of which no job has been seen are given all the time they need."""
+        """When a worker counts as hung; the first jobs are given all the time they need."""
         if each.task is None:
             return float("inf")
         return each.began_s + (self._limits.job_s or self._times.generous_s(each.task.attempt))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Collection, Sequence
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +65,6 @@ class CmaEs:
     (bipop); Hamano et al. 2022, "CMA-ES with Margin", for the lower bound on discrete genes, here in the
     simpler form of a least standard deviation. The implementation is pycma.
     """
-
-    budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
         """Settings of the optimizer."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import Results
+from tacos_framework.results import Results, read_run_lines
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
@@ -147,11 +146,9 @@ class StudiesTable:
                     resume=resume,
                     progress=progress,
                 )
-                yield StudyRun(study.name, seed, result, _lines(folder / "generations.jsonl"))
-
-
-def _lines(path: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+                yield StudyRun(
+                    study.name, seed, result, list(read_run_lines(folder / "generations.jsonl").values)
+                )
 
 
 def _once(faults: Sequence[Fault]) -> list[Fault]:

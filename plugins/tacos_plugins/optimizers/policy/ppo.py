@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -53,8 +53,6 @@ class Ppo:
     Klinghoffer et al. 2023, "DISeR: Designing imaging systems with reinforcement learning", ICCV; Schulman
     et al. 2017, "Proximal policy optimization algorithms"; Raffin et al. 2021, "Stable-Baselines3", JMLR 22.
     """
-
-    budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
         """Settings of the optimizer."""
