@@ -27,6 +27,10 @@ ATTEMPTS = 2
 """How often a job is tried whose worker dies or hangs."""
 
 
+MOST_FAILED_STARTS = 3
+"""How many workers in a row may be killed before they are ready, as by a system short of memory."""
+
+
 @dataclass(frozen=True)
 class Limits:
     """What a worker may take before it is replaced.
@@ -142,7 +146,7 @@ class Pool:
         atexit.register(self._lifeline.close)  # ahead of multiprocessing's own, which would wait for workers
         self._workers: list[_Worker] = []
         self._times = JobTimes()
-        self._round = 0
+        self._round = self._failed_starts = 0
         self._closed = False
 
     def outcomes(self, jobs: Sequence[Any]) -> Iterator[worker.Answer | Lost]:
@@ -224,6 +228,7 @@ class Pool:
         """Keep an answer, and let its worker go where that has come to its limits."""
         task, each.task = each.task, None
         each.ready = True
+        self._failed_starts = 0
         answer: worker.Answer = ForkingPickler.loads(message)
         if task is None:
             return
@@ -246,6 +251,10 @@ class Pool:
         """Forget a worker that is lost; try its job again, or give it up."""
         self._workers.remove(each)
         if not each.ready:
+            self._failed_starts += 1
+            if (each.process.exitcode or 0) < 0 and self._failed_starts <= MOST_FAILED_STARTS:
+                log.warning("a worker did not come to start: %s; another takes its place", how)
+                return
             error = RuntimeError(f"a worker cannot start: {how}")
             error.add_note(
                 "Scripts that use worker processes keep their work below 'if __name__ == \"__main__\":'."
