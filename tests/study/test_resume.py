@@ -96,7 +96,7 @@ def _left_in(out: Path) -> dict[str, object]:
     return files
 
 
-@pytest.mark.parametrize("stride", [5, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("stride", [20, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_run_that_dies_at_any_file_operation_resumes_to_the_same_result(tmp_path, stride):
     _dying("each", tmp_path, stride)
     whole = _left_in(tmp_path / "whole")
