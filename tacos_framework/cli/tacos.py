@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tacos_framework.cli.exits import DONE, FAILED, exit_status
+from tacos_framework.cli.exits import DONE, exit_status
 
 if TYPE_CHECKING:
     from tacos_framework.environment import EnvironmentFinding
@@ -21,8 +20,6 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
-    verify = commands.add_parser("verify", help="check the files of a run: what is whole, what is damaged")
-    verify.add_argument("folder", metavar="RUN", type=Path, help="results folder of a study")
     for command in plugins.commands(taken=tuple(commands.choices)):
         try:
             command.add_arguments(argparse.ArgumentParser())  # in vain, as a parser once added stays
@@ -41,7 +38,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     own: dict[str, Callable[[argparse.Namespace], int]] = {
         "plugins": lambda arguments: _plugins(plugins),
         "doctor": lambda arguments: _doctor(plugins),
-        "verify": lambda arguments: _verify(arguments.folder),
     }
     commands = {command.name: command.run for command in plugins.commands()} | own
     return exit_status(lambda: commands[arguments.command](arguments))
@@ -82,18 +78,6 @@ def _doctor(plugins: Plugins) -> int:
         if finding.remedy and not finding.ok:
             print(f"     to do: {finding.remedy}")
     return DONE if all(finding.ok for finding in findings) else 1
-
-
-def _verify(folder: Path) -> int:
-    from tacos_framework.results.verifying import verify
-
-    checks = verify(folder)
-    for check in checks:
-        said = check.damage or check.note
-        print(f"{'ok ' if check.damage is None else 'BAD'} {check.name}{f': {said}' if said else ''}")
-        if check.damage is not None:
-            print(f"    {check.meaning}")
-    return DONE if all(check.damage is None for check in checks) else FAILED
 
 
 def _torch() -> EnvironmentFinding:

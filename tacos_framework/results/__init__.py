@@ -1,11 +1,11 @@
 """The results folder of a run.
 
 =============  ==============================================================================================
-``results``    the folder: what stands where, and who may write
+``results``    a run: what stands where, how it begins and goes on
+``folder``     a folder that one process writes into at a time
 ``checksums``  how its files carry checksums
 ``writing``    files that are there whole or not at all
 ``reading``    files as the run left them, or a sentence on what is wrong
-``verifying``  what is whole and what is damaged, for ``tacos verify``
 =============  ==============================================================================================
 """
 

@@ -3,35 +3,30 @@
 from __future__ import annotations
 
 import logging
-import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
-from tacos_framework.contracts import Executor, JobRunner
+from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
-from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.plugins.executing import GuardedExecutor
-from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
 from tacos_framework.study.analysis import make_record
 from tacos_framework.study.checkpoints import Checkpoints
 from tacos_framework.study.degenerate import degenerate
-from tacos_framework.study.extending import budget_of, for_resuming, without_budget
+from tacos_framework.study.extending import budget_of
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.journal import Journal, JournaledExecutor
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
-from tacos_framework.study.manifest import Manifest, settle_manifest
+from tacos_framework.study.manifest import Manifest
 from tacos_framework.study.outcome import Outcome
-from tacos_framework.study.progress import Progress, Silent
+from tacos_framework.study.progress import Progress
 from tacos_framework.study.records import candidate_record
 from tacos_framework.study.search import Search
 from tacos_framework.study.shards import score_sharded
@@ -54,57 +49,6 @@ GENERATIONS, PRODUCTS = "generations.jsonl", "products.jsonl"
 
 DEFECT = "stopped by a defect"
 """Begins why a study stopped whose candidates kept failing by the same defect of a component."""
-
-
-def run_study(
-    study: Recipe | Plan,
-    *,
-    out: Path,
-    plugins: Plugins,
-    executor: JobRunner | None = None,
-    resume: bool = False,
-    extend: Mapping[str, int] | None = None,
-    accept_changes: bool = False,
-    progress: Progress | None = None,
-    command: str = "",
-    report: bool = True,
-) -> dict[str, Any]:
-    """Run a study; see `tacos_framework.run`."""
-    if resume and isinstance(study, Recipe):
-        study = for_resuming(study, out, plugins, extend or {})
-    plan = study if isinstance(study, Plan) else make_plan(study, plugins)
-    data = plan.recipe.as_data()
-    may_change = partial(without_budget, optimizer=plan.optimizer) if extend else dict
-    results, checkpoint = (
-        Results.resume(out, data, may_change) if resume else (Results.create(out, data), None)
-    )
-    parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
-    packages = {part.cls.__module__.partition(".")[0] for part in parts}
-    with results, results.logging({"tacos_framework", *packages}):
-        manifest = settle_manifest(results, plan, accept_changes=accept_changes, begun=checkpoint is not None)
-        of_recipe, distribution = plan.executor, plan.executor.distribution
-        evaluates = (
-            GuardedExecutor.of_host(executor)
-            if executor
-            else GuardedExecutor(of_recipe.make(), of_recipe.use, distribution)
-        )
-        running = Study(plan, plugins, results, evaluates, progress or Silent(), manifest, command)
-        try:
-            running.restore(checkpoint)
-            running.run()
-        except KeyboardInterrupt:
-            running.broken_off = BROKEN_OFF
-            log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
-        except KeepsFailing as error:
-            running.broken_off = f"{DEFECT}: {error}"
-            log.error("%s", running.broken_off)
-        finally:
-            if executor is None:
-                evaluates.close()
-        result = running.finish()
-        if report:
-            _report(results.folder, plugins)
-    return result
 
 
 class Study:
@@ -367,14 +311,6 @@ class Study:
 
     def _outcome(self) -> Outcome:
         return Outcome(self.plan, self.searches, self._test, self._scored_again, self.broken_off)
-
-
-def _report(folder: Path, plugins: Plugins) -> None:
-    """Have plugins report on the study; the result stands, whatever becomes of its report."""
-    for failure in plugins.write_reports(folder)[1]:
-        warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
-        log.warning("%s", warning, exc_info=failure.error)
-        print(f"warning: {warning}", file=sys.stderr)
 
 
 def _picture(batch: FrameBatch) -> NDArray[np.uint8]:

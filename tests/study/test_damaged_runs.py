@@ -15,7 +15,7 @@ from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
 from tacos_framework.results import Results
 from tacos_framework.results.checksums import checked_json, json_with_checksum
-from tacos_framework.results.verifying import verify
+from tacos_report.verifying import verify
 
 UNCHECKED = (".html", ".txt")
 

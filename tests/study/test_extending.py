@@ -29,7 +29,10 @@ def names_below(folder):
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
 
 
-@pytest.mark.parametrize("name", OPTIMIZERS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow) if n == "physical-gp" else n for n in OPTIMIZERS],
+)
 def test_an_extended_study_equals_one_begun_with_the_larger_budget(toys, tmp_path, name):
     _, key, budget = OPTIMIZERS[name]
     run(recipe(name, budget), toys, tmp_path / "extended")

@@ -61,7 +61,7 @@ def test_a_part_of_a_catalog_that_has_changed_is_named(toys, tmp_path):
     assert before.changes(now) == ["the catalog ours is not the same: large changed"]
 
 
-def test_files_that_settings_name_are_in_it(plugins):
+def test_files_that_settings_name_are_in_it(toys):
     data = toy_recipe().as_data()
     data["nodes"] |= {
         "capture": {"use": "renderer.moderngl", "in": {"episode": "world"}},
@@ -70,7 +70,7 @@ def test_files_that_settings_name_are_in_it(plugins):
         "width": {"use": "task.orb-features", "in": {"frames": "frames"}},
     }
     data["fitness"] = [{"score": "width.inliers", "weight": 1}]
-    found = Manifest.of(make_plan(Recipe.model_validate(data), plugins))
+    found = Manifest.of(make_plan(Recipe.model_validate(data), toys))
     assert set(found.files) == {"frames.calibration: flea3_imx172.yaml"}
 
 
