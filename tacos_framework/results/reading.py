@@ -98,8 +98,7 @@ def read_run_lines(path: Path) -> Lines:
     def parse(data: bytes) -> Lines:
         if not earlier or b'"checksum": "' in data:
             return checked_lines(data)
-        *whole, torn = data.split(b"\n")
-        return Lines(tuple(map(_unchecked_json, whole)), torn=len(torn))
+        return _unchecked_lines(data)
 
     return checked_file(path, parse)
 
@@ -137,6 +136,20 @@ def read_recorded(path: Path, recorded: str) -> bytes:
         return data
 
     return checked_file(path, parse)
+
+
+def _unchecked_lines(data: bytes) -> Lines:
+    """Lines of an earlier version, of which the last may be cut short."""
+    values: list[dict[str, Any]] = []
+    pieces = data.split(b"\n")
+    for number, line in enumerate(pieces, 1):
+        try:
+            values += [_unchecked_json(line)] if line else []
+        except Damaged as error:
+            if number == len(pieces):
+                return Lines(tuple(values), torn=len(line))
+            raise Damaged(f"line {number}: {error}") from error
+    return Lines(tuple(values))
 
 
 def _unchecked_json(data: bytes) -> dict[str, Any]:
