@@ -8,7 +8,7 @@ packages := tacos_framework plugins
 embedding := tests/embedding/design_a_camera.py tests/embedding/public_types.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-demo demo test lint format docs slow mutants clean
+.PHONY: help setup setup-demo demo test test-lowest test-pythons lint format docs slow mutants clean
 
 help: ## Say what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /make \1\t/' | expand -t 14
@@ -38,6 +38,14 @@ docs: setup ## Write the generated pages of docs/reference, and the code that ot
 	$(bin)/python -m tacos_plugins.authoring.reference docs/reference
 	$(bin)/python scripts/fill_docs.py
 
+test-lowest: ## Run a part of the tests with the lowest versions that pyproject.toml allows
+	@scripts/smoke.sh lowest-direct python3.11
+
+test-pythons: ## Run that part with the newest versions, on each Python from 3.11 to 3.14 that is installed
+	@for version in 3.11 3.12 3.13 3.14; do \
+	    ! python$$version -c '' 2>/dev/null || scripts/smoke.sh highest python$$version || exit 1; \
+	done
+
 slow: setup ## Run the slow tests (minutes each)
 	$(bin)/pytest -m slow tests
 
@@ -46,5 +54,5 @@ mutants: ## See which small changes of the physics no test notices (a quarter of
 	$(one_thread) scripts/mutants.sh
 
 clean: ## Remove the virtual environment and all that tools left behind, but no runs
-	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .mutants dist
+	rm -rf .venv .venv-smoke-* .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .mutants dist
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

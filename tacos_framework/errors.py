@@ -67,10 +67,16 @@ class ContractBroken(Exception):
 
 
 def did_you_mean(given: str, known: Iterable[str]) -> str:
-    """The remedy for a misspelt name: ``Did you mean 'x'?``, or the names that exist."""
+    """The remedy for an unknown name: the one alike in letters or in meaning, or the names that exist."""
     from difflib import get_close_matches
 
+    from tacos_framework.synonyms import meant
+
     names = sorted(known)
-    if close := get_close_matches(given, names, n=1):
-        return f"Did you mean {close[0]!r}?"
+    alike = get_close_matches(given, names, n=1)
+    nearly_equal = get_close_matches(given, names, n=1, cutoff=0.8)
+    begun = [name for name in names if len(given) > 2 and name.startswith(given)]
+    suggestions = (*nearly_equal, meant(given, names), *alike, *(begun if len(begun) == 1 else ()))
+    if suggested := next(filter(None, suggestions), None):
+        return f"Did you mean {suggested!r}?"
     return f"Known names: {', '.join(names)}." if names else ""

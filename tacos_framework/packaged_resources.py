@@ -26,15 +26,15 @@ def find_file(name: str | Path, shipped: Path, *, folder: Path | None = None, no
     shipped
         The folder of shipped files of this sort (``*.yaml``).
     folder
-        The folder of the recipe, where its paths start and which they must not leave; None lifts the
-        restriction, for callers in Python, whose paths start from the working folder.
+        The folder of the recipe, where its paths start; None for paths that start from the working folder,
+        such as those of the command line and of callers in Python.
     noun
         What it is, for messages.
 
     Raises
     ------
     UserError
-        When there is no such file, or the path leaves the folder.
+        When there is no such file.
     """
     text = str(name)
     if _is_word(text):
@@ -45,15 +45,6 @@ def find_file(name: str | Path, shipped: Path, *, folder: Path | None = None, no
     path = Path(text) if folder is None else folder / text
     if "\0" in text:
         raise UserError(Fault(repr(text), "a path cannot hold a NUL character"))
-    if folder is not None and not path.resolve().is_relative_to(folder.resolve()):
-        raise UserError(
-            Fault(
-                text,
-                f"the {noun} lies outside of the recipe's folder",
-                f"a path below {folder}",
-                f"Put the {noun} beside the recipe.",
-            )
-        )
     if not path.is_file():
         raise UserError(Fault(str(path), f"there is no such {noun}", "a file", "Check the path."))
     return path

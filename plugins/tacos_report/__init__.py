@@ -11,6 +11,7 @@
 ``view_geometry`` where a camera looks: pure geometry
 ``figures``       the drawings, one a file, on the ``canvas`` that all pages draw on
 ``html``          the report of a study: all of it on one page
+``watching``      a study while it runs, in the terminal or as a page that reloads itself
 ================  ===========================================================================================
 
 Importing this package loads neither matplotlib nor jinja2; `write_report` does.

@@ -137,12 +137,15 @@ class Page:
         What stands behind it, in a paragraph.
     sections
         Pictures before words.
+    reload_s
+        Seconds after which the page loads itself anew; None for one that stays as it is.
     """
 
     eyebrow: str
     title: str
     lead: str
     sections: Sequence[Section]
+    reload_s: float | None = None
 
 
 def image_uri(image: NDArray[np.uint8]) -> str:

@@ -7,13 +7,14 @@ from pathlib import Path
 
 from tacos_framework.components import Command
 from tacos_framework.hookspecs import hookimpl
-from tacos_report.commands import commands
+from tacos_report import commands as report
+from tacos_report.watching import commands as watch
 
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos report``."""
-    return commands()
+    """``tacos report`` and ``tacos watch``."""
+    return [*report.commands(), *watch.commands()]
 
 
 @hookimpl

@@ -159,9 +159,9 @@ def read_study(folder: Path) -> StudyData:
         Where ``result.json`` is missing or is not a JSON object.
     """
     result = _read_result(folder)
-    generations, torn = _read_generations(folder / "generations.jsonl")
+    generations, torn = read_generations(folder / "generations.jsonl")
     recipe = _text(folder / "recipe.yaml")
-    document = _document(recipe)
+    document = document_of(recipe)
     notes = list(texts(result.get("notes")))
     if torn:
         notes.append("The last line of generations.jsonl is incomplete and was left out.")
@@ -189,8 +189,8 @@ def _read_result(folder: Path) -> dict[str, Any]:
     return read_run_json(path)
 
 
-def _read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
-    """The generations, and whether the last line was torn by a kill while it was written."""
+def read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
+    """The generations of a study, and whether the last line was torn by a kill while it was written."""
     lines = read_run_lines(path)
     return tuple(map(_generation, lines.values)), lines.torn > 0
 
@@ -250,7 +250,7 @@ def _text(path: Path) -> str:
     return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
 
 
-def _document(recipe: str) -> Mapping[str, Any]:
+def document_of(recipe: str) -> Mapping[str, Any]:
     import yaml
 
     try:

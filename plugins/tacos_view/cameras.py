@@ -99,7 +99,7 @@ def _product(plan: Plan, name: str) -> OffTheShelf:
     """A camera off the shelf that fits the rig of the study."""
     compare = plan.recipe.compare
     catalog = compare.catalog if compare else "cameras"
-    folder = plan.recipe.folder
+    folder = plan.recipe.folder_of(("compare", "catalog"))
     (product,) = load_cameras([name], catalog, folder)
     if product.rig != plan.rig.use:
         every = load_cameras(camera_names(catalog, folder), catalog, folder)

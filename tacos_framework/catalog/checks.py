@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tacos_framework.catalog.parts import CatalogColumn, CatalogPart, Grade, Value
+from tacos_framework.catalog.plausible import implausible
 from tacos_framework.errors import Fault, did_you_mean
 
 UNITS = {
@@ -117,7 +118,7 @@ class PartChecker:
                 provenance[column.name] = given.source or raw.source
                 if grade := given.grade or (raw.grade if given.source is None else None):
                     grades[column.name] = grade
-        doubts = (*raw.doubts, *_settle_sizes(values, provenance))
+        doubts = (*raw.doubts, *_settle_sizes(values, provenance), *implausible(values))
         return CatalogPart(raw.name, values, provenance, doubts, raw.notes, grades)
 
     def _value(self, raw: RawPart, column: CatalogColumn, cell: CatalogCell | None) -> Value:

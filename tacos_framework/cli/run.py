@@ -80,7 +80,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(arguments: argparse.Namespace, command: str) -> int:
     from tacos_framework.plan import Plan
-    from tacos_framework.plan.notes import notes_on_constraints
+    from tacos_framework.plan.notes import notes_on_catalogs, notes_on_constraints
     from tacos_framework.plugins import Plugins
     from tacos_framework.recipe import Recipe
 
@@ -103,7 +103,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
         print(explanation())
     if arguments.check:
         print(f"{arguments.recipe}: no faults.")
-        for note in notes_on_constraints(plan) if isinstance(plan, Plan) else ():
+        for note in (*notes_on_catalogs(plan), *notes_on_constraints(plan)) if isinstance(plan, Plan) else ():
             print(f"note: {note}")
     if arguments.check or arguments.explain:
         return DONE

@@ -55,7 +55,9 @@ def find_cameras(findings: RecipeFindings, rig: ConfiguredComponent | None) -> t
         return ()
     path = ("compare", "cameras")
     try:
-        cameras = load_cameras(compare.cameras, compare.catalog, folder=findings.recipe.folder)
+        cameras = load_cameras(
+            compare.cameras, compare.catalog, folder=findings.recipe.folder_of(("compare", "catalog"))
+        )
     except UserError as error:
         findings.adopt(path, error)
         return ()

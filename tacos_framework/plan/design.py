@@ -7,14 +7,14 @@ from functools import partial
 from typing import Any
 
 from tacos_framework.catalog import find_catalog
-from tacos_framework.errors import UserError
+from tacos_framework.errors import UserError, did_you_mean
 from tacos_framework.plan.camera_fit import check_cameras_fit
 from tacos_framework.plan.cameras import check_camera_names
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.settable import Settable
 from tacos_framework.recipe import Between, Choose, FromCatalog, Recipe
-from tacos_framework.settings import Path, check
+from tacos_framework.settings import Path, Settings, check
 from tacos_framework.variables.design_space import (
     CatalogChoice,
     Categorical,
@@ -55,6 +55,8 @@ def find_space(
     if len(variables) < len(findings.recipe.keys_of("design")) or not variables:
         return None
     space = DesignSpace(tuple(variables))
+    if _lack_columns(findings, rig, space):
+        return None
     _check_corners(findings, rig, fixed, space, given)
     if not findings.faults:
         check_camera_names(findings, rig, fixed, space, nodes, effects)
@@ -64,7 +66,9 @@ def find_space(
 
 
 def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Variable | None:
-    path = ("design", name)
+    path: Path = ("design", name)
+    if isinstance(entry, FromCatalog):
+        path = (*path, "from")
     try:
         if isinstance(entry, Between):
             lower, upper = entry.between
@@ -74,13 +78,38 @@ def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Var
         if isinstance(entry, Choose):
             return Categorical(name, entry.choose)
         if isinstance(entry, FromCatalog):
-            catalog = find_catalog(entry.catalog, folder=findings.recipe.folder)
+            catalog = find_catalog(entry.catalog, folder=findings.recipe.folder_of(path))
             return CatalogChoice(name, catalog, entry.scheme, entry.columns, entry.distance)
     except UserError as error:
         findings.adopt(path, error)
     except ValueError as error:
         findings.add(path, str(error))
     return None
+
+
+def _lack_columns(findings: RecipeFindings, rig: ConfiguredComponent, space: DesignSpace) -> bool:
+    """Whether a catalog lacks a column that the rig needs of each part."""
+    lacking = False
+    for variable in space.variables:
+        info = rig.cls.Variables.model_fields.get(variable.name)
+        kind = info.annotation if info else None
+        if (
+            not isinstance(variable, CatalogChoice)
+            or not isinstance(kind, type)
+            or not issubclass(kind, Settings)
+        ):
+            continue
+        columns = {"name", *(column.name for column in variable.catalog.columns)}
+        for name, field in kind.model_fields.items():
+            if field.is_required() and name not in columns:
+                lacking = True
+                findings.add(
+                    ("design", variable.name, "from"),
+                    f"the catalog {variable.catalog.name} has no column {name!r}, which {rig.use} needs",
+                    field.description or "",
+                    did_you_mean(name, columns) if len(columns) > 1 else "",
+                )
+    return lacking
 
 
 def _check_corners(

@@ -94,8 +94,7 @@ class RecipeFindings:
         self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path
     ) -> ConfiguredComponent | None:
         """A component class with its settings; None where they, or what they lead to, are at fault."""
-        if self.recipe.folder is not None:
-            settings = with_paths_from(self.recipe.folder, cls.Config, settings)
+        settings = with_paths_from(lambda name: self.recipe.folder_of((*path, name)), cls.Config, settings)
         config = self.checked(cls.Config, dict(settings), path)
         if config is None:
             return None
@@ -105,7 +104,9 @@ class RecipeFindings:
         try:
             return replace(part, built=part.make())  # what it refuses, such as a missing file, shows now
         except UserError as error:
-            self.adopt(path, error)
+            for fault in error.faults:
+                key = next(((name,) for name, value in settings.items() if value == fault.where), ())
+                self.adopt((*path, *key), UserError(fault))
             return None
 
 

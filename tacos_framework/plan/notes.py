@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from tacos_framework.plan.feasibility import derived_of, infeasible
@@ -16,14 +16,33 @@ NAMED = 10
 def notes_on_constraints(plan: Plan) -> Iterator[str]:
     """On constraints that parts keep as nobody knows better, and on products that break one."""
     for name, variable, parts in _unknown_parts(plan):
-        more = f" and {len(parts) - NAMED} more" if len(parts) > NAMED else ""
         yield (
             f"The constraint on {name} lets pass what nobody states, which is so for "
-            f"{', '.join(parts[:NAMED])}{more} ({variable}); unknown: refuse leaves them out."
+            f"{_first_of(parts)} ({variable}); unknown: refuse leaves them out."
         )
     titles = {camera.name: camera.title for camera in plan.cameras}
     for product, why in inadmissible(plan).items():
         yield f"{titles[product]} ({product}) breaks a constraint: {why}."
+
+
+def notes_on_catalogs(plan: Plan) -> Iterator[str]:
+    """On parts that cannot be chosen, as a number is unknown, and on those that can but are in doubt."""
+    for variable in plan.space.variables:
+        if not isinstance(variable, CatalogChoice):
+            continue
+        if left_out := [part.name for part in variable.left_out]:
+            columns = ", ".join(variable.design_columns)
+            yield (
+                f"Parts that cannot be chosen, since a number is unknown in {columns}: "
+                f"{_first_of(left_out)} ({variable.catalog.name})."
+            )
+        if doubted := [f"{part.name}: {doubt}" for part in variable.rows for doubt in part.doubts]:
+            yield f"Doubts about parts of {variable.catalog.name}: {_first_of(doubted, '; ')}"
+
+
+def _first_of(items: Sequence[str], joined_by: str = ", ") -> str:
+    more = f" and {len(items) - NAMED} more" if len(items) > NAMED else ""
+    return f"{joined_by.join(items[:NAMED])}{more}"
 
 
 def inadmissible(plan: Plan) -> dict[str, str]:

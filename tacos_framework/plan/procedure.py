@@ -82,8 +82,7 @@ def _configured(
     except UserError as error:
         faults.extend(error.faults)
         return None, None
-    if recipe.folder is not None:
-        settings = with_paths_from(recipe.folder, cls.Config, settings)
+    settings = with_paths_from(lambda name: recipe.folder_of((*path, name)), cls.Config, settings)
     config, found, _ = check(cls.Config, dict(settings), lambda below: recipe.where((*path, *below)))
     faults.extend(_with_shared_keys(cls, found) if kind == "procedure" else found)
     return cls, config

@@ -63,11 +63,9 @@ class ProcedureRecipe:
             return self.document.where(tuple(path))
         return ".".join(map(str, ("recipe", *path)))
 
-    @property
-    def folder(self) -> Path | None:
-        """The folder that relative paths in the recipe start from."""
-        name = self.document.name if self.document else None
-        return Path(name).parent if name and Path(name).is_file() else None
+    def folder_of(self, path: Sequence[str | int]) -> Path | None:
+        """The folder that a relative path at a key starts from; None for the working folder."""
+        return self.document.folder_of(path) if self.document is not None else None
 
     def as_data(self) -> dict[str, Any]:
         """The recipe as plain data."""

@@ -383,11 +383,9 @@ class Recipe(Settings):
             return self._document.where(tuple(path))
         return ".".join(map(str, ("recipe", *path)))
 
-    @property
-    def folder(self) -> Path | None:
-        """The folder that relative paths in the recipe start from."""
-        name = self._document.name if self._document else None
-        return Path(name).parent if name and Path(name).is_file() else None
+    def folder_of(self, path: Sequence[str | int]) -> Path | None:
+        """The folder that a relative path at a key starts from; None for the working folder."""
+        return self._document.folder_of(path) if self._document is not None else None
 
     def as_data(self) -> dict[str, Any]:
         """The recipe as plain data, every default filled in; `parse_recipe` of it gives an equal recipe."""

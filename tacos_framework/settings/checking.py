@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
@@ -60,11 +61,20 @@ def _fault(details: Mapping[str, Any], kind: Any, where: Callable[[Path], str], 
         return Fault(where(path), f"unknown key {name!r}", "", did_you_mean(str(path[-1]), known))
     if details["type"] == "missing":
         return Fault(where(path), f"{name!r} is missing", _help(field), f"Add {path[-1]!r}.")
+    if details["type"] == "value_error" and isinstance(details["input"], dict):  # settings that clash
+        clash = details["msg"].removeprefix("Value error, ")
+        return Fault(where((*path, *_first_named(clash, details["input"]))), clash, "", "Change one of them.")
     given = json.dumps(details["input"], default=str)
     given = given if len(given) <= 60 else f"{given[:57]}..."
     expected = details["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
     meaning = f" ({help})" if (help := _help(field)) else ""
     return Fault(where(path), f"{name or 'value'} is {given}", f"{expected}{meaning}", "Correct the value.")
+
+
+def _first_named(sentence: str, given: Mapping[str, Any]) -> Path:
+    """The key that a complaint about several names first, among those that were given."""
+    words = re.findall(r"\w+", sentence)
+    return next(((word,) for word in words if word in given), ())
 
 
 def _help(field: FieldInfo | None) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -120,14 +120,16 @@ def _extra(config: type[BaseModel], name: str) -> Mapping[str, JsonValue]:
     return extra if isinstance(extra, dict) else {}
 
 
-def with_paths_from(folder: Path, config: type[Settings], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings, with relative paths to what exists below `folder` made to start there."""
+def with_paths_from(
+    folder_of: Callable[[str], Path | None], config: type[Settings], settings: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The settings, with relative paths to what exists below the folder of a setting made to start there."""
     found = dict(settings)
     for name, field in config.model_fields.items():
         extra = field.json_schema_extra
         value = settings.get(name)
         if isinstance(extra, dict) and extra.get("path") and isinstance(value, str) and value:
-            path = folder / value
-            if path.exists():
-                found[name] = str(path)
+            folder = folder_of(name)
+            if folder is not None and (folder / value).exists():
+                found[name] = str(folder / value)
     return found

@@ -106,6 +106,16 @@ class Document:
             known = known[:-1]
         return _where(self.name, self.positions.get(known, Position(1, 1)))
 
+    def folder_of(self, path: Sequence[str | int]) -> Path | None:
+        """The folder that a relative path at an entry starts from; None for the working folder.
+
+        What a file says starts beside the file, what came from the command line where that was typed.
+        """
+        known = tuple(path)
+        if any(known[: len(given)] == given for given in self.elsewhere) or not Path(self.name).is_file():
+            return None
+        return Path(self.name).parent
+
     def without_echoes(self, faults: Iterable[Fault]) -> list[Fault]:
         """The faults, but for those that only say once more that a value could not be read."""
         unread = {self.where(path) for path in self.unread}

@@ -125,7 +125,7 @@ WRONG = [
     ("use: task.orb-features", "use: optimizer.genetic", "Put it under optimizer:."),
     ("use: task.orb-features", "use: procedure.diagnose", "A procedure has a recipe of its own"),
     ("use: task.orb-features", "use: task.nothing-here", "install that package"),
-    ("calibration: flea3_imx172", "calibration: flea4", "r.yaml:15:3"),
+    ("calibration: flea3_imx172", "calibration: flea4", "r.yaml:15:62: flea4: no noise"),
     ("score: features.inliers,", "score: features.inlier,", "Did you mean 'features.inliers'?"),
     ("score: features.inlier_ratio", "score: features.inliers", "stands twice"),
     ("weight: 0.5", 'weight: "0.5"', "valid number"),

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
+from opencv_undistortion import undistorted
 from scipy.ndimage import map_coordinates
 
 from tacos_framework.values import ImageGeometry
@@ -80,10 +81,7 @@ def photographed(
     if fisheye is not None:
         rays = cv2.fisheye.undistortPoints(places, scaled, np.array(fisheye, float)).reshape(-1, 2)
     elif any(brown):
-        enough = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 60, 1e-10)
-        rays = cv2.undistortPoints(places, scaled, np.array(brown, float), None, None, None, enough).reshape(
-            -1, 2
-        )
+        rays = undistorted(places, scaled, np.array(brown, float))
     else:
         rays = (places.reshape(-1, 2) - scaled[:2, 2]) / focal_px
     rays = np.column_stack([rays, np.ones(len(rays))])

@@ -1,0 +1,103 @@
+"""What can be told of a study from its folder while it runs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError
+from tacos_report.plain_values import mapping, text
+from tacos_report.study_data import Generation, Tried, document_of, read_generations
+
+MOST_SHOWN = 8
+"""Cameras in the ranking."""
+
+
+@dataclass(frozen=True)
+class RunningStudy:
+    """A study at one moment.
+
+    Parameters
+    ----------
+    name
+        What its recipe calls it.
+    generations
+        The rounds of the search that are finished.
+    last_line
+        The last line of its log, which says what it does.
+    written_at_s
+        When the folder was last written to, in seconds since the epoch.
+    stopped
+        Why it ended; None while it runs.
+    report
+        Its report, once there is one.
+    """
+
+    name: str
+    generations: tuple[Generation, ...]
+    last_line: str
+    written_at_s: float
+    stopped: str | None
+    report: Path | None
+
+    @property
+    def tried(self) -> tuple[Tried, ...]:
+        """Every candidate so far, in order."""
+        return tuple(candidate for generation in self.generations for candidate in generation.tried)
+
+    @property
+    def images(self) -> int:
+        """Images rendered for the search so far."""
+        return sum(generation.frames for generation in self.generations)
+
+    @property
+    def failed(self) -> int:
+        """Candidates that could not be scored."""
+        return sum(candidate.fitness is None for candidate in self.tried)
+
+    @property
+    def ranking(self) -> tuple[Tried, ...]:
+        """The best cameras so far, each once, as scored on the scenes of the search."""
+        best: dict[str, Tried] = {}
+        for candidate in self.tried:
+            known = best.get(key := json.dumps(candidate.camera, sort_keys=True))
+            if candidate.fitness is not None and (known is None or candidate.fitness > (known.fitness or 0)):
+                best[key] = candidate
+        return tuple(sorted(best.values(), key=lambda found: -(found.fitness or 0)))[:MOST_SHOWN]
+
+
+def read_running(folder: Path) -> RunningStudy:
+    """The study of a results folder as it stands now.
+
+    Raises
+    ------
+    UserError
+        Where the folder is none of a study.
+    """
+    recipe = folder / "recipe.yaml"
+    if not recipe.is_file():
+        expected = "the folder that tacos-run was given with --out, or made in runs/"
+        raise UserError(Fault(str(folder), "no run has begun here: there is no recipe.yaml", expected))
+    result = _result(folder / "result.json")
+    log = folder / "log.txt"
+    lines = log.read_text("utf-8", errors="replace").splitlines() if log.is_file() else []
+    report = folder / "report.html"
+    return RunningStudy(
+        name=text(document_of(recipe.read_text("utf-8")).get("name")) or folder.name,
+        generations=read_generations(folder / "generations.jsonl")[0],
+        last_line=lines[-1] if lines else "",
+        written_at_s=max(path.stat().st_mtime for path in folder.iterdir()),
+        stopped=text(result.get("stopped")) or None,
+        report=report if report.is_file() else None,
+    )
+
+
+def _result(path: Path) -> Mapping[str, Any]:
+    """What a finished run left; nothing while it runs, or while the file is being replaced."""
+    try:
+        return mapping(json.loads(path.read_text("utf-8")))
+    except (FileNotFoundError, json.JSONDecodeError):
+        return {}
