@@ -1,109 +1,140 @@
-"""Whether memory stays flat over a long study: 2,000 candidates through the real renderer, at small size.
+"""Thousands of candidates over two workers, one of which is killed again and again.
 
-Generations see new worlds, so that worlds are built, put on the device and let go of all the time::
+::
 
-    LP_NUM_THREADS=1 OMP_NUM_THREADS=1 nice python benchmarks/soak.py --candidates 2000
+    LP_NUM_THREADS=1 OMP_NUM_THREADS=1 python benchmarks/soak.py --candidates 5000 --kill-every 200
 
-Prints the memory of this process (which renders) as the study goes on, and the growth over its second half.
+The same study runs twice, once left alone and once with a worker killed (SIGKILL) every so many candidates,
+and what they leave is compared. Memory and open files are those of the process that runs the study; time is
+that between candidates. ``--recipe NAME`` takes a shipped recipe in place of the toys.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
+import multiprocessing
+import os
+import statistics
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+import soak_toy
 
 from tacos_framework import run
+from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
+from tacos_framework.recipe.loading import read_any_recipe
 from tacos_framework.simulation import Evaluation
+from tacos_framework.study import Silent
 
-REPORT_EVERY = 100
-"""Candidates between two lines."""
-
-
-def recipe(candidates: int, generation: int, frames: int) -> Recipe:
-    """A small study of the headset's kind by random search."""
-    return Recipe.model_validate(
-        {
-            "name": "soak",
-            "seed": 7,
-            "rig": {"use": "rig.monocular", "binning": 24},
-            "design": {
-                "pitch_deg": {"between": [-30, 30]},
-                "focal_length_mm": {"between": [2, 8]},
-                "sensor": {"from": "image_sensors"},
-            },
-            "nodes": {
-                "world": {"use": "scene.indoor", "frames": frames, "size_m": [11, 6]},
-                "capture": {"use": "renderer.moderngl", "in": {"episode": "world"}, "light_texel_m": 0.3},
-                "frames": {"use": "sensor.affine-noise", "in": {"capture": "capture"}},
-                "features": {"use": "task.orb-features", "in": {"frames": "frames"}},
-            },
-            "fitness": [{"score": "features.inlier_ratio", "weight": 1}],
-            "optimizer": {"use": "optimizer.random", "evaluations": candidates, "batch": generation},
-        }
-    )
+BATCH = 20
 
 
-class MemoryWatch:
-    """Notes the memory of this process while candidates go by; a `Progress`."""
+class Watch(Silent):
+    """Kills workers, and takes down memory, open files and time at every window's end."""
 
-    def __init__(self) -> None:
-        self.candidates: list[int] = []
-        self.resident_mib: list[float] = []
-        self._count = 0
-        self._began = time.monotonic()
-
-    def phase(self, title: str, candidates: int | None) -> None:
-        """Nothing to note."""
-
-    def best(self, best: Evaluation | None) -> None:
-        """Nothing to note."""
+    def __init__(self, window: int, kill: bool) -> None:
+        self.rows: list[tuple[int, float, int, float]] = []
+        self.kills = 0
+        self._window, self._kill, self._count, self._began = window, kill, 0, time.monotonic()
 
     def evaluated(self, evaluation: Evaluation) -> None:
-        """Note the memory, now and then print it."""
+        """One candidate more."""
         self._count += 1
-        self.candidates.append(self._count)
-        self.resident_mib.append(resident_mib())
-        if self._count % REPORT_EVERY == 0:
-            seconds = time.monotonic() - self._began
-            print(
-                f"{self._count:>6} candidates {self.resident_mib[-1]:>7.1f} MiB {seconds:>7.0f} s", flush=True
-            )
+        if self._count % self._window:
+            return
+        spent, self._began = time.monotonic() - self._began, time.monotonic()
+        files = len(os.listdir("/proc/self/fd"))
+        self.rows.append((self._count, resident_mib(), files, 1000 * spent / self._window))
+        workers = [child for child in multiprocessing.active_children() if child.name == "tacos-worker"]
+        if self._kill and workers:
+            workers[self.kills % len(workers)].kill()
+            self.kills += 1
 
 
 def resident_mib() -> float:
     """Memory this process holds [MiB]."""
-    for line in Path("/proc/self/status").read_text("ascii").splitlines():
-        if line.startswith("VmRSS:"):
-            return int(line.split()[1]) / 1024
-    raise OSError("/proc/self/status does not tell the memory")
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
-def main() -> None:
+def toy_recipe(candidates: int) -> Recipe:
+    """A study of toys, two workers."""
+    return Recipe.model_validate(
+        {
+            "name": "soak",
+            "seed": 5,
+            "rig": {
+                "use": "rig.monocular",
+                "sensor": {"name": "tiny", "width_px": 16, "height_px": 8, "pixel_um": 100},
+            },
+            "design": {"focal_length_mm": {"between": [0.5, 5]}, "pitch_deg": {"between": [-30, 30]}},
+            "nodes": {
+                "world": {"use": "scene.soak"},
+                "capture": {"use": "renderer.soak", "in": {"episode": "world"}},
+                "width": {"use": "task.soak", "in": {"capture": "capture"}},
+            },
+            "fitness": [{"score": "width.closeness", "weight": 1}],
+            "optimizer": {"use": "optimizer.random", "evaluations": candidates, "batch": BATCH},
+            "executor": {"use": "executor.process", "workers": 2},
+        }
+    )
+
+
+def shipped_recipe(name: str, candidates: int) -> Recipe:
+    """A shipped recipe on small images."""
+    sets: dict[str, Any] = {
+        "optimizer": {"use": "optimizer.random", "evaluations": candidates, "batch": BATCH},
+        "executor": {"use": "executor.process", "workers": 2},
+        "rig.binning": 16,
+        "nodes.world.frames": 4,
+        "study.episodes": 1,
+        "compare": None,
+        "test": None,
+    }
+    recipe, faults = read_any_recipe(name, sets=sets)
+    assert not faults, faults
+    return Recipe.model_validate(recipe.as_data())
+
+
+def soaked(recipe: Recipe, out: Path, watch: Watch) -> tuple[dict[str, Any], list[Any]]:
+    """What the study leaves, but for times and the machine."""
+    plugins = Plugins.discover()
+    plugins.register(soak_toy)
+    result = run(recipe, out=out, plugins=plugins, progress=watch, report=False)
+    lines = [json.loads(line) for line in (out / "generations.jsonl").read_text("utf-8").splitlines()]
+    left = {k: v for k, v in result.items() if k not in ("seconds", "seconds_by_node", "environment")}
+    return left, [{k: v for k, v in line.items() if k not in ("seconds", "checksum")} for line in lines]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--candidates", type=int, default=2000)
-    parser.add_argument("--generation", type=int, default=40)
-    parser.add_argument("--frames", type=int, default=4)
-    arguments = parser.parse_args()
-    watch = MemoryWatch()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--candidates", type=int, default=5000)
+    parser.add_argument("--kill-every", type=int, default=200)
+    parser.add_argument("--recipe", help="a shipped recipe, in place of the toys")
+    asked = parser.parse_args(arguments)
+    recipe = shipped_recipe(asked.recipe, asked.candidates) if asked.recipe else toy_recipe(asked.candidates)
     with tempfile.TemporaryDirectory() as folder:
-        result = run(
-            recipe(arguments.candidates, arguments.generation, arguments.frames),
-            out=Path(folder) / "out",
-            progress=watch,
-            report=False,
+        calm, shaken = Watch(asked.kill_every, kill=False), Watch(asked.kill_every, kill=True)
+        alone = soaked(recipe, Path(folder) / "calm", calm)
+        killed = soaked(recipe, Path(folder) / "killed", shaken)
+    for name, watch in (("left alone", calm), ("workers killed", shaken)):
+        print(f"{name}, {watch.kills} killed")
+        print("| candidates | memory [MiB] | open files | time per candidate [ms] |\n|---|---|---|---|")
+        step = max(1, len(watch.rows) // 10)
+        for count, memory, files, each_ms in watch.rows[::step]:
+            print(f"| {count} | {memory:.0f} | {files} | {each_ms:.1f} |")
+        half = len(watch.rows) // 2
+        early, late = (
+            statistics.median(r[3] for r in part) for part in (watch.rows[:half], watch.rows[half:])
         )
-    half = len(watch.candidates) // 2
-    slope, _ = np.polyfit(watch.candidates[half:], watch.resident_mib[half:], 1)
-    print(f"images              {result['frames_rendered']}")
-    print(f"seconds             {result['seconds']:.0f}")
-    print(f"largest             {max(watch.resident_mib):.0f} MiB")
-    print(f"growth, second half {slope * 1000:.1f} MiB per 1000 candidates (straight-line fit)")
+        print(f"median of the first half {early:.1f} ms, of the second {late:.1f} ms\n")
+    print("same result" if alone == killed else "ANOTHER RESULT")
 
 
 if __name__ == "__main__":

@@ -29,6 +29,8 @@ def run(
     plugins: Plugins | None = None,
     executor: JobRunner | None = None,
     resume: bool = False,
+    extend: Mapping[str, int] | None = None,
+    accept_changes: bool = False,
     progress: Progress | None = None,
     command: str = "",
     report: bool = True,
@@ -48,6 +50,11 @@ def run(
         Evaluates instead of the recipe's executor, and is left open: for a host with workers of its own.
     resume
         Go on with the run in `out`. The result equals that of an unbroken run.
+    extend
+        Then go on for longer than it was begun for: by how much to raise which setting of its optimizer,
+        ``{"generations": 10}``. The result equals that of a study begun with the larger number.
+    accept_changes
+        Then go on although code, versions or files have changed since it was begun; the result says so.
     progress
         Told what happens.
     command
@@ -73,7 +80,9 @@ def run(
         out=Path(out),
         plugins=plugins,
         executor=executor,
-        resume=resume,
+        resume=resume or bool(extend),
+        extend=extend,
+        accept_changes=accept_changes,
         progress=progress,
         command=command,
         report=report,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.files import read_json
+from tacos_framework.results import read_run_json
 
 if TYPE_CHECKING:
     import pandas
@@ -143,9 +143,8 @@ def read_result(folder: str | Path) -> StudyResult:
         When there is no readable ``result.json`` of a study.
     """
     path = Path(folder) / "result.json"
-    expected = "the results folder of a study that has ended"
-    data = read_json(path, expected=expected, remedy="Run the study, or name its folder.")
-    if not isinstance(data, dict) or not isinstance(data.get("cameras"), dict):
+    data = read_run_json(path)
+    if not isinstance(data.get("cameras"), dict):
         fault = Fault(str(path), "it is not the result of a study", "a result.json with cameras", "")
         raise UserError(fault)
     return StudyResult(data)

@@ -1,18 +1,21 @@
-"""``tacos report``."""
+"""``tacos report`` and ``tacos verify``."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from tacos_framework.cli.exits import DONE
+from tacos_framework.cli.exits import DONE, FAILED
 from tacos_framework.components import Command
 from tacos_framework.errors import Fault, UserError
 
 
 def commands() -> list[Command]:
     """The commands; importing this is light."""
-    return [Command("report", "write the report of a study anew", _arguments, _report)]
+    return [
+        Command("report", "write the report of a study anew", _arguments, _report),
+        Command("verify", "check the files of a study: what is whole, what is damaged", _arguments, _verify),
+    ]
 
 
 def _arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,3 +39,16 @@ def _report(arguments: argparse.Namespace) -> int:
         remedy = "A procedure writes its report as it runs; `tacos plugins` lists what is broken."
         raise UserError(Fault(str(folder), "no plugin reports on it", "results of a study", remedy))
     return DONE
+
+
+def _verify(arguments: argparse.Namespace) -> int:
+    """Check a results folder against its checksums."""
+    from tacos_report.verifying import verify
+
+    checks = verify(arguments.folder)
+    for check in checks:
+        said = check.damage or check.note
+        print(f"{'ok ' if check.damage is None else 'BAD'} {check.name}{f': {said}' if said else ''}")
+        if check.damage is not None:
+            print(f"    {check.meaning}")
+    return DONE if all(check.damage is None for check in checks) else FAILED

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.files import read_bytes, read_json, read_lines
-from tacos_framework.files.text import parse_json
+from tacos_framework.files import read_bytes
+from tacos_framework.results import read_run_json, read_run_lines
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_report.analysis import Analysis, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
@@ -189,27 +189,13 @@ def _read_result(folder: Path) -> dict[str, Any]:
     remedy = "Name the folder that tacos-run wrote with --out."
     if not path.exists():
         raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy))
-    result = read_json(path, remedy=remedy)
-    if not isinstance(result, dict):
-        raise UserError(Fault(str(path), "not a JSON object", "the result of a study", remedy))
-    return result
+    return read_run_json(path)
 
 
 def read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
     """The generations of a study, and whether the last line was torn by a kill while it was written."""
-    lines = [line for line in read_lines(path) if line.strip()] if path.exists() else []
-    generations: list[Generation] = []
-    for index, line in enumerate(lines):
-        try:
-            row = parse_json(line, f"{path}:{index + 1}")
-        except UserError:
-            if index == len(lines) - 1:
-                return tuple(generations), True
-            raise
-        if not isinstance(row, dict):
-            raise UserError(Fault(f"{path}:{index + 1}", "not a JSON object", "a generation"))
-        generations.append(_generation(row))
-    return tuple(generations), False
+    lines = read_run_lines(path)
+    return tuple(map(_generation, lines.values)), lines.torn > 0
 
 
 def _generation(row: Mapping[str, Any]) -> Generation:

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.contracts import Executor
-from tacos_framework.files import read_json
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
+from tacos_framework.results import read_run_json
 from tacos_framework.runner import run
 from tacos_framework.study import BROKEN_OFF
 from tacos_framework.study.progress import Progress
@@ -32,7 +32,7 @@ def result_of(
     """
     done = folder / "result.json"
     if resume and done.exists():
-        kept: dict[str, Any] = read_json(done)
+        kept = read_run_json(done)
         if kept["stopped"] != BROKEN_OFF:
             return kept
     result = run(

@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from tacos_framework.catalog import OffTheShelf, camera_names, load_cameras
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.files import read_json
 from tacos_framework.plan import Plan
+from tacos_framework.results import read_run_json
 from tacos_framework.values import Rig
 from tacos_framework.variables import CatalogChoice
 
@@ -84,8 +84,7 @@ def _of_run(run: Path, name: str) -> CameraChoice:
     path = run / "result.json"
     if not path.exists():
         raise UserError(Fault(str(path), "there is no result", "a study that has ended"))
-    result = read_json(path, expected="a study that has ended")
-    cameras = result.get("cameras") if isinstance(result, dict) else None
+    cameras = read_run_json(path).get("cameras")
     if not isinstance(cameras, dict):
         raise UserError(Fault(str(path), "it is not the result of a study", "a study that has ended"))
     if name not in cameras:

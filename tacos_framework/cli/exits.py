@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from tacos_framework.cli.terminal import printable_output
 from tacos_framework.errors import UserError
@@ -13,6 +15,16 @@ FAILED = 1
 WRONG_INPUT = 2
 INTERRUPTED = 130
 """128 + SIGINT, as shells expect of a command ended by Ctrl-C."""
+
+
+@contextmanager
+def ended_by_sigterm() -> Iterator[None]:
+    """Take SIGTERM for Ctrl-C meanwhile, as of a scheduler that wants the machine back."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def exit_status(command: Callable[[], int]) -> int:

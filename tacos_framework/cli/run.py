@@ -13,7 +13,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tacos_framework.cli.exits import DONE, FAILED, INTERRUPTED, exit_status
+from tacos_framework.cli.exits import DONE, FAILED, INTERRUPTED, ended_by_sigterm, exit_status
 from tacos_framework.environment import DEVICE_VARIABLE
 from tacos_framework.errors import Fault, UserError
 
@@ -52,6 +52,18 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", metavar="DIR", type=Path, help="results folder [runs/RECIPE-TIME]")
     parser.add_argument("--seed", metavar="N", type=int, help="seed, instead of the recipe's")
     parser.add_argument("--resume", action="store_true", help="go on with the run in --out")
+    parser.add_argument(
+        "--extend",
+        action="append",
+        default=[],
+        metavar="KEY=N",
+        help="go on with the run in --out for longer, as in generations=10; a setting of its optimizer",
+    )
+    parser.add_argument(
+        "--accept-changes",
+        action="store_true",
+        help="go on although code, versions or files have changed since the run began; results say so",
+    )
     parser.add_argument("--workers", metavar="N", type=int, help="evaluate in N processes")
     parser.add_argument("--executor", metavar="NAME", help="executor component, executor.NAME")
     parser.add_argument("--device", metavar="N", type=_device, help="GPU to compute and render on, or cpu")
@@ -86,8 +98,17 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
 
     plugins = Plugins.discover()
     recipe, faults = _read(arguments, plugins)
-    if arguments.resume and arguments.out is None:
-        faults.append(Fault("--resume", "which run is not said", "", "Name its folder with --out."))
+    extend = _extend(arguments, faults)
+    resume = arguments.resume or bool(arguments.extend)
+    if resume and arguments.out is None:
+        option = "--resume" if arguments.resume else "--extend"
+        faults.append(Fault(option, "which run is not said", "", "Name its folder with --out."))
+    elif arguments.extend and not isinstance(recipe, Recipe):
+        faults.append(Fault("--extend", "only studies can be extended", "", "Leave it out."))
+    elif resume and isinstance(recipe, Recipe) and not faults:
+        from tacos_framework.study.extending import for_resuming
+
+        recipe = for_resuming(recipe, arguments.out, plugins, extend)
     planned = _plan_study if isinstance(recipe, Recipe) else _plan_procedure
     plan, explanation = planned(recipe, plugins, faults)
     if arguments.explain:
@@ -104,9 +125,16 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
     from tacos_framework.study import BROKEN_OFF, DEFECT
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
-    with progress_for(quiet=arguments.quiet) as progress:
+    with progress_for(quiet=arguments.quiet) as progress, ended_by_sigterm():
         result = run(
-            plan, out=out, plugins=plugins, resume=arguments.resume, progress=progress, command=command
+            plan,
+            out=out,
+            plugins=plugins,
+            resume=resume,
+            extend=extend,
+            accept_changes=arguments.accept_changes,
+            progress=progress,
+            command=command,
         )
     print(summary(result, out))
     stopped = str(result.get("stopped"))
@@ -171,6 +199,17 @@ def _sets(arguments: argparse.Namespace, plugins: Plugins, faults: list[Fault]) 
         executor = arguments.executor or plugins.default("workers", where="--workers")
         sets["executor"] = {"use": executor, "workers": arguments.workers}
     return sets
+
+
+def _extend(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, int]:
+    extend: dict[str, int] = {}
+    for given in arguments.extend:
+        key, _, number = given.partition("=")
+        if key and number.isdecimal() and int(number) > 0:
+            extend[key] = int(number)
+        else:
+            faults.append(Fault(f"--extend {given}", "it is no KEY=N", "--extend generations=10"))
+    return extend
 
 
 def _effects(file: Path) -> list[Mapping[str, Any]]:

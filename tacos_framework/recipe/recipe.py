@@ -287,8 +287,8 @@ class Compare(Settings):
     evaluations: int = setting(
         30,
         help=(
-            "Evaluations spent on what each product leaves free; where tasks are trained, as many train them "
-            "on a product that leaves nothing free."
+            "Evaluations to search what each product leaves free, its finalists not counted; where tasks are "
+            "trained, as many train them on a product that leaves nothing free."
         ),
         ge=1,
     )

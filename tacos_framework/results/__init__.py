@@ -1,7 +1,17 @@
-"""The results folder of a run."""
+"""The results folder of a run.
+
+=============  ==============================================================================================
+``results``    a run: what stands where, how it begins and goes on
+``folder``     a folder that one process writes into at a time
+``checksums``  how its files carry checksums
+``writing``    files that are there whole or not at all
+``reading``    files as the run left them, or a sentence on what is wrong
+=============  ==============================================================================================
+"""
 
 from __future__ import annotations
 
-from tacos_framework.results.results import Results
+from tacos_framework.results.reading import read_run_json, read_run_lines, read_run_text
+from tacos_framework.results.results import Results, read_recipe
 
-__all__ = ["Results"]
+__all__ = ["Results", "read_recipe", "read_run_json", "read_run_lines", "read_run_text"]

@@ -1,8 +1,15 @@
 """The design loop: ask, simulate, train, score, tell; then judge on unseen scenes.
 
 ===========  ================================================================================================
+``running``  a study in its results folder: begun, gone on with, broken off
 ``study``    one run of a recipe: searches, test, checkpoint, result
-``search``   one run of an optimizer over a design space
+``outcome``  what came out, as ``result.json`` has it
+``search``   one run of an optimizer over a design space, with ``search_state``, what it knows
+``evaluating``  candidates that do not hand on what they learn: each thing once
+``journal``  what was evaluated since the last of the ``checkpoints``
+``run_files``  types of what the files of a run hold, with ``kept_evaluation``
+``manifest`` the code, versions and files a study was started with
+``extending``  studies that go on for longer
 ``scoring``  candidates of a generation in a race, with ``racing``, its statistics
 ``pipelined``    weights that candidates share: the next one trains while the last is scored
 ``asking``   the optimizer, guarded: what it asks for is checked
@@ -18,6 +25,7 @@
 from __future__ import annotations
 
 from tacos_framework.study.progress import Progress, Silent
-from tacos_framework.study.study import BROKEN_OFF, DEFECT, DESIGNED, Study, run_study
+from tacos_framework.study.running import run_study
+from tacos_framework.study.study import BROKEN_OFF, DEFECT, DESIGNED, Study
 
 __all__ = ["BROKEN_OFF", "DEFECT", "DESIGNED", "Progress", "Silent", "Study", "run_study"]

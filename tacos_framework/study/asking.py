@@ -184,6 +184,11 @@ def told_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
     )
 
 
+def not_evaluated(asked: Asked, reason: str) -> Evaluated:
+    """What an optimizer is told of a candidate that is not evaluated any more."""
+    return Evaluated(asked.candidate, None, failed=f"not evaluated: {reason}")
+
+
 def takes_problem(optimizer: type[Any]) -> bool:
     """Whether a class of optimizers asks for the `DesignProblem` by a keyword of its ``__init__``."""
     try:

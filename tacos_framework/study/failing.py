@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,6 +13,17 @@ IN_A_ROW = 5
 
 FEWEST = 3
 """Where the first generation is smaller than `IN_A_ROW`, as many as it has, but no fewer than these."""
+
+
+MOST_ALIKE = 20
+"""Where so many candidates in a row fail for one reason and none was ever scored, the search ends."""
+
+_NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
+
+
+def alike(reason: str | None, other: str | None) -> bool:
+    """Whether two reasons are the same but for the numbers in them."""
+    return _NUMBER.sub("#", reason or "") == _NUMBER.sub("#", other or "")
 
 
 class KeepsFailing(Exception):

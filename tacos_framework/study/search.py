@@ -2,108 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from tacos_framework.cache import content_key
 from tacos_framework.contracts import Asked, Executor, State
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
-from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, state_key
-from tacos_framework.study.asking import GuardedOptimizer, told_of
+from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
+from tacos_framework.study.asking import GuardedOptimizer, not_evaluated, told_of
 from tacos_framework.study.episodes import scored_episodes, training_episode
-from tacos_framework.study.failing import FailuresInARow, KeepsFailing, limit_of
+from tacos_framework.study.evaluating import Known, evaluate_each_once, job_keys
+from tacos_framework.study.failing import MOST_ALIKE, KeepsFailing, limit_of
 from tacos_framework.study.pipelined import score_pipelined
-from tacos_framework.study.problem import design_problem
-from tacos_framework.study.scoring import score_in_a_race
+from tacos_framework.study.problem import broken_by, design_problem
+from tacos_framework.study.search_state import EndOfSearch, SearchState, fitness_of
 from tacos_framework.study.shards import score_sharded
-from tacos_framework.variables.design_space import DesignSpace
 
 MOST_BROKEN_IN_A_ROW = 1000
 """After so many candidates in a row that break a constraint, no more are asked for."""
 
 
-_PLAIN_STATE = (
-    "generation",
-    "n_observed",
-    "evaluations",
-    "images",
-    "stopped",
-    "partly_scored",
-    "broken_in_a_row",
-    "last_failure",
-    "finalists_rescored",
-    "trained_best",
-)
-"""Fields of a search that a checkpoint has as they are."""
-
-
-@dataclass(frozen=True)
-class CandidateStats:
-    """What is remembered of a candidate over all generations it took part in."""
-
-    values: Mapping[str, Any]
-    fitness_sum: float
-    times: int
-
-    @property
-    def mean_fitness(self) -> float:
-        """Mean fitness over the generations it was scored in."""
-        return self.fitness_sum / self.times
-
-
 @dataclass
-class Search:
-    """The state of one search; `step` takes it one generation further.
+class Search(SearchState):
+    """One search; `step` takes it one generation further. See `SearchState` for its parameters.
 
     Parameters
     ----------
-    name
-        ``"designed"``, or the camera whose free variables are searched.
-    plan
-        The checked recipe.
-    space
-        The variables to search; None when nothing is free, and the fixed values are evaluated as they are.
-    fixed
-        Values of the other variables, plain.
-    budget
-        Evaluations after which it stops even if the optimizer would go on; None leaves it to the optimizer.
-        Candidates that break a constraint are none.
-    states
-        States of trainable tasks.
-    partly_scored
-        Whether a candidate was scored on some of the episodes only.
-    last_failure
-        Why the last candidate that failed did, in a sentence.
-    finalists
-        The candidates scored once more at the end, on episodes of their own.
     design
         The search whose worlds its tasks train in; None for that search itself.
     """
 
-    name: str
-    plan: Plan
-    space: DesignSpace | None
-    fixed: Mapping[str, Any]
-    budget: int | None
-    states: dict[str, State] = field(default_factory=dict)
-    generation: int = 0
-    n_observed: int = 0
-    evaluations: int = 0
-    images: int = 0
-    stopped: str | None = None
-    partly_scored: bool = False
-    broken_in_a_row: int = 0
-    last_failure: str | None = None
-    finalists_rescored: bool = False
-    finalists: list[Evaluation] = field(default_factory=list)
-    trained_best: int = 0
-    best: Evaluation | None = None
-    failing: FailuresInARow = field(default_factory=FailuresInARow)
-    candidate_stats: dict[str, CandidateStats] = field(default_factory=dict)
-    cache: dict[str, Evaluation] = field(default_factory=dict)
     design: Search | None = None
 
     def __post_init__(self) -> None:
@@ -115,34 +45,12 @@ class Search:
 
     # what is simulated ------------------------------------------------------------------------------------
 
-    @property
-    def training(self) -> bool:
-        """Whether tasks learn while it goes on."""
-        trains = (self.plan.recipe.nodes[name].train for name in self.plan.trainable)
-        return any(train is not None and train.weights != "frozen" for train in trains)
-
-    @property
-    def _weights(self) -> str:
-        """How weights pass from candidate to candidate: shared, branched or frozen."""
-        modes = {t.weights for n in self.plan.trainable if (t := self.plan.recipe.nodes[n].train) is not None}
-        return next((mode for mode in ("shared", "branched") if mode in modes), "frozen")
-
     def _episodes(self, purpose: str, count: int) -> tuple[EpisodeSpec, ...]:
         return scored_episodes(self.plan.recipe, purpose, count, self.generation)
 
     def _training_episode(self, candidate: int) -> EpisodeSpec | None:
         """The episode a candidate, counted in its generation, trains on; None where no task is trained."""
         return training_episode(self.plan.recipe, self.generation, candidate) if self.training else None
-
-    @property
-    def _repeatable(self) -> bool:
-        """Whether a candidate gets the same scores in another generation: same episodes, same weights."""
-        return self.plan.recipe.study.renew_episodes == "never" and not self.training
-
-    @property
-    def comparable(self) -> bool:
-        """Whether the fitness of all candidates compares: the same for all, and all episodes for each."""
-        return self._repeatable and not self.partly_scored
 
     def expected_candidates(self) -> int | None:
         """How many candidates are still to come, elites counted each time, if that is known."""
@@ -174,6 +82,7 @@ class Search:
             self.stopped = self._stop()
             return []
         jobs = self._jobs(asked)
+        jobs = jobs[: self._affordable(jobs)]
         failing, seen = replace(self.failing), list[Evaluation]()
         limit = limit_of(None if self.generation else len(jobs))
 
@@ -188,12 +97,14 @@ class Search:
             error.evaluations = seen
             raise
         self.failing = failing
-        numbers = [self._numbers(each) for each in asked] or [self._numbers(None)] * len(jobs)
+        done, left_out = asked[: len(jobs)], asked[len(jobs) :]
+        numbers = [self._numbers(each) for each in done] or [self._numbers(None)] * len(jobs)
         evaluations = [replace(e, episode_numbers=n) for e, n in zip(found, numbers, strict=True)]
         if self.optimizer:
-            self.optimizer.tell([told_of(a, e) for a, e in zip(asked, evaluations, strict=True)])
+            told = [told_of(a, e) for a, e in zip(done, evaluations, strict=True)]
+            self.optimizer.tell([*told, *(not_evaluated(each, self._spent) for each in left_out)])
         self.partly_scored |= any(len(n) < self._episode_count for n in numbers)
-        self._remember(evaluations)
+        self.remember(evaluations)
         self.states = states
         self.generation += 1
         self.stopped = self._stop()
@@ -207,9 +118,32 @@ class Search:
         if self.broken_in_a_row >= MOST_BROKEN_IN_A_ROW:
             many = self.broken_in_a_row
             return f"{many} candidates in a row broke a constraint, the last as {self.last_failure}"
+        if not self.candidate_stats and self.failed_alike >= MOST_ALIKE:
+            return (
+                f"none of {self.failed_alike} candidates could be scored, and all failed for one reason, "
+                f"the last: {self.last_failure}"
+            )
         if self.budget is not None and self.evaluations >= self.budget:
-            return f"{self.evaluations} evaluations, the budget of {self.budget}, are spent"
+            return self._spent
         return self.optimizer.stop()
+
+    @property
+    def _spent(self) -> str:
+        return f"{self.budget} evaluations, the budget of {self.budget}, are spent"
+
+    def _affordable(self, jobs: Sequence[ScoreJob]) -> int:
+        """How many of the candidates, from the first, may be evaluated: what costs nothing does not count."""
+        if self.budget is None or self.optimizer is None:
+            return len(jobs)
+        left, counted = self.budget - self.evaluations, set(self.cache)
+        for number, (key, job) in enumerate(zip(job_keys(jobs), jobs, strict=True)):
+            if key in counted or broken_by(self.plan, job.values):
+                continue
+            if left == 0:
+                return number
+            left -= 1
+            counted.add(key)
+        return len(jobs)
 
     @property
     def _episode_count(self) -> int:
@@ -229,7 +163,7 @@ class Search:
         Weights that candidates share learn from it as often as from the designs, in as many worlds.
         """
         generations = self.design.generation if self.design else 0
-        if self._weights != "shared" or not self.budget or self.generation >= generations:
+        if self.weights_mode != "shared" or not self.budget or self.generation >= generations:
             return 1
         before, until = (self.budget * (self.generation + i) // generations for i in (0, 1))
         return max(1, min(until - before, self.budget - self.evaluations))
@@ -257,77 +191,24 @@ class Search:
         evaluate: Evaluator,
         on_evaluated: Callable[[Evaluation], None],
     ) -> tuple[list[Evaluation], dict[str, State]]:
-        if self.training and self._weights == "shared":
-            evaluations, states = [], dict(self.states)
+        states = dict(self.states)
+        if self.training and self.weights_mode == "shared":
+            evaluations = []
             for evaluation in score_pipelined(jobs, self.plan.fitness, executor, evaluate):
                 states.update(evaluation.states)
                 evaluations.append(evaluation)
                 on_evaluated(evaluation)
             return evaluations, states
-        evaluations = self._cached_map(jobs, executor, evaluate, on_evaluated)
-        states = dict(self.states)
-        if self.training and (scored := [e for e in evaluations if e.fitness is not None]):
-            states.update(max(scored, key=_fitness).states)
-        return evaluations, states
-
-    def _cached_map(
-        self,
-        wanted: Sequence[ScoreJob],
-        executor: Executor,
-        evaluate: Evaluator,
-        on_evaluated: Callable[[Evaluation], None],
-    ) -> list[Evaluation]:
-        """Evaluate what has not been evaluated before in exactly this way, each thing once."""
-        weights = state_key(self.states)
-        keys = [_key(job, weights) for job in wanted]
-        jobs = {key: job for key, job in zip(keys, wanted, strict=True) if key not in self.cache}
-        fresh: dict[str, Evaluation] = {}
-        for key, evaluation in zip(jobs, self._scored(jobs, keys, executor, evaluate), strict=True):
-            fresh[key] = evaluation
-            on_evaluated(evaluation)
-        if self._repeatable:  # otherwise no later generation can ask the same again
+        leader = self.best if self.comparable else None
+        evaluations, fresh = evaluate_each_once(
+            jobs, Known(self.cache, leader), self.plan, executor, evaluate, on_evaluated
+        )
+        if self.repeatable:  # otherwise no later generation can ask the same again
             known = {key: e for key, e in fresh.items() if e.raised is None}  # a defect may be mended
             self.cache.update({key: replace(e, states={}) for key, e in known.items()})
-        evaluations, given = [], set()
-        for key in keys:
-            if key in fresh and key not in given:
-                evaluations.append(fresh[key])
-            else:
-                again = replace(fresh.get(key) or self.cache[key], cached=True, images=0, seconds={})
-                evaluations.append(again)
-                on_evaluated(again)
-            given.add(key)
-        return evaluations
-
-    def _scored(
-        self, jobs: Mapping[str, ScoreJob], keys: Sequence[str], executor: Executor, evaluate: Evaluator
-    ) -> Iterable[Evaluation]:
-        """The evaluations of jobs, by a race where the recipe asks for one."""
-        rules = self.plan.recipe.study.race
-        if rules is None:
-            return score_sharded(list(jobs.values()), self.plan.fitness, executor, evaluate)
-        known = {key: self.cache[key] for key in keys if key in self.cache}
-        if self.best is not None and self.comparable:
-            known["best"] = self.best
-        rivals = {key: e for key, e in known.items() if e.fitness is not None and e.dropped is None}
-        return score_in_a_race(jobs, rivals, rules, self.plan.fitness, executor, evaluate)
-
-    def _remember(self, evaluations: Sequence[Evaluation]) -> None:
-        self.n_observed += len(evaluations)
-        for evaluation in evaluations:
-            self.evaluations += not (evaluation.cached or evaluation.broken)
-            self.images += evaluation.images
-            self.broken_in_a_row = self.broken_in_a_row + 1 if evaluation.broken else 0
-            if evaluation.fitness is None:
-                self.last_failure = evaluation.failed
-                continue
-            key = content_key(evaluation.values)
-            old = self.candidate_stats.get(key, CandidateStats(evaluation.values, 0.0, 0))
-            self.candidate_stats[key] = CandidateStats(
-                old.values, old.fitness_sum + evaluation.fitness, old.times + 1
-            )
-            if evaluation.dropped is None and (self.best is None or evaluation.fitness > _fitness(self.best)):
-                self.best = replace(evaluation, states={}, cached=False)
+        if self.training and (scored := [e for e in evaluations if e.fitness is not None]):
+            states.update(max(scored, key=fitness_of).states)
+        return evaluations, states
 
     def rescore_finalists(
         self, executor: Executor, evaluate: Evaluator, on_evaluated: Callable[[Evaluation], None]
@@ -343,6 +224,7 @@ class Search:
         The evaluations of the finalists, the most promising first.
         """
         self.finalists_rescored = True
+        self.searched = EndOfSearch(self.best, self.evaluations, self.images)
         wanted = self.most_promising(self.plan.recipe.study.finalists)
         settled = self.comparable and len(wanted) < 2
         if not wanted or settled or len(self.candidate_stats) < 2:
@@ -358,7 +240,7 @@ class Search:
         self.images += sum(evaluation.images for evaluation in finalists)
         self.finalists = finalists
         if scored := [e for e in finalists if e.fitness is not None]:
-            self.best = max(scored, key=_fitness)
+            self.best = max(scored, key=fitness_of)
         return finalists
 
     def most_promising(self, count: int) -> list[Mapping[str, Any]]:
@@ -369,11 +251,6 @@ class Search:
         return [stats.values for stats in ranked[:count]]
 
     # the network of the camera that was chosen ------------------------------------------------------------
-
-    @property
-    def rounds(self) -> int:
-        """How often the states may have changed: generations, and trainings on the best."""
-        return self.generation + self.trained_best
 
     def next_training_on_best(self) -> ScoreJob | None:
         """The next training on the best camera, if one is left."""
@@ -392,30 +269,27 @@ class Search:
 
     def state(self) -> dict[str, Any]:
         """All that is needed to go on, as JSON values; states of tasks are kept apart."""
-        return {
-            **{name: getattr(self, name) for name in _PLAIN_STATE},
-            "finalists": [as_data(evaluation) for evaluation in self.finalists],
-            "best": self.best and as_data(self.best),
-            "failing": asdict(self.failing),
-            "candidate_stats": {key: asdict(stats) for key, stats in self.candidate_stats.items()},
-            "cache": {key: as_data(evaluation) for key, evaluation in self.cache.items()},
-            "optimizer": self.optimizer and self.optimizer.state(),
-        }
+        return {**self.as_data(), "optimizer": self.optimizer and self.optimizer.state()}
 
     def restore(self, state: Mapping[str, Any], states: dict[str, State]) -> None:
         """Go on from a `state`."""
-        for name in _PLAIN_STATE:
-            setattr(self, name, state[name])
-        self.finalists = [Evaluation(**evaluation) for evaluation in state["finalists"]]
-        self.best = Evaluation(**state["best"]) if state["best"] else None
-        self.candidate_stats = {
-            key: CandidateStats(**stats) for key, stats in state["candidate_stats"].items()
-        }
-        self.cache = {key: Evaluation(**evaluation) for key, evaluation in state["cache"].items()}
-        self.failing = FailuresInARow(**state["failing"])
-        self.states = states
+        self.take_up(state, states)
         if self.optimizer:
             self.optimizer.restore(state["optimizer"])
+
+    def reopen(self) -> bool:
+        """Go on searching where the optimizer, given more to spend, has more to ask; whether it has.
+
+        The search is then as it was before its finalists were scored; the states of tasks are not.
+        """
+        if self.optimizer is None or self.stopped is None or self._stop() is not None:
+            return False
+        self.stopped = None
+        if self.searched is not None:
+            self.best, self.images = self.searched.best, self.searched.images
+            self.evaluations = self.searched.evaluations
+        self.finalists, self.finalists_rescored, self.searched, self.trained_best = [], False, None, 0
+        return True
 
 
 def _race_of_parts(plan: Plan, optimizer: str, numbers: Sequence[int]) -> Fault:
@@ -426,21 +300,3 @@ def _race_of_parts(plan: Plan, optimizer: str, numbers: Sequence[int]) -> Fault:
         "an optimizer that has all candidates scored on all episodes",
         "Take study.race out, or set the optimizer to score candidates on all episodes.",
     )
-
-
-def _key(job: ScoreJob, weights: str) -> str:
-    """Content key of a job that starts with weights of a given key."""
-    specs = [asdict(spec) for spec in job.episodes]
-    return content_key(job.values, specs, weights, job.training and asdict(job.training))
-
-
-def as_data(evaluation: Evaluation) -> dict[str, Any]:
-    """An evaluation as plain data, without the states of tasks and the error that ended it."""
-    data = asdict(replace(evaluation, states={}, raised=None))
-    del data["states"], data["raised"]
-    return data
-
-
-def _fitness(evaluation: Evaluation) -> float:
-    assert evaluation.fitness is not None
-    return evaluation.fitness

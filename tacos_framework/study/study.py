@@ -3,33 +3,32 @@
 from __future__ import annotations
 
 import logging
-import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import __version__
 from tacos_framework.camera.colour import display_image
-from tacos_framework.contracts import Executor, JobRunner, State
+from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
-from tacos_framework.fitness import standard_errors
-from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints
+from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.plugins.executing import GuardedExecutor
-from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
 from tacos_framework.study.analysis import make_record
+from tacos_framework.study.checkpoints import Checkpoints
 from tacos_framework.study.degenerate import degenerate
+from tacos_framework.study.extending import budget_of
 from tacos_framework.study.failing import KeepsFailing
-from tacos_framework.study.progress import Progress, Silent
+from tacos_framework.study.journal import Journal, JournaledExecutor
+from tacos_framework.study.kept_evaluation import as_data, evaluation_from
+from tacos_framework.study.manifest import Manifest
+from tacos_framework.study.outcome import Outcome
+from tacos_framework.study.progress import Progress
 from tacos_framework.study.records import candidate_record
-from tacos_framework.study.search import Search, as_data
+from tacos_framework.study.search import Search
 from tacos_framework.study.shards import score_sharded
 from tacos_framework.study.unseen_test import UnseenTest
 from tacos_framework.values import FrameBatch
@@ -52,49 +51,6 @@ DEFECT = "stopped by a defect"
 """Begins why a study stopped whose candidates kept failing by the same defect of a component."""
 
 
-def run_study(
-    study: Recipe | Plan,
-    *,
-    out: Path,
-    plugins: Plugins,
-    executor: JobRunner | None = None,
-    resume: bool = False,
-    progress: Progress | None = None,
-    command: str = "",
-    report: bool = True,
-) -> dict[str, Any]:
-    """Run a study; see `tacos_framework.run`."""
-    plan = study if isinstance(study, Plan) else make_plan(study, plugins)
-    data = plan.recipe.as_data()
-    results, checkpoint = Results.resume(out, data) if resume else (Results.create(out, data), None)
-    parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
-    packages = {part.cls.__module__.partition(".")[0] for part in parts}
-    with results, results.logging({"tacos_framework", *packages}):
-        of_recipe, distribution = plan.executor, plan.executor.distribution
-        evaluates = (
-            GuardedExecutor.of_host(executor)
-            if executor
-            else GuardedExecutor(of_recipe.make(), of_recipe.use, distribution)
-        )
-        running = Study(plan, plugins, results, evaluates, progress or Silent(), command)
-        try:
-            running.restore(checkpoint)
-            running.run()
-        except KeyboardInterrupt:
-            running.broken_off = BROKEN_OFF
-            log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
-        except KeepsFailing as error:
-            running.broken_off = f"{DEFECT}: {error}"
-            log.error("%s", running.broken_off)
-        finally:
-            if executor is None:
-                evaluates.close()
-        result = running.finish()
-        if report:
-            _report(results.folder, plugins)
-    return result
-
-
 class Study:
     """One run of a recipe; see `run_study`."""
 
@@ -105,13 +61,14 @@ class Study:
         results: Results,
         executor: Executor,
         progress: Progress,
+        manifest: Manifest,
         command: str = "",
     ):
         self.plan = plan
         self.results = results
         self.broken_off: str | None = None
         self._observers = plugins.observers()
-        self._executor = executor
+        self._manifest = manifest
         self._progress = progress
         self._command = command
         self._evaluate = Evaluator(plan, plugins)
@@ -124,11 +81,11 @@ class Study:
         self._analysis_notes: list[str] = []
         self._scored_again: list[Evaluation] = []
         self._samples: dict[str, list[str]] = {}
-        workers = getattr(executor, "workers", 1)
-        self._environment = describe_environment(workers, plugins.findings())
-        self._inadmissible = inadmissible(plan)
-        self._notes_on_constraints = tuple(notes_on_constraints(plan))
+        journal = Journal(results, lambda: self.seconds)
+        self._executor = JournaledExecutor(executor, journal)
+        self._environment = describe_environment(self._executor.workers, plugins.findings())
         self.searches = list(self._make_searches())
+        self._checkpoints = Checkpoints(results, journal, self._line_files)
 
     def _make_searches(self) -> Iterator[Search]:
         states = self._evaluate.simulation.initial_states() if self.plan.trainable else {}
@@ -154,6 +111,7 @@ class Study:
         self._train_best()
         self._judge()
         self._analyse()
+        self._checkpoint(now=True)
 
     def _search(self, search: Search) -> None:
         if search.finalists_rescored:
@@ -180,7 +138,7 @@ class Study:
             self._checkpoint()
         search.rescore_finalists(self._executor, self._evaluate, self._count)
         self._progress.best(search.best)
-        self._checkpoint()
+        self._checkpoint(now=True)
         log.info("%s: %s; best fitness %s", search.name, search.stopped, search.best and search.best.fitness)
 
     def _train_best(self) -> None:
@@ -254,13 +212,13 @@ class Study:
     def _analyse(self) -> None:
         """Let plugins say what follows from all that was scored."""
         self._progress.phase("Analysing", None)
-        lines = [line for name in self._line_files for line in self.results.read_lines(name)]
+        lines = [line for name in self._line_files for line in self.results.lines_of(name).values]
         record = make_record(
             self.plan,
             self.searches,
             lines,
             self._test,
-            self._failed(),
+            self._outcome().failed(),
             self._score_again,
             degenerate(self.searches[0], self.plan.recipe),
         )
@@ -289,90 +247,58 @@ class Study:
         """The files that searches write a line to for each generation."""
         return (GENERATIONS, PRODUCTS) if len(self.searches) > 1 else (GENERATIONS,)
 
-    def _checkpoint(self) -> None:
-        weights: dict[str, str] = {}
-        for search in self.searches:
-            for task, state in search.states.items():
-                name = f"{search.name}.{task}.{search.rounds}"
-                weights[f"{search.name}.{task}"] = name
-                if not (self.results.folder / "weights" / f"{name}.safetensors").exists():
-                    self.results.write_state(name, state)
-        self.results.write_checkpoint(
-            {
-                "searches": {search.name: search.state() for search in self.searches},
-                "seconds": self.seconds,
-                "seconds_by_node": self._seconds_by_node,
-                "weights": weights,
-                "test": {name: as_data(found) for name, found in self._test.evaluations.items()}
-                if self._test
-                else {},
-            }
-        )
-        self.results.keep_weights(weights.values())
+    def _checkpoint(self, *, now: bool = False) -> None:
+        self._checkpoints.write(self.searches, self._rest, now=now)
+
+    def _rest(self) -> dict[str, Any]:
+        """What a checkpoint has beside the searches."""
+        return {
+            "budget": budget_of(self.plan.optimizer),
+            "seconds": self.seconds,
+            "seconds_by_node": self._seconds_by_node,
+            "test": {name: as_data(found) for name, found in self._test.evaluations.items()}
+            if self._test
+            else {},
+        }
 
     def restore(self, checkpoint: Mapping[str, Any] | None) -> None:
         """Go on from a checkpoint; from the start when there is none."""
+        self._seconds_before = self._checkpoints.restore(checkpoint, self.searches)
         if checkpoint is None:
-            for name in self._line_files:
-                self.results.write_lines(name, [])
             return
-        self._seconds_before = checkpoint["seconds"]
+        self._seconds_before = max(self._seconds_before, checkpoint["seconds"])
         self._seconds_by_node = dict(checkpoint["seconds_by_node"])
-        for search in self.searches:
-            states: dict[str, State] = {
-                task: self.results.read_state(checkpoint["weights"][f"{search.name}.{task}"])
-                for task in search.states
-            }
-            search.restore(checkpoint["searches"][search.name], states)
         if self._test:
-            self._test.evaluations = {n: Evaluation(**found) for n, found in checkpoint["test"].items()}
-        done = {search.name: search.generation for search in self.searches}
-        for name in self._line_files:
-            lines = self.results.read_lines(name)
-            kept = [line for line in lines if line["generation"] < done[line.get("product", DESIGNED)]]
-            self.results.write_lines(name, kept)
+            self._test.evaluations = {n: evaluation_from(found) for n, found in checkpoint["test"].items()}
+        if checkpoint["budget"] != budget_of(self.plan.optimizer):
+            self._extend(checkpoint)
+
+    def _extend(self, checkpoint: Mapping[str, Any]) -> None:
+        """Search on with the larger budget; whatever came after the searches is done anew."""
+        for search in self.searches:
+            trained = search.trained_best > 0
+            if not search.reopen():
+                continue
+            if trained:
+                search.states = self._checkpoints.states_at_end(checkpoint, search)
+            if self._test:
+                self._test.evaluations = {}
 
     def finish(self) -> dict[str, Any]:
         """Write ``result.json``; returns what stands in it."""
-        designed = self.searches[0]
-        tested = self._test.on_common_scenes if self._test else {}
-        further = [*(self._test.evaluations.values() if self._test else ()), *self._scored_again]
+        outcome = self._outcome()
+        accepted = [change for changes in self._manifest.accepted for change in changes]
         result = {
-            "tacos": __version__,
-            "name": self.plan.recipe.name,
-            "seed": self.plan.recipe.seed,
-            "stopped": self.broken_off or designed.stopped,
-            "evaluations": sum(search.evaluations for search in self.searches) + len(further),
-            "frames_rendered": sum(search.images for search in self.searches)
-            + sum(evaluation.images for evaluation in further),
+            **outcome.as_data(),
             "seconds": round(self.seconds, 3),
-            "best": designed.best and _best(designed.best),
-            "test": {
-                name: {**evaluation.scores, "fitness": evaluation.fitness}
-                for name, evaluation in tested.items()
-            },
-            **self._no_winner(),
-            "cameras": {
-                s.name: self._camera(s, tested.get(s.name)) for s in self.searches if s.best is not None
-            },
-            "failed": self._failed(),
-            "derived_units": dict(self.plan.rig.cls.derived_quantities),
-            "design_space": self.plan.space.as_data(),
-            "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
-            "lower_is_better": sorted(
-                f"{name}.{score}"
-                for name, node in self.plan.nodes.items()
-                for score in getattr(node.cls, "lower_is_better", ())
-            ),
-            "score_meanings": {
-                f"{name}.{score}": meaning
-                for name, node in self.plan.nodes.items()
-                for score, meaning in getattr(node.cls, "score_meanings", {}).items()
-            },
-            "carrier": self._carrier(),
             "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
             "environment": self._environment,
-            "notes": [*self.plan.recipe.quoted_notes, *self._automatic_notes(), *self._analysis_notes],
+            "notes": [
+                *self.plan.recipe.quoted_notes,
+                *outcome.notes(),
+                *(f"The study went on although, since it began, {change}." for change in accepted),
+                *self._analysis_notes,
+            ],
             "samples": self._samples,
             "command": self._command,
         }
@@ -385,83 +311,8 @@ class Study:
         self._observers.tell("tacos_study_finished", result=result)
         return result
 
-    def _no_winner(self) -> dict[str, str]:
-        """Why the study names no winner, whatever the analyses of plugins say."""
-        if self.broken_off:
-            return {"decision_absent": f"The study has not ended: {self.broken_off}."}
-        reason = degenerate(self.searches[0], self.plan.recipe)
-        return {"degenerate": reason} if reason else {}
-
-    def _camera(self, search: Search, test: Evaluation | None) -> dict[str, Any]:
-        assert search.best is not None
-        titles = {camera.name: camera.title for camera in self.plan.cameras}
-        everything = self._test.evaluations.get(search.name) if self._test else None
-        return {
-            "title": titles.get(search.name, "Designed"),
-            "camera": search.best.values,
-            "derived": search.best.derived,
-            "terms": test.terms if test else {},
-            "episodes": list(everything.episodes) if everything else [],
-            "spread": standard_errors(test.episodes) if test else {},
-            "evaluations": search.evaluations,
-            "finalists": [candidate_record(evaluation) for evaluation in search.finalists],
-            **({"scenarios": test.scenarios} if test and test.scenarios else {}),
-            "free": list(search.space.names) if search.space else [],
-        }
-
-    def _failed(self) -> dict[str, str]:
-        """Cameras of which no candidate could be scored, and why the last of them could not."""
-        none = (search for search in self.searches if search.best is None and search.generation)
-        return {search.name: search.last_failure or "none was proposed" for search in none}
-
-    def _carrier(self) -> str:
-        """What carries the cameras, as the first scene says that does; empty where none does."""
-        said = (getattr(node.cls, "carrier", "") for node in self.plan.nodes.values())
-        return next(filter(None, said), "")
-
-    def _automatic_notes(self) -> Iterator[str]:
-        binning = getattr(self.plan.rig.config, "binning", 1)
-        if binning != 1:
-            yield (
-                f"Pixel counts are scaled down: each simulated pixel averages {binning:g} x {binning:g} "
-                f"photosites, and its noise is that of the average. "
-                f"Scores are not those of the full pixel counts."
-            )
-        if trainings := max(search.trained_best for search in self.searches):
-            yield f"Before the test, the trainable tasks were trained {trainings} times more on each camera."
-        for variable in self.plan.space.as_data():
-            if left_out := variable.get("left_out"):
-                yield (
-                    f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
-                    f"{', '.join(left_out)} ({variable['catalog']})."
-                )
-        yield from self._notes_on_constraints
-        if (best := self.searches[0].best) is not None:
-            yield from notes_on_camera(self.plan, best.values)
-        titles = {camera.name: camera.title for camera in self.plan.cameras}
-        for name, reason in self._failed().items():
-            if name not in self._inadmissible:  # notes on constraints name those
-                yield f"No candidate of the {titles.get(name, 'design')} could be scored: {reason}."
-
-
-def _report(folder: Path, plugins: Plugins) -> None:
-    """Have plugins report on the study; the result stands, whatever becomes of its report."""
-    for failure in plugins.write_reports(folder)[1]:
-        warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
-        log.warning("%s", warning, exc_info=failure.error)
-        print(f"warning: {warning}", file=sys.stderr)
-
-
-def _best(evaluation: Evaluation) -> dict[str, Any]:
-    data = as_data(evaluation)
-    return {
-        "camera": data["values"],
-        "derived": data["derived"],
-        "fitness": data["fitness"],
-        "scores": data["scores"],
-        "terms": data["terms"],
-        **({"scenarios": data["scenarios"]} if data["scenarios"] else {}),
-    }
+    def _outcome(self) -> Outcome:
+        return Outcome(self.plan, self.searches, self._test, self._scored_again, self.broken_off)
 
 
 def _picture(batch: FrameBatch) -> NDArray[np.uint8]:

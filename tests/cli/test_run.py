@@ -120,7 +120,8 @@ def test_results_that_cannot_be_written_are_refused_before_any_work(recipe, tmp_
     assert "cannot be written" in capsys.readouterr().err
 
 
-def test_ctrl_c_keeps_what_was_computed(recipe, tmp_path):
+@pytest.mark.parametrize("ended_by", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_sigterm_keep_what_was_computed(recipe, tmp_path, ended_by):
     out = tmp_path / "out"
     sets = ["--set", "optimizer.evaluations=100000", "--set", "nodes.world.frames=4"]
     running = command(
@@ -132,7 +133,7 @@ def test_ctrl_c_keeps_what_was_computed(recipe, tmp_path):
         if lines.exists() and lines.read_text().count("\n") >= 2:
             break
         time.sleep(0.05)
-    os.killpg(running.pid, signal.SIGINT)
+    os.killpg(running.pid, ended_by)
     _, errors = running.communicate(timeout=60)
     assert running.returncode == 130, errors
     assert "Traceback" not in errors

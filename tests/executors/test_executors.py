@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tacos_framework.errors import UserError
+from tacos_plugins.executors import affinity
 from tacos_plugins.executors.local import LocalExecutor
 from tacos_plugins.executors.outcomes import JobLost, WorkerTraceback
 from tacos_plugins.executors.process import ProcessExecutor
@@ -128,6 +129,24 @@ def test_a_job_that_hangs_is_given_up_in_time(tmp_path):
     assert results == [0, "1 lost: it took longer than 0.4 s, 2 times in a row", 4, 9]
     assert time.monotonic() - started < 20
     executor.close()
+
+
+def test_without_a_limit_a_hanging_job_is_given_up_by_what_others_took(monkeypatch):
+    monkeypatch.setattr(affinity, "GRACE_S", 0.3)
+    executor = ProcessExecutor(ProcessExecutor.Config(workers=2))
+    *_, hung, _ = executor.map(jobs.HangAt(3), range(5))
+    assert hung.startswith("3 lost: it took longer than ")
+    assert hung.endswith("far longer than any before it (timeout_s says how long it may), 2 times in a row")
+    executor.close()
+
+
+def test_the_time_jobs_may_take_follows_from_the_longest_and_is_tenfold_for_a_second_try():
+    times = affinity.JobTimes()
+    assert times.generous_s(1) == float("inf")
+    times.saw(3.0, made=True)
+    times.saw(1.0, made=False)
+    assert times.generous_s(1) == 20 * 3.0 + 60
+    assert times.generous_s(2) == 10 * times.generous_s(1)
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,6 @@ def test_the_result_of_a_procedure_is_left_alone(tmp_path: Path, capsys: pytest.
 def test_a_broken_result_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "result.json").write_text("{")
     assert tacos_main(["report", str(tmp_path)]) == 2
-    assert "not readable as JSON" in capsys.readouterr().err
+    assert "it is no JSON" in capsys.readouterr().err
     _, (failure,) = Plugins.discover().write_reports(tmp_path)
     assert isinstance(failure.error, UserError)

@@ -231,7 +231,7 @@ def test_a_torn_last_generation_is_left_out_and_noted(report_of: Callable[..., s
 
 
 def test_a_torn_line_in_the_middle_is_the_users_to_know(report_of: Callable[..., str]) -> None:
-    with pytest.raises(UserError, match=r"generations\.jsonl:1: not readable as JSON"):
+    with pytest.raises(UserError, match=r"generations\.jsonl: the file is damaged: line 1: it is no JSON"):
         report_of(generations='{"generation"\n{}\n')
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Collection, Hashable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 Affinity = Hashable | None
+
+MOST_TIMES_LONGER, GRACE_S = 20, 60.0
+"""A job that takes so many times the longest seen, and so much more [s], hangs."""
 
 
 def affinity_of(job: Any) -> Affinity:
@@ -22,11 +26,22 @@ class JobTimes:
 
     _total_s: dict[bool, float] = field(default_factory=lambda: {False: 0.0, True: 0.0})
     _count: dict[bool, int] = field(default_factory=lambda: {False: 0, True: 0})
+    _longest_s: float = 0.0
 
     def saw(self, seconds: float, *, made: bool) -> None:
         """A job took so long [s]."""
         self._total_s[made] += seconds
         self._count[made] += 1
+        self._longest_s = max(self._longest_s, seconds)
+
+    def generous_s(self, attempt: int) -> float:
+        """A time that no job takes unless it hangs, and ten times that for a second attempt [s].
+
+        Without limit until a job is done: nothing is known then.
+        """
+        if not any(self._count.values()):
+            return math.inf
+        return (MOST_TIMES_LONGER * self._longest_s + GRACE_S) * 10 ** (attempt - 1)
 
     @property
     def cost_of_making(self) -> float:

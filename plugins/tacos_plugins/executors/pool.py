@@ -27,9 +27,23 @@ ATTEMPTS = 2
 """How often a job is tried whose worker dies or hangs."""
 
 
+MOST_FAILED_STARTS = 3
+"""How many workers in a row may be killed before they are ready, as by a system short of memory."""
+
+
 @dataclass(frozen=True)
 class Limits:
-    """What a worker may take before it is replaced; None for no limit."""
+    """What a worker may take before it is replaced.
+
+    Parameters
+    ----------
+    job_s
+        Longest time of a job [s]; None for one that follows from those seen (`JobTimes.generous_s`).
+    resident_mib
+        Memory after a job [MiB]; None for any.
+    jobs
+        How many jobs; None for any.
+    """
 
     job_s: float | None = None
     resident_mib: float | None = None
@@ -57,7 +71,6 @@ class _Worker:
         theirs.close()  # so that the channel breaks when the worker dies
         self.ready = False
         self.task: _Task | None = None
-        self.deadline = float("inf")
         self.jobs_done = 0
         self.at_hand: set[Affinity] = set()
         self.makes, self.began_s = False, 0.0
@@ -66,7 +79,7 @@ class _Worker:
     def idle(self) -> bool:
         return self.ready and self.task is None
 
-    def begin(self, task: _Task, job: Any, limit_s: float | None) -> bool:
+    def begin(self, task: _Task, job: Any) -> bool:
         """Send a job; False when the worker is dead already."""
         message = bytes(ForkingPickler.dumps(job))
         try:
@@ -76,7 +89,6 @@ class _Worker:
         self.task = task
         self.makes, self.began_s = affinity_of(job) not in self.at_hand, time.monotonic()
         self.at_hand.add(affinity_of(job))
-        self.deadline = float("inf") if limit_s is None else self.began_s + limit_s
         return True
 
     def answer(self) -> bytes | None:
@@ -134,7 +146,7 @@ class Pool:
         atexit.register(self._lifeline.close)  # ahead of multiprocessing's own, which would wait for workers
         self._workers: list[_Worker] = []
         self._times = JobTimes()
-        self._round = 0
+        self._round = self._failed_starts = 0
         self._closed = False
 
     def outcomes(self, jobs: Sequence[Any]) -> Iterator[worker.Answer | Lost]:
@@ -175,7 +187,7 @@ class Pool:
         busy = {each for other in self._workers if not other.idle for each in other.at_hand}
         given = assigned(wanted, [each.at_hand for each in idle], busy, self._times.cost_of_making)
         for number, task in [(number, waiting[place]) for number, place in given.items()]:
-            if idle[number].begin(task, jobs[task.index], self._limits.job_s):
+            if idle[number].begin(task, jobs[task.index]):
                 waiting.remove(task)
         starting = sum(not each.ready for each in self._workers)
         for _ in range(min(self._most - len(self._workers), len(waiting) - starting)):
@@ -184,7 +196,7 @@ class Pool:
 
     def _collect(self, waiting: deque[_Task], done: dict[int, worker.Answer | Lost]) -> None:
         """Wait until something happens, and see to it."""
-        soonest = min(each.deadline for each in self._workers)
+        soonest = min(self._deadline(each) for each in self._workers)
         patience = None if soonest == float("inf") else max(0.0, soonest - time.monotonic())
         events: list[Any] = [each.channel for each in self._workers]
         events += [each.process.sentinel for each in self._workers]
@@ -199,14 +211,24 @@ class Pool:
                 continue
             if message is not None:
                 self._take(each, message, done)
-            elif time.monotonic() > each.deadline:
+            elif time.monotonic() > (deadline := self._deadline(each)):
                 each.process.kill()
-                self._replace(each, f"it took longer than {self._limits.job_s:g} s", waiting, done)
+                how = f"it took longer than {deadline - each.began_s:.3g} s"
+                if self._limits.job_s is None:
+                    how += ", far longer than any before it (timeout_s says how long it may)"
+                self._replace(each, how, waiting, done)
+
+    def _deadline(self, each: _Worker) -> float:
+        """When a worker counts as hung; the first jobs are given all the time they need."""
+        if each.task is None:
+            return float("inf")
+        return each.began_s + (self._limits.job_s or self._times.generous_s(each.task.attempt))
 
     def _take(self, each: _Worker, message: bytes, done: dict[int, worker.Answer | Lost]) -> None:
         """Keep an answer, and let its worker go where that has come to its limits."""
-        task, each.task, each.deadline = each.task, None, float("inf")
+        task, each.task = each.task, None
         each.ready = True
+        self._failed_starts = 0
         answer: worker.Answer = ForkingPickler.loads(message)
         if task is None:
             return
@@ -229,6 +251,10 @@ class Pool:
         """Forget a worker that is lost; try its job again, or give it up."""
         self._workers.remove(each)
         if not each.ready:
+            self._failed_starts += 1
+            if (each.process.exitcode or 0) < 0 and self._failed_starts <= MOST_FAILED_STARTS:
+                log.warning("a worker did not come to start: %s; another takes its place", how)
+                return
             error = RuntimeError(f"a worker cannot start: {how}")
             error.add_note(
                 "Scripts that use worker processes keep their work below 'if __name__ == \"__main__\":'."

@@ -52,7 +52,8 @@ class ProcessExecutor:
         threads: int = setting(1, help="Threads each worker may compute with.", ge=1)
         timeout_s: float | None = setting(
             None,
-            help="Longest time for one candidate, worlds built for it included; by default any. "
+            help="Longest time for one candidate, worlds built for it included; .inf for any. By default "
+            "20 times the longest seen so far, and a minute more; ten times that when it is tried again. "
             "A worker that takes longer is replaced, and the candidate tried once more.",
             unit="s",
             gt=0,

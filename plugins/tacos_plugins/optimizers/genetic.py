@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import model_validator
@@ -50,6 +50,8 @@ class Genetic:
     The paper, Sec. 4.2, 4.3 and supplement, "Genetic Algorithm Implementation"; Holland 1992, "Adaptation
     in natural and artificial systems". Defaults are those of the monocular study.
     """
+
+    budget: ClassVar[str] = "generations"
 
     class Config(Settings):
         """Settings of the optimizer."""
@@ -134,8 +136,7 @@ class Genetic:
             fitness.setdefault(result.candidate, result.fitness)
         ranked = sorted(fitness, key=lambda candidate: -fitness[candidate])
         self._generations_observed += 1
-        if self.stop() is None:
-            self._population = self._next_generation(ranked)
+        self._population = self._next_generation(ranked)  # after the last one too: a study may be extended
 
     def stop(self) -> str | None:
         """A reason once the last generation is observed."""

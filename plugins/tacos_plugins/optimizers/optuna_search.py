@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -60,6 +60,8 @@ class OptunaSearch:
     Akiba et al. 2019, "Optuna"; Bergstra et al. 2011, "Algorithms for hyper-parameter optimization" (tpe);
     Ament et al. 2023, "Unexpected improvements to expected improvement" (gp).
     """
+
+    budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
         """Settings of the optimizer."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -27,6 +27,8 @@ class RandomSearch(Draws):
     >>> reason
     'all 5 candidates were evaluated'
     """
+
+    budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
         """Settings of the optimizer."""
@@ -53,6 +55,8 @@ class RandomSearch(Draws):
         self._evaluated = state["evaluated"]
         self._asked = [self._space.decode(genes) for genes in state["asked"]]
         self._rng.bit_generator.state = state["rng"]
+        if not self._asked:  # all were drawn that there were to be then
+            self._asked = self._next()
 
     def _draw(self, count: int) -> list[Candidate]:
         return [self._space.sample(self._rng) for _ in range(count)]

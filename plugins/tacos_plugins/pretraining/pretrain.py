@@ -210,7 +210,7 @@ class Pretrain:
         """A line for each pass, and the state after the last."""
         lines = results.read_lines(LOG)
         state: State = (
-            results.read_state(_state_name(len(lines)))
+            results.read_state(_state_name(len(lines)), lines[-1]["weights"])
             if lines
             else task.initial_state(rng=generator(seed, "state"))
         )
@@ -229,7 +229,7 @@ class Pretrain:
                 "scores": scores,
                 "seconds": round(time.monotonic() - began, 3),
             }
-            results.write_state(_state_name(epoch), state)
+            line["weights"] = results.write_state(_state_name(epoch), state)
             results.append_line(LOG, line)
             results.keep_weights([_state_name(epoch)])
             lines.append(line)

@@ -10,13 +10,11 @@ from typing import Any
 
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.files import read_lines
-from tacos_framework.files.text import parse_json
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import Results
+from tacos_framework.results import Results, read_run_lines
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
@@ -148,11 +146,9 @@ class StudiesTable:
                     resume=resume,
                     progress=progress,
                 )
-                yield StudyRun(study.name, seed, result, _lines(folder / "generations.jsonl"))
-
-
-def _lines(path: Path) -> list[dict[str, Any]]:
-    return [parse_json(line, str(path)) for line in read_lines(path)]
+                yield StudyRun(
+                    study.name, seed, result, list(read_run_lines(folder / "generations.jsonl").values)
+                )
 
 
 def _once(faults: Sequence[Fault]) -> list[Fault]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -55,6 +55,8 @@ class PhysicalGp:
     Jones et al. 1998, "Efficient global optimization of expensive black-box functions"; Astudillo and Frazier
     2019, "Bayesian optimization of composite functions" (a process for each part of a known sum).
     """
+
+    budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
         """Settings of the optimizer."""

@@ -1,0 +1,162 @@
+"""Reading the files of a run: as it left them, or a sentence on what is wrong with them."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.results.checksums import (
+    Damaged,
+    Lines,
+    checked_json,
+    checked_lines,
+    checked_text,
+    checksum,
+)
+
+Content = TypeVar("Content")
+
+MANIFEST = "manifest.json"
+"""The file that says what a run was started with; runs of versions that wrote no checksums have none."""
+
+
+def file_of_run(path: Path) -> bytes:
+    """The bytes of a file of a run.
+
+    Raises
+    ------
+    Damaged
+        When it is not there, is no regular file or cannot be read.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        with os.fdopen(descriptor, "rb") as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise Damaged("it is no regular file")
+            return file.read()
+    except OSError as error:
+        raise Damaged(f"it cannot be read: {error.strerror or error}") from error
+
+
+def checked_file(path: Path, parse: Callable[[bytes], Content]) -> Content:
+    """What a file of a run holds.
+
+    Raises
+    ------
+    UserError
+        When it is damaged.
+    """
+    try:
+        return parse(file_of_run(path))
+    except Damaged as error:
+        raise UserError(damage(path, str(error))) from error
+
+
+def damage(path: Path, what: str) -> Fault:
+    """The fault of a file that is not as the run left it."""
+    return Fault(
+        str(path),
+        f"the file is damaged: {what}",
+        "the file as the run left it",
+        f"Restore it from a copy, or start a new run; `tacos verify {path.parent}` looks at all files.",
+    )
+
+
+def read_run_json(path: Path) -> dict[str, Any]:
+    """``result.json`` or another JSON file of a run, of earlier versions as well.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, or is not as the run left it.
+    """
+    earlier = not (path.parent / MANIFEST).exists()
+
+    def parse(data: bytes) -> dict[str, Any]:
+        return _unchecked_json(data) if earlier and b'\n "checksum": "' not in data else checked_json(data)
+
+    return checked_file(path, parse)
+
+
+def read_run_lines(path: Path) -> Lines:
+    """A file of JSON lines of a run, of earlier versions as well; empty where there is none.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, or is not as the run left it.
+    """
+    if not path.exists():
+        return Lines()
+    earlier = not (path.parent / MANIFEST).exists()
+
+    def parse(data: bytes) -> Lines:
+        if not earlier or b'"checksum": "' in data:
+            return checked_lines(data)
+        return _unchecked_lines(data)
+
+    return checked_file(path, parse)
+
+
+def read_run_text(path: Path) -> str:
+    """``recipe.yaml`` of a run, of earlier versions as well.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, or is not as the run left it.
+    """
+    earlier = not (path.parent / MANIFEST).exists()
+
+    def parse(data: bytes) -> str:
+        return (
+            data.decode(errors="replace") if earlier and b"# checksum: " not in data else checked_text(data)
+        )
+
+    return checked_file(path, parse)
+
+
+def read_recorded(path: Path, recorded: str) -> bytes:
+    """A file whose checksum stands elsewhere.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, or is not as the run left it.
+    """
+
+    def parse(data: bytes) -> bytes:
+        if checksum(data) != recorded:
+            raise Damaged("its checksum is not the one that the run wrote down")
+        return data
+
+    return checked_file(path, parse)
+
+
+def _unchecked_lines(data: bytes) -> Lines:
+    """Lines of an earlier version, of which the last may be cut short."""
+    values: list[dict[str, Any]] = []
+    pieces = data.split(b"\n")
+    for number, line in enumerate(pieces, 1):
+        try:
+            values += [_unchecked_json(line)] if line else []
+        except Damaged as error:
+            if number == len(pieces):
+                return Lines(tuple(values), torn=len(line))
+            raise Damaged(f"line {number}: {error}") from error
+    return Lines(tuple(values))
+
+
+def _unchecked_json(data: bytes) -> dict[str, Any]:
+    try:
+        value = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise Damaged(f"it is no JSON: {error}") from error
+    if not isinstance(value, dict):
+        raise Damaged("it is no JSON object")
+    return value

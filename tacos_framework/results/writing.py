@@ -1,0 +1,72 @@
+"""Writing files so that whoever dies while it does leaves the old file or the new one, never half of it."""
+
+from __future__ import annotations
+
+import errno
+import logging
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+PARTIAL = ".partial"
+"""Ends the names of files that are being written; what is left of them after a crash counts for nothing."""
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all, and out to the disk; its folder is made where it is missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + PARTIAL)
+    try:
+        with partial.open("wb") as file:
+            file.write(data)
+            to_disk(file.fileno())
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)  # a full disk needs the room
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        to_disk(folder)
+    finally:
+        os.close(folder)
+
+
+def append_to_file(path: Path, data: bytes) -> None:
+    """Add to a file, and write it out to the disk."""
+    with path.open("ab") as file:
+        file.write(data)
+        file.flush()
+        to_disk(file.fileno())
+
+
+def to_disk(descriptor: int) -> None:
+    """Have the system write out what it holds back, so that it outlives the machine's power."""
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno != errno.EINVAL:  # file systems that cannot, for folders
+            raise
+
+
+@contextmanager
+def logging_to(path: Path, packages: Iterable[str]) -> Iterator[None]:
+    """Write the log of these packages to a file meanwhile."""
+    handler = _LogFile(path, encoding="utf-8")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    loggers = [logging.getLogger(name) for name in sorted(set(packages))]
+    for logger in loggers:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        for logger in loggers:
+            logger.removeHandler(handler)
+        handler.close()
+
+
+class _LogFile(logging.FileHandler):
+    """A log that goes quiet where it cannot be written; the run says what is wrong, and the log need not."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Drop the line."""

@@ -1,0 +1,152 @@
+"""What was evaluated since the last checkpoint, job by job, so that a killed study need not repeat it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+
+from tacos_framework.cache import content_key
+from tacos_framework.contracts import Executor, State
+from tacos_framework.results import Results
+from tacos_framework.settings import Settings
+from tacos_framework.simulation import Evaluation, ScoreJob
+from tacos_framework.study.kept_evaluation import as_data, evaluation_from
+
+JOURNAL = "journal.jsonl"
+MOST_BYTES = 2 * 2**30
+"""Weights kept beside the journal [bytes]; what candidates learn beyond that is learnt again after a kill."""
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+
+class Journal:
+    """The evaluations since the last checkpoint, by what was evaluated.
+
+    An evaluation follows from its job alone, so it does not matter in which order a resumed study asks for
+    jobs again, or whether it asks for all of them: what is not in the journal is evaluated.
+
+    Parameters
+    ----------
+    results
+        The folder of the run.
+    seconds
+        Gives the time the study has taken so far [s], which lines carry.
+    """
+
+    def __init__(self, results: Results, seconds: Callable[[], float]) -> None:
+        self._results, self._seconds = results, seconds
+        self._kept: dict[str, Mapping[str, Any]] = {}
+        self._weights: list[str] = []
+        self._bytes = 0
+        self._keys_of_states: list[tuple[State, str]] = []
+
+    def read(self) -> float:
+        """Take up what a run has left; returns the time it had taken by the last line [s]."""
+        lines = self._results.read_lines(JOURNAL)
+        if lines:
+            self._results.write_lines(JOURNAL, lines)  # a last line that was cut short goes
+        self._kept = {line["job"]: line for line in lines}
+        self._weights = [name for line in lines for name, _ in line["weights"].values()]
+        return max((line["seconds"] for line in lines), default=0.0)
+
+    @property
+    def weights(self) -> tuple[str, ...]:
+        """The files under ``weights/`` that its lines name."""
+        return tuple(self._weights)
+
+    def find(self, job: ScoreJob) -> Evaluation | None:
+        """What came out for a job, if that is known."""
+        line = self._kept.get(self._key(job))
+        if line is None:
+            return None
+        states = {task: self._results.read_state(*file) for task, file in line["weights"].items()}
+        return replace(evaluation_from(line["evaluation"]), states=states)
+
+    def add(self, job: ScoreJob, evaluation: Evaluation) -> None:
+        """Write down what came out; not where a defect did, which may be mended when the study goes on."""
+        size = sum(
+            np.asarray(array).nbytes for state in evaluation.states.values() for array in state.values()
+        )
+        if evaluation.raised is not None or self._bytes + size > MOST_BYTES:
+            return
+        key = self._key(job)
+        weights = {}
+        for task, state in evaluation.states.items():
+            name = f"journal.{task}.{key}"
+            weights[task] = (name, self._results.write_state(name, state))
+        self._weights += [name for name, _ in weights.values()]
+        self._bytes += size
+        line = {
+            "job": key,
+            "seconds": round(self._seconds(), 3),
+            "evaluation": as_data(evaluation),
+            "weights": weights,
+        }
+        self._results.append_line(JOURNAL, line)
+
+    def clear(self) -> None:
+        """Forget everything, as a checkpoint has it now."""
+        self._results.remove(JOURNAL)
+        self._kept, self._weights, self._bytes = {}, [], 0
+
+    def _key(self, job: ScoreJob) -> str:
+        states = {task: self._key_of(state) for task, state in job.states.items()}
+        training = job.training and asdict(job.training)
+        return content_key(job.values, [asdict(spec) for spec in job.episodes], states, training, job.partial)
+
+    def _key_of(self, state: State) -> str:
+        """Content key of what a task knows; of the last few states it is remembered, as weights are large."""
+        for known, key in self._keys_of_states:
+            if known is state:
+                return key
+        key = content_key({name: np.asarray(array) for name, array in state.items()})
+        self._keys_of_states = [*self._keys_of_states[-7:], (state, key)]
+        return key
+
+
+class JournaledExecutor:
+    """An executor that does not run again what the journal has, and has the journal told of all it runs.
+
+    Parameters
+    ----------
+    executor
+        Runs the jobs.
+    journal
+        What is known, and where what comes out is written down.
+    """
+
+    Config: ClassVar[type[Settings]] = Settings
+
+    def __init__(self, executor: Executor, journal: Journal) -> None:
+        self._executor, self._journal = executor, journal
+
+    @property
+    def workers(self) -> int:
+        """How many jobs it runs at a time."""
+        return int(getattr(self._executor, "workers", 1))
+
+    def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
+        """The results in the order of the jobs; each is written down before it is handed on."""
+        known = {i: found for i, job in enumerate(jobs) if (found := self._known(job)) is not None}
+        rest = iter(self._executor.map(evaluate, [job for i, job in enumerate(jobs) if i not in known]))
+        for i, job in enumerate(jobs):
+            if i in known:
+                yield known.pop(i)
+                continue
+            result = next(rest)
+            if isinstance(job, ScoreJob) and isinstance(result, Evaluation):
+                self._journal.add(job, result)
+            yield result
+        for _ in rest:  # to the end: there an executor cleans up, and one that gives too many is found out
+            pass
+
+    def _known(self, job: Any) -> Any:
+        return self._journal.find(job) if isinstance(job, ScoreJob) else None
+
+    def close(self) -> None:
+        """Let go of all workers."""
+        self._executor.close()

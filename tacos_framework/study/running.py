@@ -1,0 +1,83 @@
+"""Running a study in a results folder: begun, gone on with, broken off, reported on."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from tacos_framework.contracts import JobRunner
+from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plugins import Plugins
+from tacos_framework.plugins.executing import GuardedExecutor
+from tacos_framework.recipe import Recipe
+from tacos_framework.results import Results
+from tacos_framework.study.extending import for_resuming, without_budget
+from tacos_framework.study.failing import KeepsFailing
+from tacos_framework.study.manifest import settle_manifest
+from tacos_framework.study.progress import Progress, Silent
+from tacos_framework.study.study import BROKEN_OFF, DEFECT, Study
+
+log = logging.getLogger(__name__)
+
+
+def run_study(
+    study: Recipe | Plan,
+    *,
+    out: Path,
+    plugins: Plugins,
+    executor: JobRunner | None = None,
+    resume: bool = False,
+    extend: Mapping[str, int] | None = None,
+    accept_changes: bool = False,
+    progress: Progress | None = None,
+    command: str = "",
+    report: bool = True,
+) -> dict[str, Any]:
+    """Run a study; see `tacos_framework.run`."""
+    if resume and isinstance(study, Recipe):
+        study = for_resuming(study, out, plugins, extend or {})
+    plan = study if isinstance(study, Plan) else make_plan(study, plugins)
+    data = plan.recipe.as_data()
+    may_change = partial(without_budget, optimizer=plan.optimizer) if extend else dict
+    results, checkpoint = (
+        Results.resume(out, data, may_change) if resume else (Results.create(out, data), None)
+    )
+    parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
+    packages = {part.cls.__module__.partition(".")[0] for part in parts}
+    with results, results.logging({"tacos_framework", *packages}):
+        manifest = settle_manifest(results, plan, accept_changes=accept_changes, begun=checkpoint is not None)
+        of_recipe, distribution = plan.executor, plan.executor.distribution
+        evaluates = (
+            GuardedExecutor.of_host(executor)
+            if executor
+            else GuardedExecutor(of_recipe.make(), of_recipe.use, distribution)
+        )
+        running = Study(plan, plugins, results, evaluates, progress or Silent(), manifest, command)
+        try:
+            running.restore(checkpoint)
+            running.run()
+        except KeyboardInterrupt:
+            running.broken_off = BROKEN_OFF
+            log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
+        except KeepsFailing as error:
+            running.broken_off = f"{DEFECT}: {error}"
+            log.error("%s", running.broken_off)
+        finally:
+            if executor is None:
+                evaluates.close()
+        result = running.finish()
+        if report:
+            _report(results.folder, plugins)
+    return result
+
+
+def _report(folder: Path, plugins: Plugins) -> None:
+    """Have plugins report on the study; the result stands, whatever becomes of its report."""
+    for failure in plugins.write_reports(folder)[1]:
+        warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
+        log.warning("%s", warning, exc_info=failure.error)
+        print(f"warning: {warning}", file=sys.stderr)
