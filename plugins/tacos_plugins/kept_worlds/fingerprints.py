@@ -17,7 +17,7 @@ from tacos_framework.settings import Settings
 
 
 def code_key(cls: type[Any]) -> str | None:
-    """Content key of the code of a component: its package, the core, `tacos_files`, these plugins; and all versions.
+    """Content key of the code of a component: its package, the core and what these plugins share; versions.
 
     Code of other packages counts by the versions of all distributions that are installed. None where the
     class has no file, as in a notebook: then nothing tells whether its code has changed.
