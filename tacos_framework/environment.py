@@ -41,9 +41,9 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def package_versions() -> dict[str, str]:
-    """Versions of tacos-framework and of the packages it needs."""
-    names = ["tacos-framework"]
+def package_versions(further: Iterable[str] = ()) -> dict[str, str]:
+    """Versions of tacos-framework, of the packages it needs, and of further ones."""
+    names = ["tacos-framework", *further]
     for requirement in requires("tacos-framework") or []:
         found = match(r"[A-Za-z0-9._-]+", requirement)
         if found and "extra ==" not in requirement:

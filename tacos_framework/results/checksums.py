@@ -48,12 +48,7 @@ def checked_json(data: bytes) -> dict[str, Any]:
     Damaged
         When it is not as it was written.
     """
-    found = _JSON.fullmatch(data)
-    if found is None:
-        raise Damaged("it does not end with its checksum")
-    if checksum(found[1]) != found[2].decode():
-        raise Damaged("its checksum does not fit its content")
-    return dict(_parsed(found[1] + b"\n}"))
+    return json_object(_body(_JSON, data) + b"\n}")
 
 
 def text_with_checksum(text: str) -> str:
@@ -69,15 +64,20 @@ def checked_text(data: bytes) -> str:
     Damaged
         When it is not as it was written.
     """
-    found = _TEXT.fullmatch(data)
+    try:
+        return _body(_TEXT, data).decode()
+    except UnicodeDecodeError as error:
+        raise Damaged(f"it is no text: {error}") from error
+
+
+def _body(form: re.Pattern[bytes], data: bytes) -> bytes:
+    """What stands before the checksum at the end of a file, which must be that of it."""
+    found = form.fullmatch(data)
     if found is None:
         raise Damaged("it does not end with its checksum")
     if checksum(found[1]) != found[2].decode():
         raise Damaged("its checksum does not fit its content")
-    try:
-        return found[1].decode()
-    except UnicodeDecodeError as error:
-        raise Damaged(f"it is no text: {error}") from error
+    return found[1]
 
 
 def line_with_checksum(value: Mapping[str, Any], after: str = "") -> tuple[bytes, str]:
@@ -151,12 +151,19 @@ def checked_lines(data: bytes) -> Lines:
         if checksum(found[1], last) != found[2].decode():
             raise Damaged(f"the checksum of line {number} does not fit it and the lines before")
         last = found[2].decode()
-        values.append(_parsed(found[1] + b"}"))
+        values.append(json_object(found[1] + b"}"))
         sums.append(last)
     return Lines(tuple(values), tuple(sums), len(torn))
 
 
-def _parsed(data: bytes) -> dict[str, Any]:
+def json_object(data: bytes) -> dict[str, Any]:
+    """What a JSON object holds.
+
+    Raises
+    ------
+    Damaged
+        When it is none.
+    """
     try:
         value = json.loads(data)
     except (ValueError, RecursionError) as error:  # a checksum that fits is no proof of good will

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +16,7 @@ from tacos_framework.results.checksums import (
     checked_lines,
     checked_text,
     checksum,
+    json_object,
     new_checksum,
 )
 
@@ -90,7 +90,7 @@ def read_run_json(path: Path) -> dict[str, Any]:
     earlier = not (path.parent / MANIFEST).exists()
 
     def parse(data: bytes) -> dict[str, Any]:
-        return _unchecked_json(data) if earlier and b'\n "checksum": "' not in data else checked_json(data)
+        return json_object(data) if earlier and b'\n "checksum": "' not in data else checked_json(data)
 
     return checked_file(path, parse)
 
@@ -156,19 +156,9 @@ def _unchecked_lines(data: bytes) -> Lines:
     pieces = data.split(b"\n")
     for number, line in enumerate(pieces, 1):
         try:
-            values += [_unchecked_json(line)] if line else []
+            values += [json_object(line)] if line else []
         except Damaged as error:
             if number == len(pieces):
                 return Lines(tuple(values), torn=len(line))
             raise Damaged(f"line {number}: {error}") from error
     return Lines(tuple(values))
-
-
-def _unchecked_json(data: bytes) -> dict[str, Any]:
-    try:
-        value = json.loads(data)
-    except (ValueError, RecursionError) as error:
-        raise Damaged(f"it is no JSON: {error}") from error
-    if not isinstance(value, dict):
-        raise Damaged("it is no JSON object")
-    return value

@@ -6,7 +6,6 @@ import importlib.util
 import platform
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Self
 
@@ -62,7 +61,7 @@ class Manifest(BaseModel):
         packages = {part.cls.__module__.partition(".")[0] for part in parts.values()}
         return cls(
             python=platform.python_version(),
-            packages=package_versions() | {name: _version(name) for name in distributions},
+            packages=package_versions(distributions),
             code={name: _code_of(name) for name in sorted({FRAMEWORK, *packages})},
             catalogs=_catalogs(plan),
             files=dict(_files(parts)),
@@ -139,13 +138,6 @@ def _parts(plan: Plan) -> Iterator[tuple[str, ConfiguredComponent]]:
     yield "optimizer", plan.optimizer
     for number, effect in enumerate(plan.effects):
         yield f"effects.{effect.name or number}", effect
-
-
-def _version(distribution: str) -> str:
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 @cache

@@ -13,9 +13,6 @@ from tacos_framework.settings import Settings, setting
 DESIGNED = "designed"
 """What a study calls the camera it designs."""
 
-GROUPS = ("camera", "derived", "test")
-"""What a column may show: a variable, a quantity that follows from it, a score on the test scenes."""
-
 
 class StudyChange(Settings):
     """One of the studies: the problem with some keys changed."""

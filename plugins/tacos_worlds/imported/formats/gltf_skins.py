@@ -12,7 +12,6 @@ from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
 from tacos_worlds.imported.formats.pictures import picture
 from tacos_worlds.imported.model import Skin
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _STEPS = np.arange(256) / 255
 _LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4)
 """Linear value of each sRGB byte (IEC 61966-2-1)."""
