@@ -12,6 +12,7 @@ from tacos_report import verdicts
 from tacos_report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_report.plain_values import mapping, showable, text
 from tacos_report.quantities import (
+    duration,
     measured,
     number,
     percent,
@@ -234,6 +235,19 @@ def search_words(study: StudyData) -> str:
         return f"{text}, the last: a longer search may find a better one."
     later = rounds - place
     return f"{text}; {_count(later, 'later generation')} found nothing better." if later else f"{text}."
+
+
+def size_words(study: StudyData) -> str:
+    """What the study took: candidates, images, time."""
+    result = study.result
+    parts = []
+    if isinstance(evaluations := result.get("evaluations"), int):
+        parts.append(_count(evaluations, "evaluation"))
+    if isinstance(frames := result.get("frames_rendered"), int):
+        parts.append(_count(frames, "image") + " rendered")
+    if isinstance(seconds := result.get("seconds"), int | float):
+        parts.append(duration(float(seconds)))
+    return ", ".join(parts)
 
 
 def failure_groups(tried: Sequence[Tried]) -> list[FailureGroup]:
