@@ -1,7 +1,7 @@
 """Renderers in processes of their own that draw a frame when asked and say what it cost them.
 
-Each has its own OpenGL context and, where told so, its own tree of sources. As they take turns frame by frame,
-whatever else the machine does weighs on all alike; only processor time is reported.
+Each has its own OpenGL context and, where told so, its own tree of sources. As they take turns frame by
+frame, whatever else the machine does weighs on all alike; only processor time is reported.
 """
 
 from __future__ import annotations

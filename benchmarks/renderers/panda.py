@@ -19,7 +19,7 @@ _CAMERA_FROM_PANDA = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 
 
 
 class Panda:
-    """Base colour alone, merged by material; ids from a second scene, merged by object, with colours for ids."""
+    """Base colour alone, merged by material; ids as colours of a second scene, merged by object."""
 
     def __init__(self, tour: Tour, samples: int = 1) -> None:
         core.load_prc_file_data("", "load-display p3headlessgl\naudio-library-name null\nnotify-level error")

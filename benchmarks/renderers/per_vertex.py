@@ -17,6 +17,7 @@ from tacos_plugins.renderers.moderngl.context import gl_context
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
 
 _NEAR_M = 0.05
+_SKY = (0.6, 0.75, 1.0)
 _VERTEX = """
 #version 330
 uniform mat4 clip_from_world;
@@ -78,9 +79,7 @@ class PerVertex:
             for mesh, lux in zip(by_material(world), light, strict=True)
         ]
 
-    def _arrays(
-        self, triangles: NDArray[np.int32], *attributes: NDArray[Any]
-    ) -> list[moderngl.VertexArray]:
+    def _arrays(self, triangles: NDArray[np.int32], *attributes: NDArray[Any]) -> list[moderngl.VertexArray]:
         columns = np.column_stack([each.astype(np.float32) for each in attributes])
         vertices, indices = self._context.buffer(columns), self._context.buffer(triangles)
         names = ("position", "uv", "light", "object_id")
@@ -100,7 +99,7 @@ class PerVertex:
         self._context.enable_only(moderngl.DEPTH_TEST)
         for number, (target, program) in enumerate(zip(self._passes, self._programs, strict=True)):
             target.use()
-            target.clear(0.6, 0.75, 1.0, 1.0)
+            target.clear(*_SKY, 1.0)
             program["clip_from_world"].write(matrix)
             for texture, tint, arrays in self._draws:
                 if "tint" in program:
@@ -119,7 +118,8 @@ class PerVertex:
         width, height = self._size
         colour = np.frombuffer(drawn[0], np.uint8).reshape(height, width, 3)
         seen = np.frombuffer(drawn[1], np.float32).reshape(height, width, -1)
-        depth = np.where(seen[..., 0] == np.float32(0.6), np.float32(np.inf), seen[..., 0])  # as it was cleared
+        as_cleared = seen[..., 0] == np.float32(_SKY[0])
+        depth = np.where(as_cleared, np.float32(np.inf), seen[..., 0])
         return Picture(colour, depth, seen[..., 1].astype(np.int32) if seen.shape[2] > 1 else None)
 
 

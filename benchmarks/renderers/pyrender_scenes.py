@@ -39,7 +39,7 @@ class Pyrender:
 
         self._coloured = pyrender.Scene(ambient_light=[0.3, 0.3, 0.3], bg_color=[0.6, 0.75, 1.0])
         for mesh in by_material(world):
-            material = _material(world.materials[mesh.shared])
+            material = _material(world.materials[mesh.shared], lit)
             primitive = pyrender.Primitive(
                 mesh.position_m, mesh.normal, texcoord_0=mesh.uv, indices=mesh.triangles, material=material
             )
@@ -74,7 +74,8 @@ class Pyrender:
         if not ids:
             return colour, depth, None
         self._labelled.set_pose(self._cameras[1], self._poses[frame])
-        return colour, depth, for_ids.render(self._labelled, pyrender.RenderFlags.SEG, self._colour_of_node)[0]
+        labels, _ = for_ids.render(self._labelled, pyrender.RenderFlags.SEG, self._colour_of_node)
+        return colour, depth, labels
 
     def picture(self, drawn: Any) -> Picture:
         """Depth is in metres already, 0 where nothing is."""
@@ -94,12 +95,14 @@ def _distance_m(light: Light, points_m: NDArray[np.float64]) -> NDArray[np.float
     return distance_m
 
 
-def _material(material: Material) -> pyrender.Material:
+def _material(material: Material, lit: bool) -> pyrender.Material:
+    # Unlit, it multiplies texels as they are encoded, and shows what comes out.
+    tint = material.base_colour if lit else material.base_colour ** (1 / 2.2)
     texture = None
     if material.texture is not None:
         texture = pyrender.Texture(source=material.texture[::-1], source_channels="RGB")
     return pyrender.MetallicRoughnessMaterial(
-        baseColorFactor=[*map(float, material.base_colour), 1.0],
+        baseColorFactor=[*map(float, tint), 1.0],
         baseColorTexture=texture,
         roughnessFactor=material.roughness,
         metallicFactor=material.metallic,

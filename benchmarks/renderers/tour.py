@@ -65,7 +65,7 @@ def benchmark_camera(width_px: int, height_px: int) -> Camera:
 
 
 def make_tour(scene: str, size: tuple[int, int], frames: int, seed: int) -> Tour:
-    """A tour of a scene as it comes, but for what moves by itself, which would need other code in each renderer."""
+    """A tour of a scene as it comes, without what moves by itself, which each renderer does otherwise."""
     rng = np.random.default_rng(seed)
     if scene == "indoor":
         episode = IndoorScene(IndoorScene.Config()).episode(rng=rng, illumination_lux=20.0)
