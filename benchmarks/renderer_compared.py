@@ -24,12 +24,12 @@ from renderers_in_turns import RendererProcess, cpu_times
 
 LEFT_OUT = {
     "ours": "",
-    "per-vertex": "shadows, reflections, bump, sky, light between vertices, antialiasing, more than 8 bits",
-    "per-vertex, 4 samples": "shadows, reflections, bump, sky, light between vertices, more than 8 bits",
+    "per-vertex": "shadows, indirect light, reflections, bump, sky, light between vertices, antialiasing, more than 8 bits",
+    "per-vertex, 4 samples": "shadows, indirect light, reflections, bump, sky, light between vertices, more than 8 bits",
     "panda3d": "light, bump, sky, antialiasing, more than 8 bits",
     "panda3d, 4 samples": "light, bump, sky, more than 8 bits",
     "pyrender unlit": "light, bump, sky, more than 8 bits",
-    "pyrender lit": "shadows, indirect light, all lamps but four, bump, sky, more than 8 bits",
+    "pyrender lit": "shadows, indirect light, all lamps but four, reflected surroundings, bump, sky, more than 8 bits",
 }
 WAYS = [("ours", True)] + [(name, ids) for name in NAMES[1:] for ids in (False, True)]
 
@@ -60,7 +60,8 @@ def compare(scene: str, arguments: argparse.Namespace) -> None:
     for (name, ids), each in zip(ways, seconds, strict=True):
         depth, labels = agreement(pictures["ours"], pictures[name])
         what = f"{name}: colour, depth{', ids' if ids else ''}"
-        figures = f"{1e3 * each:.1f} ms | {each / seconds[0]:.2f} | {depth:.2%} | {labels:.2%}"
+        same_ids = f"{labels:.2%}" if ids else ""
+        figures = f"{1e3 * each:.1f} ms | {each / seconds[0]:.2f} | {depth:.2%} | {same_ids}"
         print(f"| {what} | {figures} | {LEFT_OUT[name]} |")
     if arguments.figures is not None:
         write_figure(arguments.figures / f"renderers_{scene}.png", pictures)
