@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -109,8 +110,18 @@ def _times(folder: Path, what: str) -> list[int]:
 
 
 def _write(out: Path, camera: Mapping[str, Any], captures: Sequence[Mapping[str, Any]]) -> None:
-    data = {"tacos_captures": 1, "camera": dict(camera), "noise": "unknown", "captures": list(captures)}
+    inside = [{key: _copied(out, value) for key, value in each.items()} for each in captures]
+    data = {"tacos_captures": 1, "camera": dict(camera), "noise": "unknown", "captures": inside}
     (out / "captures.yaml").write_text(yaml.safe_dump(data, sort_keys=False), "utf-8")
+
+
+def _copied(out: Path, value: Any) -> Any:
+    """What a capture says, with files from elsewhere copied beside it: captures stay within their folder."""
+    if isinstance(value, list):
+        return [_copied(out, each) for each in value]
+    if isinstance(value, str) and Path(value).is_absolute():
+        return Path(shutil.copy(value, out)).name
+    return value
 
 
 def _folder(out: Path) -> Path:
