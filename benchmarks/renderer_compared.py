@@ -22,14 +22,17 @@ from renderers import NAMES, Picture
 from renderers.tour import SCENES, make_tour
 from renderers_in_turns import RendererProcess, cpu_times
 
+_UNLIT = "light, bump, sky"
+_PER_VERTEX = "shadows, indirect light, reflections, bump, sky, light between vertices"
+_LIT = "shadows, indirect light, all lamps but four, reflected surroundings, bump, sky"
 LEFT_OUT = {
     "ours": "",
-    "per-vertex": "shadows, indirect light, reflections, bump, sky, light between vertices, antialiasing, more than 8 bits",
-    "per-vertex, 4 samples": "shadows, indirect light, reflections, bump, sky, light between vertices, more than 8 bits",
-    "panda3d": "light, bump, sky, antialiasing, more than 8 bits",
-    "panda3d, 4 samples": "light, bump, sky, more than 8 bits",
-    "pyrender unlit": "light, bump, sky, more than 8 bits",
-    "pyrender lit": "shadows, indirect light, all lamps but four, reflected surroundings, bump, sky, more than 8 bits",
+    "per-vertex": f"{_PER_VERTEX}, antialiasing, more than 8 bits",
+    "per-vertex, 4 samples": f"{_PER_VERTEX}, more than 8 bits",
+    "panda3d": f"{_UNLIT}, antialiasing, more than 8 bits",
+    "panda3d, 4 samples": f"{_UNLIT}, more than 8 bits",
+    "pyrender unlit": f"{_UNLIT}, more than 8 bits",
+    "pyrender lit": f"{_LIT}, more than 8 bits",
 }
 WAYS = [("ours", True)] + [(name, ids) for name in NAMES[1:] for ids in (False, True)]
 
