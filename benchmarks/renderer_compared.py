@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 import cv2
@@ -40,6 +41,8 @@ WAYS = [("ours", True)] + [(name, ids) for name in NAMES[1:] for ids in (False, 
 def main() -> None:
     """Print a table per scene, and write its figure."""
     arguments = parse_arguments()
+    if missing := [name for name in ("pyrender", "panda3d") if find_spec(name) is None]:
+        raise SystemExit(f"no {' and no '.join(missing)}: pip install tacos-framework[bench]")
     for scene in arguments.scenes:
         compare(scene, arguments)
 
