@@ -44,7 +44,7 @@ def add_sets(parser: argparse.ArgumentParser) -> None:
         dest="sets",
         action="append",
         default=[],
-        help="set a key of the recipe, dotted; with --effect a setting of the effect; repeatable",
+        help="set a key of the recipe, dotted, or a setting of the scene or effect shown; repeatable",
     )
 
 

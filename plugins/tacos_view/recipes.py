@@ -36,7 +36,8 @@ def study_recipe(
         A recipe as `tacos_framework.load_recipe` finds it, one built in Python, the results folder of a
         study, or a scene by itself: ``scene.indoor``.
     sets
-        Dotted keys and the values to put there, as of ``--set``.
+        Dotted keys and the values to put there, as of ``--set``. Of a scene by itself, its own settings
+        need no path: ``people`` is ``nodes.world.people``.
     effects
         Effects to add.
     plugins
@@ -64,7 +65,10 @@ def _scene_recipe(
     scene: str, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]], plugins: Plugins
 ) -> Recipe:
     """A study in a scene: nothing of it is designed, but a recipe is what all else is made for."""
-    outdoors = getattr(plugins.resolve(scene, "scene"), "carrier", "") == "car"
+    cls = plugins.resolve(scene, "scene")
+    outdoors = getattr(cls, "carrier", "") == "car"
+    own = {key: f"nodes.world.{key}" for key in sets if key.partition(".")[0] in cls.Config.model_fields}
+    sets = {own.get(key, key): value for key, value in sets.items()}
     recipe: dict[str, Any] = {
         "tacos": 1,
         "name": scene,

@@ -14,12 +14,14 @@ from tacos_framework.camera.geometry import project
 from tacos_framework.catalog import find_catalog
 from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
+from tacos_framework.plugins import Plugins
 from tacos_view import render, set_up
 from tacos_view.catalog_sheet import Outline, arranged, outlines
 from tacos_view.effect_ladder import effect_ladder
 from tacos_view.floor_plan import floor_plan
 from tacos_view.pages import write_ladder, write_rendering
 from tacos_view.pictures import contact_sheet, shown_depth, shown_ids
+from tacos_view.recipes import study_recipe
 from tests.two_boxes import monocular_recipe, plugins_with_boxes
 
 CAMERA = {"focal_length_mm": 0.6, "pitch_deg": -5.0}
@@ -158,3 +160,11 @@ def test_wedges_point_where_the_camera_looks() -> None:
     pixel, depth = project(ahead, shot.camera, pose)
     assert pixel.tolist() == pytest.approx(list(shot.camera.centre_px))
     assert depth == pytest.approx(1.0)
+
+
+def test_settings_of_a_scene_by_itself_need_no_path() -> None:
+    plugins = Plugins.discover()
+    short = study_recipe("scene.indoor", {"clutter": 0, "rig.binning": 2}, plugins=plugins)
+    full = study_recipe("scene.indoor", {"nodes.world.clutter": 0, "rig.binning": 2}, plugins=plugins)
+    assert short.as_data() == full.as_data()
+    assert short.nodes["world"].settings["clutter"] == 0
