@@ -1,147 +1,103 @@
-"""Frames per second of `renderer.moderngl` and of pyrender on the same meshes, side by side in one run.
+"""Processor time of `renderer.moderngl` and of renderers an engineer might pick instead, in turns in one run.
 
 pip install tacos-framework[bench]
-OMP_NUM_THREADS=1 python benchmarks/renderer_compared.py --frames 40
+OMP_NUM_THREADS=1 LP_NUM_THREADS=1 python benchmarks/renderer_compared.py --figures .
 
-Both draw the same poses of the same furnished world through EGL and read the frames back. pyrender gives
-colour (8 bits, four samples a pixel) and depth; ids take it a second pass, which is timed too. Its light is
-that of its own shader, four point lights without shadows; ours is baked, with shadows and indirect light.
-The two take turns frame by frame, so that what else the machine does weighs on both alike.
+All draw the same meshes from the same poses through EGL and read the frames back, each in a process of its
+own, frame by frame in turns. Whether they show the same view is checked by depth and ids of one frame, and
+may be seen in the figures; where depth is that of one of four samples rather than of the pixel's centre, it
+differs at edges. What each leaves out stands beside its time.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
-import time
-import warnings
-from typing import Any
+from collections.abc import Sequence
+from pathlib import Path
 
+import cv2
 import numpy as np
-from numpy.typing import NDArray
 from renderer_speed import parse_size
+from renderers import NAMES, Picture
+from renderers.tour import SCENES, make_tour
+from renderers_in_turns import RendererProcess, cpu_times
 
-from tacos_framework.camera.geometry import agent_from_camera, world_from_camera
-from tacos_framework.values import Camera, Exposure, Rig, World
-from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
-from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
-from tacos_worlds.indoor.scene import IndoorScene
-
-os.environ["PYOPENGL_PLATFORM"] = "egl"
-if not hasattr(np, "infty"):
-    vars(np)["infty"] = np.inf  # pyrender 0.1.45 is from before NumPy 2
-warnings.simplefilter("ignore")
-
-_MOST_LIGHTS = 4
+LEFT_OUT = {
+    "ours": "",
+    "per-vertex": "shadows, reflections, bump, sky, light between vertices, antialiasing, more than 8 bits",
+    "per-vertex, 4 samples": "shadows, reflections, bump, sky, light between vertices, more than 8 bits",
+    "panda3d": "light, bump, sky, antialiasing, more than 8 bits",
+    "panda3d, 4 samples": "light, bump, sky, more than 8 bits",
+    "pyrender unlit": "light, bump, sky, more than 8 bits",
+    "pyrender lit": "shadows, indirect light, all lamps but four, bump, sky, more than 8 bits",
+}
+WAYS = [("ours", True)] + [(name, ids) for name in NAMES[1:] for ids in (False, True)]
 
 
 def main() -> None:
-    """Print frames per second of both, and their ratio."""
+    """Print a table per scene, and write its figure."""
     arguments = parse_arguments()
-    scene = IndoorScene(IndoorScene.Config())
-    episode = scene.episode(rng=np.random.default_rng(arguments.seed), illumination_lux=20.0)
-    width_px, height_px = arguments.size
-    camera = Camera(
-        name="benchmark",
-        width_px=width_px,
-        height_px=height_px,
-        pixel_um=3840.0 / width_px,
-        focal_length_mm=2.4,
-        agent_from_camera=agent_from_camera((0.0, 0.0, 0.0), pitch_deg=-10.0),
-    )
-    rig, exposure = Rig((camera,)), Exposure()
-    ours = ModernglRenderer(ModernglRenderer.Config())
-    theirs = Pyrender(episode.world, camera)
-    frames = np.linspace(0, len(episode) - 1, arguments.frames).astype(int)
-    poses = world_from_camera(episode.trajectory.at(episode.time_s[frames]), camera.agent_from_camera)
-
-    def capture(i: int) -> Any:
-        with gl_context():  # pyrender leaves its own current
-            return ours.capture(episode[frames[i] : frames[i] + 1], rig=rig, exposure=exposure)
-
-    ways = {
-        "renderer.moderngl: colour, depth, ids": capture,
-        "pyrender: colour, depth": lambda i: theirs.colour(poses[i]),
-        "pyrender: colour, depth, ids": lambda i: (theirs.colour(poses[i]), theirs.ids(poses[i])),
-    }
-    for take in ways.values():  # lights the world, uploads it, compiles shaders
-        for i in range(0, len(frames), 5):
-            take(i)
-    seconds = dict.fromkeys(ways, 0.0)
-    for i in range(len(frames)):
-        for name, take in ways.items():
-            start = time.perf_counter()
-            take(i)
-            seconds[name] += time.perf_counter() - start
-
-    print(f"{describe_gl()}; {episode.world.triangle_count} triangles; {width_px} x {height_px}")
-    first = next(iter(seconds.values()))
-    for name, total in seconds.items():
-        print(f"{name:40s} {len(frames) / total:6.1f} frames/s  {total / first:5.2f} times the time of ours")
+    for scene in arguments.scenes:
+        compare(scene, arguments)
 
 
-class Pyrender:
-    """The same world and camera for pyrender."""
+def compare(scene: str, arguments: argparse.Namespace) -> None:
+    """One scene by all renderers."""
+    tour = make_tour(scene, arguments.size, arguments.frames, arguments.seed)
+    processes = {name: RendererProcess(name, tour) for name in NAMES}
+    ways = [way for way in WAYS if way[0] in processes]
+    seconds = cpu_times(
+        [processes[name] for name, _ in ways], [ids for _, ids in ways], arguments.frames, arguments.rounds
+    ).mean(axis=1)
 
-    def __init__(self, world: World, camera: Camera):
-        import pyrender
-
-        self._flags = pyrender.RenderFlags
-        self._scene = pyrender.Scene(ambient_light=[0.3, 0.3, 0.3])
-        self._colour_of_node: dict[Any, tuple[int, int, int]] = {}
-        materials = [_material(pyrender, material) for material in world.materials]
-        for part in world.parts:
-            primitive = pyrender.Primitive(
-                positions=part.vertices_m,
-                normals=part.normals,
-                texcoord_0=part.uv_m / world.materials[part.material].texture_size_m,
-                indices=part.triangles,
-                material=materials[part.material],
-            )
-            node = self._scene.add(pyrender.Mesh([primitive]))
-            self._colour_of_node[node] = (part.object_id & 255, part.object_id >> 8, 0)
-        for light in sorted(world.lights, key=lambda each: -float(each.flux_lm.mean()))[:_MOST_LIGHTS]:
-            pose = np.eye(4)
-            pose[:3, 3] = light.position_m
-            self._scene.add(pyrender.PointLight(intensity=float(light.flux_lm.mean()) / 100), pose=pose)
-        focal, (cx, cy) = camera.focal_length_px, camera.centre_px
-        intrinsics = pyrender.IntrinsicsCamera(focal, focal, cx + 0.5, cy + 0.5, znear=0.05, zfar=30.0)
-        self._camera = self._scene.add(intrinsics)
-        self._renderer = pyrender.OffscreenRenderer(camera.width_px, camera.height_px)
-
-    def colour(self, pose: NDArray[np.float64]) -> Any:
-        """Colour and depth from a camera pose."""
-        self._place(pose)
-        return self._renderer.render(self._scene)
-
-    def ids(self, pose: NDArray[np.float64]) -> Any:
-        """Object ids as colours, and depth."""
-        self._place(pose)
-        return self._renderer.render(self._scene, self._flags.SEG, self._colour_of_node)
-
-    def _place(self, pose: NDArray[np.float64]) -> None:
-        self._scene.set_pose(self._camera, pose @ np.diag([1.0, -1.0, -1.0, 1.0]))  # OpenGL looks along -z
+    middle = arguments.frames // 2
+    pictures = {name: process.picture(middle) for name, process in processes.items()}
+    world = tour.episode.world
+    print(f"\n{scene}: {world.triangle_count} triangles, {len(world.materials)} materials; ", end="")
+    print("{} x {}, {} frames".format(*arguments.size, arguments.frames))
+    print("| | CPU a frame | over ours | same depth | same ids | leaves out |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    for (name, ids), each in zip(ways, seconds, strict=True):
+        depth, labels = agreement(pictures["ours"], pictures[name])
+        what = f"{name}: colour, depth{', ids' if ids else ''}"
+        figures = f"{1e3 * each:.1f} ms | {each / seconds[0]:.2f} | {depth:.2%} | {labels:.2%}"
+        print(f"| {what} | {figures} | {LEFT_OUT[name]} |")
+    if arguments.figures is not None:
+        write_figure(arguments.figures / f"renderers_{scene}.png", pictures)
+    for process in processes.values():
+        process.close()
 
 
-def _material(pyrender: Any, material: Any) -> Any:
-    texture = None
-    if material.texture is not None:
-        texture = pyrender.Texture(source=material.texture, source_channels="RGB")
-    return pyrender.MetallicRoughnessMaterial(
-        baseColorFactor=[*map(float, material.base_colour), 1.0],
-        baseColorTexture=texture,
-        roughnessFactor=material.roughness,
-        metallicFactor=material.metallic,
-        doubleSided=True,
-    )
+def agreement(ours: Picture, theirs: Picture) -> tuple[float, float]:
+    """Shares of pixels whose depth is within 1 % of ours, and whose ids are ours [1]."""
+    seen = np.isfinite(ours.depth_m)
+    ratio = theirs.depth_m[seen] / ours.depth_m[seen]
+    return float((np.abs(ratio - 1) < 0.01).mean()), float((ours.object_id == theirs.object_id)[seen].mean())
+
+
+def write_figure(path: Path, pictures: dict[str, Picture]) -> None:
+    """All pictures side by side, their names in them."""
+    tiles = [_named(name, picture) for name, picture in pictures.items()]
+    tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % 4)
+    rows: Sequence[np.ndarray] = [np.hstack(tiles[first : first + 4]) for first in range(0, len(tiles), 4)]
+    cv2.imwrite(str(path), np.vstack(rows))
+
+
+def _named(name: str, picture: Picture) -> np.ndarray:
+    tile = np.ascontiguousarray(picture.colour[..., ::-1])
+    cv2.rectangle(tile, (0, 0), (9 + 11 * len(name), 26), (255, 255, 255), cv2.FILLED)
+    return cv2.putText(tile, name, (5, 19), cv2.FONT_HERSHEY_SIMPLEX, 0.6, (0, 0, 0), 1, cv2.LINE_AA)
 
 
 def parse_arguments() -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--size", type=parse_size, default=(640, 480), help="image size, WIDTHxHEIGHT [px]")
-    parser.add_argument("--frames", type=int, default=40, help="number of frames")
+    parser.add_argument("--frames", type=int, default=12, help="number of frames")
+    parser.add_argument("--rounds", type=int, default=3, help="times each frame is drawn; the least counts")
     parser.add_argument("--seed", type=int, default=1, help="seed of the world")
+    parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES), help="what is drawn")
+    parser.add_argument("--figures", type=Path, help="folder for the pictures side by side")
     return parser.parse_args()
 
 

@@ -1,8 +1,11 @@
 """Frames per second of `renderer.moderngl` on a furnished indoor world, and whether its memory stays flat.
 
+With `--against`, the processor time of this version and of another checkout, frame by frame in turns.
+
 OMP_NUM_THREADS=1 python benchmarks/renderer_speed.py --size 640x480 --frames 100
 OMP_NUM_THREADS=1 LP_NUM_THREADS=1 python benchmarks/renderer_speed.py --frames 100 --processes 2
 OMP_NUM_THREADS=1 python benchmarks/renderer_speed.py --size 320x240 --frames 2000  # memory
+OMP_NUM_THREADS=1 LP_NUM_THREADS=1 python benchmarks/renderer_speed.py --frames 12 --against OTHER_CHECKOUT
 """
 
 from __future__ import annotations
@@ -12,11 +15,13 @@ import logging
 import multiprocessing
 import time
 from multiprocessing.synchronize import Barrier
+from pathlib import Path
 
 import numpy as np
+from renderers.tour import SCENES, benchmark_camera, make_tour
+from renderers_in_turns import RendererProcess, cpu_times
 
-from tacos_framework.camera.geometry import agent_from_camera
-from tacos_framework.values import Camera, Exposure, Rig
+from tacos_framework.values import Exposure, Rig
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_worlds.indoor.scene import IndoorScene
@@ -25,6 +30,10 @@ from tacos_worlds.indoor.scene import IndoorScene
 def main() -> None:
     """Print the figures of one process or several."""
     arguments = parse_arguments()
+    if arguments.against is not None:
+        for scene in SCENES:
+            measure_against(scene, arguments)
+        return
     spawn = multiprocessing.get_context("spawn")  # a process with OpenGL must not fork
     start_together = spawn.Barrier(arguments.processes)
     others = [
@@ -38,21 +47,39 @@ def main() -> None:
         other.join()
 
 
+def measure_against(scene: str, arguments: argparse.Namespace) -> None:
+    """Draw a scene by both versions in turns."""
+    tour = make_tour(scene, arguments.size, arguments.frames, arguments.seed)
+    here = Path(__file__).parent.parent
+    both = [RendererProcess("ours", tour, tree) for tree in (arguments.against, here)]
+    cpu_s = cpu_times(both, [True, True], arguments.frames, arguments.rounds).mean(axis=1)
+    differing = np.zeros(3)
+    looked_at = range(0, arguments.frames, 3)
+    for frame in looked_at:
+        before, now = (process.picture(frame) for process in both)
+        colour = np.abs(before.colour.astype(int) - now.colour).max(axis=2) > 5  # of 255: 2 % of white
+        depth = ~np.isclose(before.depth_m, now.depth_m, rtol=1e-3)
+        ids = before.object_id != now.object_id
+        differing += [colour.mean(), depth.mean(), ids.mean()]
+    print(f"{scene}: {tour.episode.world.triangle_count} triangles, {arguments.frames} frames")
+    print(f"  {arguments.against}  {1e3 * cpu_s[0]:.1f} ms of processor time a frame")
+    print(f"  {here}  {1e3 * cpu_s[1]:.1f} ms, {cpu_s[1] / cpu_s[0]:.2f} of it")
+    print(
+        "  pixels that differ: colour by 2 % {:.1e}, depth {:.1e}, ids {:.1e}".format(
+            *differing / len(looked_at)
+        )
+    )
+    for process in both:
+        process.close()
+
+
 def measure(arguments: argparse.Namespace, start_together: Barrier) -> None:
     """Prepare a world, wait for the other processes, and time frames."""
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     scene = IndoorScene(IndoorScene.Config())
     episode = scene.episode(rng=np.random.default_rng(arguments.seed), illumination_lux=20.0)
     width_px, height_px = arguments.size
-    camera = Camera(
-        name="benchmark",
-        width_px=width_px,
-        height_px=height_px,
-        pixel_um=3840.0 / width_px,
-        focal_length_mm=2.4,
-        agent_from_camera=agent_from_camera((0.0, 0.0, 0.0), pitch_deg=-10.0),
-    )
-    rig, exposure = Rig((camera,)), Exposure()
+    rig, exposure = Rig((benchmark_camera(width_px, height_px),)), Exposure()
     renderer = ModernglRenderer(
         ModernglRenderer.Config(antialiasing=arguments.antialiasing, motion_samples=arguments.motion_samples)
     )
@@ -90,6 +117,8 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--antialiasing", default="auto", help="auto, multisampling, edges or none")
     parser.add_argument("--motion-samples", type=int, default=1, help="poses per exposure")
     parser.add_argument("--processes", type=int, default=1, help="processes that render at the same time")
+    parser.add_argument("--against", type=Path, help="another checkout, to be timed in turns with this one")
+    parser.add_argument("--rounds", type=int, default=3, help="with --against, times each frame is drawn")
     return parser.parse_args()
 
 

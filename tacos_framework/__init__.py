@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from tacos_framework.components import Command as Command
     from tacos_framework.components import Component as Component
     from tacos_framework.contracts import Budget as Budget
+    from tacos_framework.contracts import Controller as Controller
     from tacos_framework.contracts import Effect as Effect
     from tacos_framework.contracts import Evaluated as Evaluated
     from tacos_framework.contracts import Executor as Executor
@@ -74,8 +75,8 @@ __version__ = "0.1.0"
 _HOMES = {
     "components": "Command Component",
     "contracts": (
-        "Budget Effect Evaluated Executor JobRunner LookAlike Optimizer Procedure Renderer RigBuilder "
-        "Scene Scorer Scores Sensor ShownBy Stage State Task Trainable Transform"
+        "Budget Controller Effect Evaluated Executor JobRunner LookAlike Optimizer Procedure Renderer "
+        "RigBuilder Scene Scorer Scores Sensor ShownBy Stage State Task Trainable Transform"
     ),
     "environment": "EnvironmentFinding",
     "errors": "CandidateFailed Fault UserError",

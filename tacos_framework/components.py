@@ -86,7 +86,8 @@ class Component:
         from importlib.util import find_spec
 
         wanted = (requirement.partition("=") for requirement in self.requires)
-        return [package or module for module, _, package in wanted if find_spec(module) is None]
+        missing = (package or module for module, _, package in wanted if find_spec(module) is None)
+        return list(dict.fromkeys(missing))
 
     def load(self) -> type[Any]:
         """Import and return the class. Errors of the import are the plugin's and pass unchanged."""

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.results import read_run_json
 
 if TYPE_CHECKING:
     import pandas
@@ -142,6 +141,8 @@ def read_result(folder: str | Path) -> StudyResult:
     UserError
         When there is no readable ``result.json`` of a study.
     """
+    from tacos_framework.results import read_run_json
+
     path = Path(folder) / "result.json"
     data = read_run_json(path)
     if not isinstance(data.get("cameras"), dict):

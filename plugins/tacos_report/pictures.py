@@ -40,7 +40,7 @@ def picture(path: Path, widest_px: int, *, lossless: bool = False) -> EmbeddedIm
     import cv2
     import numpy as np
 
-    from tacos_framework.files.images import read_samples
+    from tacos_files.images import read_samples
 
     try:
         image = read_samples(path)

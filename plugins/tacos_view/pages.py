@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 
+from tacos_files.images import decode_samples
 from tacos_framework.catalog import Catalog
-from tacos_framework.files.images import decode_samples
 from tacos_report.figures.canvas import draw
 from tacos_report.page import Drawing, Page, PagePicture, Paragraph, Section, SideBySide, Table, write_page
 from tacos_report.page import Warnings as PageWarnings

@@ -10,7 +10,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.recipe.recipe import recipe_from
+from tacos_framework.recipe.parsing import recipe_from
 from tacos_framework.settings.yaml_reader import read_yaml_draft
 from tacos_framework.settings.yaml_writer import to_yaml
 

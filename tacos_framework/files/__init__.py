@@ -4,16 +4,11 @@ Nothing that stands in a file is trusted: it may be a pipe, a link out of its fo
 sizes that no memory holds. Every reader here opens regular files alone, knows from the header what decoding
 will take, refuses what is above a stated limit, and says what is wrong in a `tacos_framework.errors.Fault`.
 
-``regular``        bytes of a regular file, not too many, not from elsewhere
-``limits``         how much a file may take, and how a user changes that
-``text``           text in UTF-8; JSON; tables of comma-separated values
-``image_headers``  what an image file says of its size, and whether it is whole
-``images``         samples of an image file
-``arrays``         arrays of numbers (.npy, .npz)
-``weights``        named tensors (safetensors)
+``regular``  bytes of a regular file, not too many, not from elsewhere
+``limits``   how much a file may take, and how a user changes that
+``text``     text in UTF-8; JSON; tables of comma-separated values
 
-YAML is read by `tacos_framework.settings.yaml_reader`, on top of ``text``. Modules that need a heavy library
-are imported where they are used.
+On top of them `tacos_framework.settings.yaml_reader` reads YAML, and `tacos_files` images and arrays.
 """
 
 from __future__ import annotations

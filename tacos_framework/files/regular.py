@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
+from io import BufferedReader
 from pathlib import Path
 
 from tacos_framework.errors import Fault, UserError
@@ -17,13 +19,35 @@ _KINDS = (
     (stat.S_ISBLK, "a device"),
 )
 # A pipe that nobody writes to would be waited for, and a terminal become ours: neither is a file to read.
-_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_CLOEXEC", 0)
+_FLAGS = os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
+
+
+class NotAFile(OSError):
+    """What is there is no regular file; ``strerror`` says what it is: a folder, a named pipe."""
+
+
+def open_regular(path: Path) -> BufferedReader:
+    """A regular file, open for reading.
+
+    What is checked is what was opened: nothing can be exchanged between the check and the reading.
+
+    Raises
+    ------
+    NotAFile
+        When something else is there.
+    OSError
+        When nothing is, or it cannot be opened.
+    """
+    descriptor = os.open(path, _FLAGS)
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return os.fdopen(descriptor, "rb")
+    os.close(descriptor)
+    raise NotAFile(errno.EINVAL, next((name for test, name in _KINDS if test(mode)), "no regular file"))
 
 
 def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path | None = None) -> bytes:
     """All bytes of a regular file.
-
-    What is checked is what was opened: nothing can be exchanged between the check and the reading.
 
     Parameters
     ----------
@@ -43,7 +67,9 @@ def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path
     """
     where = str(path) if where is None else where
     try:
-        descriptor = os.open(path, _FLAGS | getattr(os, "O_BINARY", 0))
+        file = open_regular(path)
+    except NotAFile as error:
+        raise UserError(Fault(where, f"{_shown(path)} is {error.strerror}", "a file")) from None
     except FileNotFoundError:
         expected = "" if where == str(path) else str(path)
         raise UserError(
@@ -54,15 +80,13 @@ def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path
     except OSError as error:
         raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
     try:
-        size_bytes = _checked_size(descriptor, path, where, limit, within)
-        with os.fdopen(descriptor, "rb", closefd=False) as file:
+        with file:
+            size_bytes = _checked_size(file.fileno(), path, where, limit, within)
             content = file.read(size_bytes + 1)
             if len(content) > size_bytes:  # it grows meanwhile; or it is one of /proc, which have no size
                 content += file.read(limits().bytes_of(limit) + 1 - len(content))
     except OSError as error:
         raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
-    finally:
-        os.close(descriptor)
     if len(content) > limits().bytes_of(limit):
         raise UserError(too_large(where, _shown(path), len(content), limit))
     return content
@@ -70,16 +94,13 @@ def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path
 
 def _checked_size(descriptor: int, path: Path, where: str, limit: str, within: Path | None) -> int:
     """The size of an open file that may be read [bytes]."""
-    found = os.fstat(descriptor)
-    if not stat.S_ISREG(found.st_mode):
-        kind = next((name for test, name in _KINDS if test(found.st_mode)), "no regular file")
-        raise UserError(Fault(where, f"{_shown(path)} is {kind}", "a file"))
+    size_bytes = os.fstat(descriptor).st_size
     if within is not None and not _opened(descriptor, path).is_relative_to(within.resolve()):
         what = f"{_shown(path)} leads out of {within}"
         raise UserError(Fault(where, what, "a file inside", "Copy the file into it."))
-    if found.st_size > limits().bytes_of(limit):
-        raise UserError(too_large(where, _shown(path), found.st_size, limit))
-    return found.st_size
+    if size_bytes > limits().bytes_of(limit):
+        raise UserError(too_large(where, _shown(path), size_bytes, limit))
+    return size_bytes
 
 
 def too_large(where: str, what: str, size_bytes: int, limit: str) -> Fault:

@@ -1,7 +1,9 @@
 """Recipes: one YAML file, or the same thing built in Python.
 
 ================  =========================================================================================
-``recipe``        what a study's recipe is, and reading it
+``sections``      the sections of a study's recipe
+``recipe``        the whole of it, and what holds between sections
+``parsing``       reading it, with all faults
 ``procedure``     a recipe that is no study
 ``loading``       finding recipes by path or name
 ``overrides``     values put in from outside the file: ``--set`` and ``--with``
@@ -13,10 +15,11 @@
 from __future__ import annotations
 
 from tacos_framework.recipe.loading import find_recipe, load_recipe, read_any_recipe
+from tacos_framework.recipe.parsing import parse_recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure
-from tacos_framework.recipe.recipe import (
+from tacos_framework.recipe.recipe import FORMAT, Recipe
+from tacos_framework.recipe.sections import (
     FIXED,
-    FORMAT,
     Aim,
     Between,
     Bounds,
@@ -27,14 +30,12 @@ from tacos_framework.recipe.recipe import (
     NamedScenario,
     NodeUse,
     RaceSettings,
-    Recipe,
     Scenario,
     StudySettings,
     Test,
     Train,
     Use,
     Weighted,
-    parse_recipe,
 )
 
 __all__ = [

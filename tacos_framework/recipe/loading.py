@@ -8,8 +8,9 @@ from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import shipped_folder
+from tacos_framework.recipe.parsing import recipe_from
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure, procedure_from
-from tacos_framework.recipe.recipe import Recipe, recipe_from
+from tacos_framework.recipe.recipe import Recipe
 from tacos_framework.settings.yaml_reader import read_yaml_draft
 
 

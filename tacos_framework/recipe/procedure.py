@@ -11,7 +11,8 @@ from pydantic import create_model
 
 from tacos_framework.errors import Fault
 from tacos_framework.recipe.overrides import with_overrides
-from tacos_framework.recipe.recipe import FORMAT, Recipe, Use
+from tacos_framework.recipe.recipe import FORMAT, Recipe
+from tacos_framework.recipe.sections import Use
 from tacos_framework.settings import Settings, check
 from tacos_framework.settings.yaml_reader import Document
 

@@ -24,9 +24,14 @@ class Damaged(ValueError):
     """A file is not as the run left it; the message says what is wrong, in a few words."""
 
 
+def new_checksum(data: bytes = b"") -> hashlib.blake2b:
+    """The checksum of data, to which more may be added (BLAKE2b, 32 hexadecimal digits)."""
+    return hashlib.blake2b(data, digest_size=16)
+
+
 def checksum(data: bytes, after: str = "") -> str:
-    """32 hexadecimal digits (BLAKE2b) of data that follow on something with a checksum of its own."""
-    return hashlib.blake2b(after.encode() + data, digest_size=16).hexdigest()
+    """The checksum of data that follow on something with a checksum of its own."""
+    return new_checksum(after.encode() + data).hexdigest()
 
 
 def json_with_checksum(value: Mapping[str, Any]) -> bytes:

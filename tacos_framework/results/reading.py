@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
-import os
-import stat
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files.regular import NotAFile, open_regular
 from tacos_framework.results.checksums import (
     Damaged,
     Lines,
@@ -17,6 +17,7 @@ from tacos_framework.results.checksums import (
     checked_lines,
     checked_text,
     checksum,
+    new_checksum,
 )
 
 Content = TypeVar("Content")
@@ -34,13 +35,24 @@ def file_of_run(path: Path) -> bytes:
         When it is not there, is no regular file or cannot be read.
     """
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
-        with os.fdopen(descriptor, "rb") as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise Damaged("it is no regular file")
+        with open_regular(path) as file:
             return file.read()
+    except NotAFile as error:
+        raise Damaged(f"it is {error.strerror}") from error
     except OSError as error:
         raise Damaged(f"it cannot be read: {error.strerror or error}") from error
+
+
+def checksum_of_file(path: Path) -> str:
+    """What `checksum` gives for the content of a file of any size.
+
+    Raises
+    ------
+    OSError
+        When it cannot be read.
+    """
+    with open_regular(path) as file:
+        return hashlib.file_digest(file, new_checksum).hexdigest()
 
 
 def checked_file(path: Path, parse: Callable[[bytes], Content]) -> Content:

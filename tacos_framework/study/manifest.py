@@ -18,8 +18,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.plan import ConfiguredComponent, Plan
 from tacos_framework.results import Results
-from tacos_framework.results.checksums import checksum
-from tacos_framework.results.reading import MANIFEST, damage
+from tacos_framework.results.reading import MANIFEST, checksum_of_file, damage
 from tacos_framework.variables import CatalogChoice
 
 FRAMEWORK = "tacos_framework"
@@ -167,10 +166,10 @@ def _code_of(package: str) -> dict[str, str]:
 def _tree(path: Path) -> dict[str, str]:
     """Checksums of a file, or of the files in a folder, by names below it; shipped data are kept apart."""
     if path.is_file():
-        return {path.name: checksum(path.read_bytes())}
+        return {path.name: checksum_of_file(path)}
     data = [shipped_folder("catalogs"), shipped_folder("recipes")]
     return {
-        str(file.relative_to(path)): checksum(file.read_bytes())
+        str(file.relative_to(path)): checksum_of_file(file)
         for file in sorted(path.rglob("*"))
         if file.is_file() and "__pycache__" not in file.parts and not any(map(file.is_relative_to, data))
     }

@@ -10,7 +10,7 @@ A plugin author names the component, and pytest runs what the framework relies o
         component = MySensor
         config = {"full_well_e": 9000}
 
-Needs pytest, which ``pip install tacos-framework[test]`` brings.
+Needs pytest, which ``pip install tacos-framework[testing]`` brings.
 """
 
 from __future__ import annotations

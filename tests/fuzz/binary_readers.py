@@ -15,11 +15,10 @@ import trimesh
 from PIL import Image
 from safetensors.numpy import save as save_tensors
 
+from tacos_files.arrays import read_npy, read_npz
+from tacos_files.images import read_samples
 from tacos_framework.errors import UserError
 from tacos_framework.files import read_json
-from tacos_framework.files.arrays import read_npy, read_npz
-from tacos_framework.files.images import read_samples
-from tacos_framework.files.weights import read_tensors
 
 
 @dataclass(frozen=True)
@@ -191,7 +190,7 @@ BINARY_READERS: Mapping[str, BinaryReader] = {
     "obj": BinaryReader(".obj", _model, _OBJ.encode, whole_or_fault=False),
     "ply": BinaryReader(".ply", _ply, lambda: trimesh.creation.box((1, 2, 3)).export(file_type="ply")),
     "safetensors": BinaryReader(
-        ".safetensors", read_tensors, lambda: save_tensors({"a": np.ones((3, 4), np.float32)})
+        ".safetensors", _checkpoint, lambda: save_tensors({"a": np.ones((3, 4), np.float32)})
     ),
     "torch": BinaryReader(".pt", _checkpoint, _pt),
     "exif": BinaryReader(".jpg", _facts, _photograph, whole_or_fault=False),

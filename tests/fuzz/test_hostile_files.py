@@ -15,11 +15,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tacos_files.arrays import read_npy, read_npz
+from tacos_files.images import read_samples
 from tacos_framework.errors import UserError
 from tacos_framework.files import limits, read_bytes, read_csv, read_json, read_text
-from tacos_framework.files.arrays import read_npy, read_npz
-from tacos_framework.files.images import read_samples
-from tacos_framework.files.weights import read_tensors
 
 READERS = {
     "text": read_text,
@@ -28,14 +27,13 @@ READERS = {
     "npy": read_npy,
     "npz": read_npz,
     "png": read_samples,
-    "safetensors": read_tensors,
 }
 MEASURED = """
 import resource, sys
 from pathlib import Path
 from tacos_framework.errors import UserError
-from tacos_framework.files.arrays import read_npz
-from tacos_framework.files.images import read_samples
+from tacos_files.arrays import read_npz
+from tacos_files.images import read_samples
 from tacos_worlds.mesh_files import read_mesh_file
 import cv2
 readers = {".png": read_samples, ".tif": read_samples, ".npz": read_npz, ".glb": read_mesh_file}

@@ -23,6 +23,7 @@ PLUGINS = (
     "tacos_decision",
     "tacos_view",
     "tacos_export",
+    "tacos_files",
     "tacos",
 )
 PACKAGES = ("tacos_framework", *(f"plugins/{name}" for name in PLUGINS))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tacos_framework.errors import did_you_mean
-from tacos_framework.recipe.recipe import Scenario
+from tacos_framework.recipe import Scenario
 from tacos_framework.synonyms import SYNONYMS
 
 LIGHT = tuple(Scenario.model_fields)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 
@@ -71,6 +72,26 @@ def test_the_page_reloads_while_it_runs_and_rests_once_it_has_ended(tmp_path: Pa
     ended = (folder / "watch.html").read_text()
     assert 'http-equiv="refresh"' not in ended
     assert "Ended: all 20 generations were evaluated." in ended
+
+
+def test_a_file_that_goes_meanwhile_is_not_missed(tmp_path: Path) -> None:
+    folder = begun(tmp_path, [candidate(2.0, 1.0)])
+    (folder / "journal.jsonl").symlink_to(folder / "gone")  # listed, and not there any more
+    assert len(read_running(folder).tried) == 1
+
+
+def test_its_own_page_is_no_sign_of_life(tmp_path: Path) -> None:
+    folder = begun(tmp_path)
+    (folder / "watch.html").write_text("<p>")
+    os.utime(folder / "watch.html", (4e9, 4e9))
+    assert read_running(folder).written_at_s < 4e9
+
+
+def test_a_damaged_result_is_a_fault(tmp_path: Path) -> None:
+    folder = begun(tmp_path)
+    (folder / "result.json").write_text('{"stopped": "all')
+    with pytest.raises(UserError, match="the file is damaged"):
+        read_running(folder)
 
 
 def test_a_folder_of_something_else_is_a_fault(tmp_path: Path) -> None:

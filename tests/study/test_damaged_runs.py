@@ -115,7 +115,7 @@ def test_a_named_pipe_in_place_of_a_file_does_not_hang(toys, tmp_path, runs):
     shutil.copytree(runs[0] / "whole", tmp_path / "run")
     (tmp_path / "run" / "checkpoint.json").unlink()
     os.mkfifo(tmp_path / "run" / "checkpoint.json")
-    with pytest.raises(UserError, match="it is no regular file"):
+    with pytest.raises(UserError, match="it is a named pipe"):
         run(recipe(), toys, tmp_path / "run", resume=True)
 
 

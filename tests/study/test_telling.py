@@ -153,7 +153,7 @@ def test_what_breaks_a_constraint_costs_nothing_and_is_no_evaluation(plugins, tm
         assert told.images == 0
         assert told.broken == Rotating.problems[0].broken(told.candidate)
         assert told.failed.startswith("hfov_deg is ")
-    assert result["cameras"]["designed"]["evaluations"] == 20 - len(broken) + 3
+    assert result["cameras"]["designed"]["evaluations"] == 20 - len(broken)
 
 
 class Here:
@@ -172,7 +172,7 @@ def test_a_budget_is_spent_on_what_can_be_built(plugins):
     assert search.n_observed > search.evaluations
     restored = Search("designed", plan, plan.space, {}, budget=6)
     restored.restore(json.loads(json.dumps(search.state())), {})
-    assert restored.state() == json.loads(json.dumps(search.state()))
+    assert json.loads(json.dumps(restored.state())) == json.loads(json.dumps(search.state()))
 
 
 def test_a_search_in_which_nothing_can_be_built_ends_and_names_the_constraint(plugins, tmp_path, monkeypatch):

@@ -96,7 +96,8 @@ def test_training_on_the_best_changes_no_camera_and_is_what_the_test_sees(toys, 
     for trainings in (0, 3):
         recipe = toy_recipe(**shared, study={"train_best": trainings})
         results[trainings] = run(recipe, toys, tmp_path / str(trainings))
-        (kept,) = (tmp_path / str(trainings) / "weights").glob("designed.learner.*.safetensors")
+        files = (tmp_path / str(trainings) / "weights").glob("designed.learner.*.safetensors")
+        kept = max(files, key=lambda file: int(file.stem.rpartition(".")[2]))
         steps[trainings] = int(load_file(kept)["steps"][0])
     searched, trained = results[0], results[3]
     assert steps[3] == steps[0] + 3 * FRAMES  # frames come one by one

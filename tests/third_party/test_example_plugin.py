@@ -13,7 +13,7 @@ def test_the_example_plugin_installs_and_passes_its_tests(tmp_path: Path) -> Non
     environment = FreshEnvironment.make(tmp_path)
     environment.expect(f"pip install --quiet {PROJECT}")
     listed = environment.expect("tacos plugins")
-    assert listed.count("[tacos-example-plugin]") == 12
+    assert listed.count("[tacos-example-plugin]") == 13
     assert "broken" not in listed
     environment.expect(f"tacos-run {PROJECT}/recipes/find_the_board.yaml --check")
     environment.expect(f"tacos-run {PROJECT}/recipes/keep_the_course.yaml --check")

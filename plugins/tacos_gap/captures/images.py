@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.arrays import read_npy
+from tacos_files.images import read_samples
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits, read_bytes
-from tacos_framework.files.arrays import read_npy
-from tacos_framework.files.images import read_samples
 from tacos_framework.files.regular import too_large
 
 _LARGEST_DN = 1e9

@@ -10,9 +10,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from tacos_files.images import UNREADABLE
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes
-from tacos_framework.files.images import UNREADABLE
 from tacos_gap.captures.images import RAW_SUFFIXES, open_raw
 
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})

@@ -29,7 +29,7 @@ def noise_bands(shape: tuple[int, ...]) -> NDArray[np.int64]:
     Examples
     --------
     >>> noise_bands((2, 120, 160, 1)).shape, noise_bands((2, 1080, 1920, 3)).shape
-    ((1, 120), (4, 16))
+    ((1, 120), (5, 16))
     """
     frames, height, width, _ = shape
     bands = -(-NOISE_SAMPLES // max(frames * width * BAND_ROWS, 1))
@@ -45,7 +45,7 @@ def sampled(values: NDArray[np.float32], count: int = MIDDLE_SAMPLES) -> NDArray
     Examples
     --------
     >>> len(sampled(np.zeros((480, 640, 3), np.float32)))
-    64018
+    54212
     """
     flat = values.reshape(-1)
     step = _coprime(max(flat.size // count, 1), values.shape)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.arrays import read_npy
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.files.arrays import read_npy
 from tacos_framework.randomness import generator
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageGeometry

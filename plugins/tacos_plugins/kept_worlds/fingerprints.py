@@ -17,7 +17,7 @@ from tacos_framework.settings import Settings
 
 
 def code_key(cls: type[Any]) -> str | None:
-    """Content key of the code of a component: its package, the framework, these plugins; and all versions.
+    """Content key of the code of a component: its package, the core and what these plugins share; versions.
 
     Code of other packages counts by the versions of all distributions that are installed. None where the
     class has no file, as in a notebook: then nothing tells whether its code has changed.
@@ -25,7 +25,7 @@ def code_key(cls: type[Any]) -> str | None:
     root = _root_of(cls.__module__.partition(".")[0])
     if root is None:
         return None
-    ours = [_root_of(name) for name in ("tacos_framework", "tacos_plugins")]
+    ours = [_root_of(name) for name in ("tacos_framework", "tacos_files", "tacos_plugins")]
     return content_key([_key_of_files(str(each)) for each in (root, *ours) if each], _machine())
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.files.arrays import read_npz
+from tacos_files.arrays import read_npz
 from tacos_framework.values import Capture, Episode, FrameBatch, Object, Rig, Trajectory, View, World
 
 

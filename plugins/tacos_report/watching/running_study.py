@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.files import read_bytes, read_json, read_text
-from tacos_report.plain_values import mapping, text
+from tacos_framework.files import read_bytes, read_text
+from tacos_framework.results import read_run_json
+from tacos_report.plain_values import text
 from tacos_report.study_data import Generation, Tried, document_of, read_generations
 
 MOST_SHOWN = 8
@@ -30,7 +32,7 @@ class RunningStudy:
     last_line
         The last line of its log, which says what it does.
     written_at_s
-        When the folder was last written to, in seconds since the epoch.
+        When the study last wrote to its folder, in seconds since the epoch; pages are written by others too.
     stopped
         Why it ended; None while it runs.
     report
@@ -76,7 +78,7 @@ def read_running(folder: Path) -> RunningStudy:
     Raises
     ------
     UserError
-        Where the folder is none of a study.
+        Where the folder is none of a study, or a file of it is damaged.
     """
     recipe = folder / "recipe.yaml"
     if not recipe.is_file():
@@ -90,15 +92,21 @@ def read_running(folder: Path) -> RunningStudy:
         name=text(document_of(read_text(recipe)).get("name")) or folder.name,
         generations=read_generations(folder / "generations.jsonl")[0],
         last_line=lines[-1] if lines else "",
-        written_at_s=max(path.stat().st_mtime for path in folder.iterdir()),
+        written_at_s=max(_written_at_s(folder)),
         stopped=text(result.get("stopped")) or None,
         report=report if report.is_file() else None,
     )
 
 
 def _result(path: Path) -> Mapping[str, Any]:
-    """What a finished run left; nothing while it runs, or while the file is being replaced."""
-    try:
-        return mapping(read_json(path))
-    except UserError:
-        return {}
+    """What a finished run left; nothing while it runs."""
+    return read_run_json(path) if path.exists() else {}
+
+
+def _written_at_s(folder: Path) -> Iterator[float]:
+    """When each file was written; one may go while we look, as the journal does at every checkpoint."""
+    yield 0.0
+    for path in folder.iterdir():
+        with suppress(FileNotFoundError):
+            if path.suffix != ".html":
+                yield path.stat().st_mtime

@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from tacos_framework.files.images import read_samples
+from tacos_files.images import read_samples
 from tacos_validation.blind.generators.specifications import CAPTURES
 from tacos_validation.blind.judgement import KnownTruth
 from tacos_validation.blind.real_folders import RealCase

@@ -11,9 +11,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.arrays import read_npy
+from tacos_files.images import read_samples
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.files.arrays import read_npy
-from tacos_framework.files.images import read_samples
 
 Mosaic = Literal["none", "RGGB", "BGGR", "GRBG", "GBRG"]
 """The colours of the 2 x 2 photosites at the top left of a file, row by row; none where it is no mosaic."""

@@ -10,9 +10,9 @@ from urllib.parse import unquote, urlsplit
 
 from trimesh.resolvers import Resolver
 
+from tacos_files.images import checked_header, decode_picture
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits, read_bytes
-from tacos_framework.files.images import checked_header, decode_picture
 from tacos_framework.files.limits import MB
 from tacos_framework.files.regular import too_large
 

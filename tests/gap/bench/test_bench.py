@@ -265,7 +265,7 @@ def test_a_capture_that_names_a_recipe_is_rendered_from_it(plugins, tmp_path):
         ("tacos: 1\nnodes: {}\n", "flat", "does not say what to photograph"),
         (BENCH.replace("rig:", "rigg:"), "flat", "unknown key 'rigg'"),
         (BENCH.replace("scene.light-box", "scene.light-bx"), "flat", "scene.light-bx"),
-        (None, "flat", "no such file"),
+        (None, "flat", "there is no file"),
     ],
 )
 def test_a_recipe_that_cannot_render_says_why(plugins, tmp_path, recipe, capture, message):

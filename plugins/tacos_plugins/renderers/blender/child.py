@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.arrays import read_npy
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.files.arrays import read_npy
 
 SCRIPT = Path(__file__).with_name("inside_blender.py")
 _LINES_SHOWN = 15

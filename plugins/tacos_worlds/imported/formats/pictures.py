@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from tacos_framework.files.images import decode_picture
+from tacos_files.images import decode_picture
 
 
 def picture(data: bytes, where: str, most_px: int) -> NDArray[np.uint8]:

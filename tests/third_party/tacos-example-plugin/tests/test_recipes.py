@@ -12,7 +12,7 @@ RECIPES = Path(__file__).parents[1] / "recipes"
 def test_every_component_is_found_and_fits_its_contract() -> None:
     plugins = tacos.Plugins.discover()
     own = [found.component.use for found in plugins if found.distribution == "tacos-example-plugin"]
-    assert len(own) == 12
+    assert len(own) == 13
     assert all(plugins.resolve(use) for use in own)
 
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.image_headers import FORMATS, HeaderError, ImageHeader, read_header
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.files.image_headers import FORMATS, HeaderError, ImageHeader, read_header
 from tacos_framework.files.limits import limits
 from tacos_framework.files.regular import read_bytes, too_large
 

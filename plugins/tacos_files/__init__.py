@@ -1,0 +1,8 @@
+"""Images and arrays in files from outside, read safely on top of `tacos_framework.files`.
+
+``image_headers``  what an image file says of its size, and whether it is whole
+``images``         samples of an image file
+``arrays``         arrays of numbers (.npy, .npz)
+
+No plugin of its own: what the packages of plugins have in common here, the core has no need of.
+"""

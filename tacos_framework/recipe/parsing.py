@@ -1,0 +1,104 @@
+"""From YAML to the recipe of a study: all faults of its form, each with its line and column.
+
+Whether its components exist and fit together is the business of `tacos_framework.plan`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.recipe.overrides import with_overrides
+from tacos_framework.recipe.recipe import FORMAT, Recipe
+from tacos_framework.recipe.sections import ExposureControl, Scenarios
+from tacos_framework.settings import check
+from tacos_framework.settings.yaml_reader import Document, read_yaml_draft
+
+_WITH_METADATA: Mapping[str, Any] = {"scenario": Scenarios, "exposure": ExposureControl}
+"""Sections whose annotation says more than its type, of which a field keeps the type alone."""
+
+
+def parse_recipe(text: str, *, name: str = "recipe") -> tuple[Recipe, list[Fault]]:
+    """A recipe from text, and the faults of its form; see `read_any_recipe`."""
+    return recipe_from(read_yaml_draft(text, name=name), {}, ())
+
+
+def recipe_from(
+    document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
+) -> tuple[Recipe, list[Fault]]:
+    """As `parse_recipe`, from a YAML document."""
+    data = document.data
+    if not isinstance(data, dict):
+        form = Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
+        raise UserError([*document.faults, form])
+    document, faults = with_overrides(document, sets, effects)
+    faults += document.faults
+    sections: dict[str, Any] = {}
+    if "tacos" not in data:
+        faults.append(
+            Fault(document.where(()), "'tacos' is missing", f"tacos: {FORMAT}", "Add it as the first line.")
+        )
+    for key in data:
+        if key not in Recipe.model_fields:
+            remedy = did_you_mean(str(key), Recipe.model_fields)
+            faults.append(Fault(document.where((key,)), f"unknown key {key!r}", "", remedy))
+    for key, field in Recipe.model_fields.items():
+        if key not in data:
+            if field.is_required():
+                faults.append(
+                    Fault(document.where(()), f"{key!r} is missing", "", f"Add it: {field.description}")
+                )
+            continue
+        annotation = _WITH_METADATA.get(key, field.annotation)
+        value, found = _section(document, key, annotation, data[key])
+        faults += found
+        if value is not None:
+            sections[key] = value
+    recipe = _draft(sections)
+    if not faults:
+        _, found, _ = check(Recipe, data, lambda path: document.where(path))
+        faults += found
+    recipe._document = document
+    return recipe, document.without_echoes(faults)
+
+
+def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[Any, list[Fault]]:
+    """Check one section; where items of it are wrong, keep the others so that they are checked further."""
+
+    def where(path: Sequence[str | int]) -> str:
+        return document.where((key, *path))
+
+    value, faults, paths = check(annotation, raw, where, key)
+    if key == "design" and isinstance(raw, dict):
+        plain = [len(path) == 1 and not isinstance(raw.get(path[0]), dict) for path in paths]
+        faults = [
+            _no_entry(fault) if is_plain else fault for fault, is_plain in zip(faults, plain, strict=True)
+        ]
+    if faults and isinstance(raw, dict) and key in ("nodes", "design", "constraints"):
+        bad = {path[0] for path in paths if path}
+        value, _, _ = check(annotation, {name: item for name, item in raw.items() if name not in bad}, where)
+    return value, faults
+
+
+def _no_entry(fault: Fault) -> Fault:
+    """What to do about a design variable that is given a plain value."""
+    return replace(
+        fault,
+        expected="an entry such as {between: [1, 2]} or {choose: [a, b]}",
+        remedy="To fix it, move it under rig:, or among the settings of its node or effect.",
+    )
+
+
+def _draft(sections: dict[str, Any]) -> Recipe:
+    """A recipe of the sections that were understood; the required ones that were not are empty."""
+    empty: dict[str, Any] = {
+        "name": "",
+        "rig": None,
+        "design": {},
+        "nodes": {},
+        "fitness": (),
+        "optimizer": None,
+    }
+    return Recipe.model_construct(**{**empty, **sections})
