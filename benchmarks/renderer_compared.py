@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 import cv2
@@ -22,14 +23,17 @@ from renderers import NAMES, Picture
 from renderers.tour import SCENES, make_tour
 from renderers_in_turns import RendererProcess, cpu_times
 
+_UNLIT = "light, bump, sky"
+_PER_VERTEX = "shadows, indirect light, reflections, bump, sky, light between vertices"
+_LIT = "shadows, indirect light, all lamps but four, reflected surroundings, bump, sky"
 LEFT_OUT = {
     "ours": "",
-    "per-vertex": "shadows, reflections, bump, sky, light between vertices, antialiasing, more than 8 bits",
-    "per-vertex, 4 samples": "shadows, reflections, bump, sky, light between vertices, more than 8 bits",
-    "panda3d": "light, bump, sky, antialiasing, more than 8 bits",
-    "panda3d, 4 samples": "light, bump, sky, more than 8 bits",
-    "pyrender unlit": "light, bump, sky, more than 8 bits",
-    "pyrender lit": "shadows, indirect light, all lamps but four, bump, sky, more than 8 bits",
+    "per-vertex": f"{_PER_VERTEX}, antialiasing, more than 8 bits",
+    "per-vertex, 4 samples": f"{_PER_VERTEX}, more than 8 bits",
+    "panda3d": f"{_UNLIT}, antialiasing, more than 8 bits",
+    "panda3d, 4 samples": f"{_UNLIT}, more than 8 bits",
+    "pyrender unlit": f"{_UNLIT}, more than 8 bits",
+    "pyrender lit": f"{_LIT}, more than 8 bits",
 }
 WAYS = [("ours", True)] + [(name, ids) for name in NAMES[1:] for ids in (False, True)]
 
@@ -37,6 +41,8 @@ WAYS = [("ours", True)] + [(name, ids) for name in NAMES[1:] for ids in (False, 
 def main() -> None:
     """Print a table per scene, and write its figure."""
     arguments = parse_arguments()
+    if missing := [name for name in ("pyrender", "panda3d") if find_spec(name) is None]:
+        raise SystemExit(f"no {' and no '.join(missing)}: pip install tacos-framework[bench]")
     for scene in arguments.scenes:
         compare(scene, arguments)
 
@@ -60,7 +66,8 @@ def compare(scene: str, arguments: argparse.Namespace) -> None:
     for (name, ids), each in zip(ways, seconds, strict=True):
         depth, labels = agreement(pictures["ours"], pictures[name])
         what = f"{name}: colour, depth{', ids' if ids else ''}"
-        figures = f"{1e3 * each:.1f} ms | {each / seconds[0]:.2f} | {depth:.2%} | {labels:.2%}"
+        same_ids = f"{labels:.2%}" if ids else ""
+        figures = f"{1e3 * each:.1f} ms | {each / seconds[0]:.2f} | {depth:.2%} | {same_ids}"
         print(f"| {what} | {figures} | {LEFT_OUT[name]} |")
     if arguments.figures is not None:
         write_figure(arguments.figures / f"renderers_{scene}.png", pictures)

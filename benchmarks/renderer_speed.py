@@ -117,9 +117,18 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--antialiasing", default="auto", help="auto, multisampling, edges or none")
     parser.add_argument("--motion-samples", type=int, default=1, help="poses per exposure")
     parser.add_argument("--processes", type=int, default=1, help="processes that render at the same time")
-    parser.add_argument("--against", type=Path, help="another checkout, to be timed in turns with this one")
+    parser.add_argument(
+        "--against", type=checkout, help="another checkout, to be timed in turns with this one"
+    )
     parser.add_argument("--rounds", type=int, default=3, help="with --against, times each frame is drawn")
     return parser.parse_args()
+
+
+def checkout(text: str) -> Path:
+    """The folder of a checkout; another would be passed over for what is installed."""
+    if not Path(text, "plugins", "tacos_plugins").is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a checkout of this repository")
+    return Path(text)
 
 
 def parse_size(text: str) -> tuple[int, int]:

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -101,4 +102,5 @@ def _serve(connection: Connection, name: str) -> None:
 
 
 if __name__ == "__main__":
-    _serve(Connection(int(sys.argv[1])), sys.argv[2])
+    with suppress(EOFError):  # whoever asked is gone
+        _serve(Connection(int(sys.argv[1])), sys.argv[2])

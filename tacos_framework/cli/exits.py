@@ -32,8 +32,18 @@ def exit_status(command: Callable[[], int]) -> int:
 
     Whatever is printed meanwhile, by commands of plugins too, holds no control characters.
     """
-    with printable_output():
-        return _status(command)
+    from tacos_framework.plugins.importing import end_without_left_threads
+
+    status: int | str | None = FAILED
+    try:
+        with printable_output():
+            status = _status(command)
+    except SystemExit as ended:
+        status = ended.code
+        raise
+    finally:
+        end_without_left_threads(status if isinstance(status, int) else FAILED if status else DONE)
+    return status
 
 
 def _status(command: Callable[[], int]) -> int:
@@ -44,8 +54,8 @@ def _status(command: Callable[[], int]) -> int:
         print(f"{'1 fault' if count == 1 else f'{count} faults'}:\n", file=sys.stderr)
         print("\n\n".join(map(str, error.faults)), file=sys.stderr)
         return WRONG_INPUT
-    except KeyboardInterrupt:
-        print("Interrupted.", file=sys.stderr)
+    except KeyboardInterrupt as error:
+        print(" ".join(("Interrupted", *getattr(error, "__notes__", ()))) + ".", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output went away, e.g. `tacos catalog NAME | head`
         sys.stderr.close()

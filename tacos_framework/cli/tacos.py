@@ -31,6 +31,10 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``tacos``."""
+    return exit_status(lambda: _main(argv))
+
+
+def _main(argv: Sequence[str] | None) -> int:
     from tacos_framework.plugins import Plugins
 
     plugins = Plugins.discover()
@@ -40,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         "doctor": lambda arguments: _doctor(plugins),
     }
     commands = {command.name: command.run for command in plugins.commands()} | own
-    return exit_status(lambda: commands[arguments.command](arguments))
+    return commands[arguments.command](arguments)
 
 
 def _plugins(plugins: Plugins) -> int:
@@ -53,6 +57,8 @@ def _plugins(plugins: Plugins) -> int:
         )
     for failure in plugins.failures:
         print(f"broken: plugin {failure.plugin}: {failure.reason}. {failure.remedy}", file=sys.stderr)
+    for remark in plugins.remarks:
+        print(f"note: {remark.name}: {remark.value}", file=sys.stderr)
     return DONE
 
 
@@ -72,6 +78,7 @@ def _doctor(plugins: Plugins) -> int:
             EnvironmentFinding(f"plugin {f.plugin}", f.reason, ok=False, remedy=f.remedy)
             for f in [*plugins.failures, *plugins.unusable()]
         ),
+        *plugins.remarks,
     ]
     for finding in findings:
         print(f"{'ok  ' if finding.ok else 'BAD '} {finding.name}: {finding.value}")

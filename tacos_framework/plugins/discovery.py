@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -16,6 +17,7 @@ from tacos_framework.components import CONTRACT_VERSION, Command, Component, Ref
 from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.failures import PluginFailure, in_words, tried
+from tacos_framework.plugins.importing import WITHOUT_VARIABLE, imported, say_what_ended_the_last_start
 from tacos_framework.plugins.observers import Observer, Observers
 from tacos_framework.plugins.registry import Registered, Registry
 
@@ -59,20 +61,38 @@ class Plugins:
         self._modules: list[str] = []
         self._command_sources: dict[str, str] = {}
         self._failures: dict[tuple[str, str], PluginFailure] = {}
+        self._remarks: dict[tuple[str, str], EnvironmentFinding] = {}
 
     @classmethod
     def discover(cls) -> Plugins:
-        """All plugins installed here. A broken one ends up in `failures`."""
+        """All plugins installed here, but those that ``TACOS_WITHOUT`` names.
+
+        A broken one ends up in `failures`.
+        """
         plugins = cls()
+        say_what_ended_the_last_start()
+        without = [name.strip() for name in os.environ.get(WITHOUT_VARIABLE, "").split(",") if name.strip()]
+        spared = set()
         for entry_point in sorted(entry_points(group=GROUP), key=lambda found: (found.name, found.value)):
-            plugins._load(entry_point)
+            if named := {_name_of(entry_point), entry_point.name}.intersection(without):
+                spared |= named
+            else:
+                plugins._load(entry_point)
+        for name in without:
+            reason = f"{WITHOUT_VARIABLE} names it, " + (
+                "so it is left out" if name in spared else "but it is not there"
+            )
+            plugins._failures[name, reason] = PluginFailure(
+                name, reason, remedy=f"Change {WITHOUT_VARIABLE}."
+            )
         return plugins
 
     def _load(self, entry_point: EntryPoint) -> None:
         distribution = _name_of(entry_point)
-        module, error = tried(entry_point.load)
+        plugin = distribution or entry_point.name
+        module, error = imported(entry_point.load, plugin, partial(self._remark, plugin))
         if error is not None:
-            self._fail(distribution or entry_point.name, f"its import failed: {in_words(error)}", error)
+            self._fail(plugin, f"its import failed: {in_words(error)}", error)
         else:
             self._register(_Plugin(module, entry_point.name, distribution))
 
@@ -122,7 +142,7 @@ class Plugins:
     def _offered(self, plugin: _Plugin, hook: str, kind: type[Offer]) -> list[Offer]:
         """What a plugin offers by a hook; its failures are kept."""
         call = self._hook_of(plugin, hook)
-        offered, error = tried(partial(_all, call))
+        offered, error = tried(partial(_all, call), f"{hook} of plugin {plugin.source}")
         if error is not None:
             self._fail(plugin.source, f"its {hook} failed: {in_words(error)}", error)
         for offer in offered or ():
@@ -138,7 +158,7 @@ class Plugins:
         found = []
         for plugin in self._plugins:
             call = self._hook_of(plugin, "tacos_doctor")
-            findings, error = tried(partial(_all, call))
+            findings, error = tried(partial(_all, call), f"tacos_doctor of plugin {plugin.source}")
             for finding in findings or ():
                 if isinstance(finding, EnvironmentFinding):
                     found.append(finding)
@@ -204,7 +224,7 @@ class Plugins:
         failures = []
         for plugin in self._plugins:
             call = self._hook_of(plugin, "tacos_report")
-            files, error = tried(partial(call, folder=folder))
+            files, error = tried(partial(call, folder=folder), f"tacos_report of plugin {plugin.source}")
             written += files or ()
             if error is not None:
                 said = f"its tacos_report failed: {in_words(error)}"
@@ -231,6 +251,15 @@ class Plugins:
         self, plugin: str, reason: str, error: BaseException | None = None, uses: tuple[str, ...] = ()
     ) -> None:
         self._failures[plugin, reason] = PluginFailure(plugin, reason, error, uses)
+
+    def _remark(self, plugin: str, what: str) -> None:
+        remark = EnvironmentFinding(f"plugin {plugin}", what, ok=False, remedy="Update it.")
+        self._remarks[plugin, what] = remark
+
+    @property
+    def remarks(self) -> list[EnvironmentFinding]:
+        """What imports so far have changed in this process."""
+        return list(self._remarks.values())
 
     def unusable(self) -> list[PluginFailure]:
         """Components that cannot be imported or do not fit their kind. Imports every one of them.
@@ -314,13 +343,15 @@ class Plugins:
                     remedy=f"pip install {' '.join(missing)}",
                 )
             )
-        try:
-            cls = component.load()
-        except SystemExit as error:  # would end the host without a word
-            raise ImportError(f"{component.target} ended the program while {use} was imported") from error
-        except Exception as error:
+        source = self.distribution_of(use) or component.target
+        loaded, error = imported(component.load, source, partial(self._remark, source))
+        if isinstance(error, Exception):
             error.add_note(f"while importing {component.target} for {use} ({where})")
-            raise
+            raise error
+        if error is not None:  # would end the host without a word
+            said = f"{component.target} ended the program while {use} was imported: {in_words(error)}"
+            raise ImportError(said) from error
+        cls: type[Any] = loaded  # type: ignore[assignment]  # there is a class where there is no error
         from tacos_framework.plugins.contract_check import contract_faults
 
         if faults := contract_faults(component, cls):

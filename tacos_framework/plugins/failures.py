@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TypeVar
+from types import FrameType
+from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 
@@ -34,14 +39,56 @@ class PluginFailure:
     remedy: str = "Update or uninstall it."
 
 
-def tried(call: Callable[[], Result]) -> tuple[Result | None, BaseException | None]:
-    """What a stranger's code returns, or what it raises; Ctrl-C alone gets through."""
+def tried(
+    call: Callable[[], Result], doing: str = "what a plugin does"
+) -> tuple[Result | None, BaseException | None]:
+    """What a stranger's code returns, or what it raises; Ctrl-C alone gets through.
+
+    It says what it broke off. A `KeyboardInterrupt` that no signal has brought is the stranger's own.
+    """
+    process, result, raised = os.getpid(), None, None
+    with _signals_that_interrupt() as came:
+        try:
+            result = call()
+        except BaseException as error:  # noqa: BLE001 - also those that would end the host without a word
+            raised = error
+        end_copy_of(process, doing)
+    if isinstance(raised, KeyboardInterrupt) and came:
+        raised.add_note(f"during {doing}")
+        raise raised
+    return result, raised
+
+
+@contextmanager
+def _signals_that_interrupt() -> Iterator[list[int]]:
+    """The signals that came meanwhile; their handlers are called as ever."""
+    came: list[int] = []
+
+    def noting(handler: Callable[[int, FrameType | None], Any]) -> Callable[[int, FrameType | None], Any]:
+        def note(number: int, frame: FrameType | None) -> None:
+            came.append(number)
+            handler(number, frame)
+
+        return note
+
+    is_main = threading.current_thread() is threading.main_thread()  # others hear of no signals
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM) if is_main}
+    for number, handler in handlers.items():
+        if callable(handler):
+            signal.signal(number, noting(handler))
     try:
-        return call(), None
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # noqa: BLE001 - also those that would end the host without a word
-        return None, error
+        yield came
+    finally:
+        for number, handler in handlers.items():
+            if callable(handler):
+                signal.signal(number, handler)
+
+
+def end_copy_of(process: int, doing: str) -> None:
+    """End this process where it is no longer `process`: a fork that came back would be a second host."""
+    if os.getpid() != process:
+        os.write(2, f"warning: {doing} forked this process; the copy was ended\n".encode())
+        os._exit(1)
 
 
 def in_words(error: BaseException) -> str:

@@ -53,7 +53,7 @@ class Observers:
             listen = observer.hooks.get(hook)
             if listen is None:
                 continue
-            _, error = tried(partial(listen, **deepcopy(told)))
+            _, error = tried(partial(listen, **deepcopy(told)), f"{hook} of {observer}")
             if error is not None:
                 self._switch_off(observer, hook, error)
 
@@ -68,7 +68,7 @@ class Observers:
         for observer in list(self._listening):
             if (listen := observer.hooks.get(hook)) is None:
                 continue
-            given, error = tried(partial(_plain_keys, listen, told, answers))
+            given, error = tried(partial(_plain_keys, listen, told, answers), f"{hook} of {observer}")
             if error is not None:
                 self._switch_off(observer, hook, error)
                 faults.append(f"The analysis of {observer} is left out, as it raised {in_words(error)}.")
