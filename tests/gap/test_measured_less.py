@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.plugins import Plugins
@@ -27,6 +27,8 @@ def plugins() -> Plugins:
 
 @given(st.integers(1, 6), st.integers(16, 3000), st.integers(16, 4000))
 @settings(max_examples=60, deadline=None)
+@example(frames=5, height=18, width=3277)
+@example(frames=6, height=3000, width=4000)
 def test_bands_of_rows_hold_enough_noise_and_lie_in_the_image(frames: int, height: int, width: int) -> None:
     bands = noise_bands((frames, height, width, 1))
     assert bands.min() == 0

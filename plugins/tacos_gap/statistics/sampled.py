@@ -32,7 +32,7 @@ def noise_bands(shape: tuple[int, ...]) -> NDArray[np.int64]:
     ((1, 120), (5, 16))
     """
     frames, height, width, _ = shape
-    bands = -(-NOISE_SAMPLES // max(frames * width * BAND_ROWS, 1))
+    bands = max(-(-NOISE_SAMPLES // max(frames * width * BAND_ROWS, 1)), 2)  # one would be the top alone
     if bands * BAND_ROWS >= height:
         return np.arange(height)[None, :]
     first = np.linspace(0, height - BAND_ROWS, bands).astype(np.int64) // 2 * 2
