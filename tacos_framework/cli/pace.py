@@ -49,7 +49,7 @@ class Pace:
 
     def __str__(self) -> str:
         """What is done, and, once something is, how long the rest takes at the mean pace so far."""
-        if self.total is None:
+        if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
             return f"{self.title}: {self.done} done"
         told = f"{self.title}: {self.done} of {self.total} done"
         left = self.total - self.done

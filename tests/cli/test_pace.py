@@ -41,6 +41,8 @@ def test_the_rest_takes_as_long_as_what_is_done_did() -> None:
     assert str(pace) == "Scoring: 4 of 10 done, about 0:01:30 left"
     pace.done = 10
     assert str(pace) == "Scoring: 10 of 10 done"
+    pace.done = 11
+    assert str(pace) == "Scoring: 11 done"
 
 
 def test_of_an_unknown_whole_only_what_is_done_is_said() -> None:

@@ -126,5 +126,5 @@ def grey_image(
     affine = np.append(weights * stretch, -black_level_dn * stretch)
     grey = cv2.transform(image_dn, affine[None])  # rounds and saturates to the file's own type
     if grey.dtype != np.uint8:
-        grey = np.minimum(grey, 255).astype(np.uint8)
-    return np.asarray(grey).reshape(image_dn.shape[:2])
+        np.minimum(grey, 255, out=grey)
+    return np.asarray(grey, np.uint8).reshape(image_dn.shape[:2])
