@@ -23,7 +23,7 @@ from tacos_framework.simulation import Evaluation
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_validation.rank_agreement.agreement import Agreement, agreement, places, tau_b
+from tacos_validation.rank_agreement.agreement import Agreement, agreement, agreement_of_halves, places, tau_b
 from tacos_validation.rank_agreement.measure import RankAgreement
 from tacos_validation.rank_agreement.outcome import RankedLight, RankOutcome
 
@@ -123,6 +123,17 @@ def test_one_scene_tells_no_interval():
     assert agreement("ab", _on(table), _on(table), 1, resamples=9, confidence=0.9, rng=rng).interval is None
 
 
+def test_halves_that_say_the_same_agree_and_those_of_chance_alone_do_not():
+    rng = np.random.default_rng(1)
+    same = {name: [value] * 6 for name, value in zip("abcdef", range(6), strict=True)}
+    assert agreement_of_halves("abcdef", _on(same), 6, resamples=9, rng=rng) == 1
+    chance = {name: rng.normal(size=40).tolist() for name in "abcdefghijkl"}
+    found = agreement_of_halves("abcdefghijkl", _on(chance), 40, resamples=99, rng=rng)
+    assert found is not None
+    assert abs(found) < 0.4
+    assert agreement_of_halves("ab", _on({"a": [1.0], "b": [2.0]}), 1, resamples=9, rng=rng) is None
+
+
 # the procedure ----------------------------------------------------------------------------------------------
 
 
@@ -138,6 +149,14 @@ def test_the_table_has_both_orders(ranked):
     assert result["tau"]["day"] == expected
     assert len(list(csv.DictReader((out / "table.csv").read_text().splitlines()))) == 12
     assert result["cost"]["full"]["images"] == 2 * 6 * 3 * 3  # lights, cameras, scenes, frames
+
+
+def test_what_both_studies_share_is_said(ranked):
+    result, out = ranked
+    assert "Both see the same scenes" in result["rank_notes"][0]
+    assert set(result["tau_of_halves"]) == {"day", "night"}
+    for text in (result["rank_notes"][0], (out / "report.html").read_text()):
+        assert f"{result['tau_of_halves']['day']:.2f} by day" in text
 
 
 def test_parts_are_seen_at_the_field_of_view_asked_for(study, toys):

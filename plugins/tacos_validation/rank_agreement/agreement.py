@@ -97,10 +97,50 @@ def agreement(
     return Agreement(tau, (float(low), float(high)))
 
 
+def agreement_of_halves(
+    cameras: Sequence[str], fitness: FitnessOn, scenes: int, *, resamples: int, rng: np.random.Generator
+) -> float | None:
+    """How well a study agrees with itself on other scenes: the median tau-b of its orders on two halves.
+
+    What two studies on the same scenes share, the luck of the scenes, is in their tau; it is not in this one.
+    A half is less than the study, so this says too little rather than too much. None below two scenes.
+
+    Parameters
+    ----------
+    cameras
+        Names of those that have a place.
+    fitness
+        The study's.
+    scenes
+        How many there are; of an odd number one is left out of each draw.
+    resamples
+        Draws of halves.
+    rng
+        Draws them.
+    """
+    half = scenes // 2
+    if half == 0:
+        return None
+    draws = (rng.permutation(scenes).tolist() for _ in range(resamples))
+    found = [_tau_between(cameras, fitness, draw[:half], fitness, draw[half : 2 * half]) for draw in draws]
+    known = [tau for tau in found if tau is not None]
+    return float(np.median(known)) if known else None
+
+
 def _tau_on(
     scenes: Sequence[int], cameras: Sequence[str], first: FitnessOn, second: FitnessOn
 ) -> float | None:
-    pairs = [(first(name, scenes), second(name, scenes)) for name in cameras]
+    return _tau_between(cameras, first, scenes, second, scenes)
+
+
+def _tau_between(
+    cameras: Sequence[str],
+    first: FitnessOn,
+    first_scenes: Sequence[int],
+    second: FitnessOn,
+    second_scenes: Sequence[int],
+) -> float | None:
+    pairs = [(first(name, first_scenes), second(name, second_scenes)) for name in cameras]
     known = [(a, b) for a, b in pairs if a is not None and b is not None]
     if len(known) < 2:
         return None

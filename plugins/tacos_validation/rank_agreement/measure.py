@@ -18,7 +18,7 @@ from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
-from tacos_validation.rank_agreement.agreement import agreement, tau_b
+from tacos_validation.rank_agreement.agreement import agreement, agreement_of_halves, tau_b
 from tacos_validation.rank_agreement.cameras import RankedCamera, cameras_of
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
 from tacos_validation.rank_agreement.pages import page, summary, table_csv
@@ -33,9 +33,10 @@ class RankAgreement:
     """Tells whether a small study puts cameras in the order in which the same study at full size has them.
 
     Both see the same worlds, walks, poses and noise draws, in each light; only what ``full`` names differs.
-    A camera that breaks a constraint or fails has no place, and is named with the reason. Tasks that
-    learn are scored with the weights they start from. A broken run goes on with ``--resume``: scores are
-    kept as they come.
+    So their agreement tells what being small does to the order; how far the scenes settle it is told by that
+    of the study at full size with itself, on two halves of them. A camera that breaks a constraint or fails
+    has no place, and is named with the reason. Tasks that learn are scored with the weights they start from.
+    A broken run goes on with ``--resume``: scores are kept as they come.
     """
 
     Config = RankAgreementConfig
@@ -123,7 +124,14 @@ class RankAgreement:
                 confidence=self.config.confidence,
                 rng=generator(seed, "rank agreement", light),
             )
-            lights.append(RankedLight(light, found, _by_score(ranked, quick, full), evaluations))
+            of_halves = agreement_of_halves(
+                ranked,
+                judges["full"],
+                self._scenes(plans[light, "full"]),
+                resamples=self.config.resamples,
+                rng=generator(seed, "rank agreement, halves", light),
+            )
+            lights.append(RankedLight(light, found, _by_score(ranked, quick, full), evaluations, of_halves))
         first = next(iter(plans.values()))
         notes = tuple(
             f"{name} learns in the study; here it is scored with the weights it starts from."

@@ -27,12 +27,15 @@ class RankedLight:
         Tau-b of each score that both report for all cameras; None where a study gives all the same.
     evaluations
         For each size what came out for each camera, by name.
+    of_halves
+        Median tau-b of the study at full size with itself, on two halves of the scenes; None where unknown.
     """
 
     name: str
     agreement: Agreement
     by_score: Mapping[str, float | None]
     evaluations: Mapping[str, Mapping[str, Evaluation]]
+    of_halves: float | None = None
 
     @property
     def ranked(self) -> tuple[str, ...]:
@@ -128,6 +131,22 @@ class RankOutcome:
         """Whether the small study may stand for the big one."""
         return not self.doubts
 
+    @property
+    def shared(self) -> str:
+        """What both studies share, and so what their agreement does not tell."""
+        halves = [
+            f"{light.of_halves:.2f} by {light.name}" for light in self.lights if light.of_halves is not None
+        ]
+        return (
+            "Both see the same scenes, so tau says whether being small changes the order, not whether so few "
+            "scenes settle it."
+        ) + (
+            f" With itself, on one half of the scenes and on the other, the study at full size has a tau of "
+            f"{' and '.join(halves)} (median)."
+            if halves
+            else ""
+        )
+
     def as_data(self) -> dict[str, Any]:
         """For ``result.json``."""
         intervals = {light.name: light.agreement.interval for light in self.lights}
@@ -135,6 +154,7 @@ class RankOutcome:
             "study": self.study,
             "tau": {light.name: light.agreement.tau for light in self.lights},
             "tau_interval": {name: list(found) if found else None for name, found in intervals.items()},
+            "tau_of_halves": {light.name: light.of_halves for light in self.lights},
             "tau_by_score": {light.name: dict(light.by_score) for light in self.lights},
             "passes": self.passes,
             "doubts": list(self.doubts),
@@ -143,7 +163,7 @@ class RankOutcome:
             "table": [row for light in self.lights for row in _rows(light)],
             "left_out": [row for light in self.lights for row in light.left_out()],
             "cost": self.cost(),
-            "rank_notes": list(self.notes),
+            "rank_notes": [self.shared, *self.notes],
         }
 
     def cost(self) -> dict[str, dict[str, float]]:

@@ -18,6 +18,7 @@ def summary(outcome: RankOutcome) -> str:
     lines = [_finding(outcome)]
     for light in outcome.lights:
         lines.append(f"{light.name}: tau {_tau(light, outcome.confidence)}, {len(light.ranked)} cameras")
+    lines.append(outcome.shared)
     return "\n".join([*lines, *(_left_out(row) for light in outcome.lights for row in light.left_out())])
 
 
@@ -41,12 +42,13 @@ def page(outcome: RankOutcome) -> Page:
         eyebrow="Rank agreement",
         title=_finding(outcome),
         lead=(
-            f"The same cameras on the same {outcome.scenes} scenes, walks and poses, scored by "
-            f"{outcome.study} as it stands and at full size. Kendall's tau-b is 1 where both orders are "
-            f"equal, 0 where they have nothing to do with each other, -1 where one is the other reversed; "
+            f"The same cameras on the same {outcome.scenes} scenes, scored by {outcome.study} as it stands "
+            f"and at full size. Kendall's tau-b is 1 where both orders are equal, 0 where they have "
+            f"nothing to do with each other, -1 where one is the other reversed; "
             f"in brackets its {outcome.confidence:.0%} interval over draws of scenes."
         ),
         sections=(
+            Section("What it does not tell", (Paragraph(outcome.shared),)),
             *((Section("Notes", (Warnings("What to know", warned),)),) if warned else ()),
             *(
                 Section(f"By {light.name}", (_slopes(light, outcome), _table(light, outcome)))
