@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.renderers.moderngl.visibility import draw, nothing_drawn
+from tacos_plugins.renderers.moderngl.covered import nothing_drawn
+from tacos_plugins.renderers.moderngl.visibility import draw
 
 SHAPE = (40, 50)
 NEAR_M = 0.1

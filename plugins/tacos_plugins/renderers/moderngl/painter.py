@@ -142,7 +142,8 @@ class Painter:
             See `to_see`.
         """
         # Compiled loops take a moment to import, which checking a recipe need not wait for.
-        from tacos_plugins.renderers.moderngl.visibility import draw, nothing_drawn, pixel_from_camera
+        from tacos_plugins.renderers.moderngl.covered import nothing_drawn
+        from tacos_plugins.renderers.moderngl.visibility import draw, pixel_from_camera
 
         inverse_depth.fill(0)
         surface.fill(0)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.compiled import compiled
+from tacos_plugins.renderers.moderngl.covered import BLOCK, along, box_is_hidden, is_hidden
 
-_BLOCK = 64  # samples of a row of which it is kept how far away the farthest is, at most
 _SUB = 256  # places a sample's width is divided into
 _GUARD_PX = float(1 << 20)  # farther out, triangles are cut off, so that edge functions stay exact integers
 _QUOTIENT, _REST, _MORE, _MORE_REST, _DIVISOR, _SIDE = range(6)  # what is kept of an edge from row to row
@@ -26,12 +26,6 @@ def pixel_from_camera(camera: Camera) -> NDArray[np.float64]:
     """(3, 3) from camera coordinates [m] to homogeneous pixels, their centres integers; last is depth [m]."""
     (cx, cy), focal = camera.centre_px, camera.focal_length_px
     return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
-
-
-def nothing_drawn(shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """What `draw` keeps of an (H, W) image in which nothing is drawn yet, as its `lowest`."""
-    height, width = shape
-    return np.zeros((height, -(-width // _BLOCK)), np.float32)
 
 
 @compiled
@@ -120,14 +114,14 @@ def draw(
     edges = np.empty((3, 6), np.int64)
     height, width = surface.shape
     for run in range(len(runs)):
-        if _box_is_hidden(lowest, boxes_m[run], pixel_from_world, first_row, width, near_m):
+        if box_is_hidden(lowest, boxes_m[run], pixel_from_world, first_row, width, near_m):
             continue
         for triangle in range(runs[run, 0], runs[run, 0] + runs[run, 1]):
             for corner in range(3):
                 vertex = triangles[triangle, corner]
                 x, y, z = position_m[vertex, 0], position_m[vertex, 1], position_m[vertex, 2]
                 for axis in range(3):
-                    corners[corner, axis] = _along(pixel_from_world[axis], x, y, z)
+                    corners[corner, axis] = along(pixel_from_world[axis], x, y, z)
             if _beyond(corners, width, first_row, first_row + height - 1):
                 continue
             count = 3
@@ -145,11 +139,6 @@ def draw(
                     spare[1, axis] = corners[corner - 1, axis]
                     spare[2, axis] = corners[corner, axis]
                 _fill(inverse_depth, surface, lowest, spare, first_row, number, closed, edges)
-
-
-@compiled
-def _along(row: NDArray[np.float64], x: float, y: float, z: float) -> float:
-    return row[0] * x + row[1] * y + row[2] * z + row[3]
 
 
 @compiled
@@ -241,7 +230,7 @@ def _fill(
         return
     nearest = np.float32(max(corners[0, 2], corners[1, 2], corners[2, 2]))
     farthest = np.float32(min(corners[0, 2], corners[1, 2], corners[2, 2]))
-    if _is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
+    if is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
         return
 
     for edge in range(3):
@@ -277,8 +266,8 @@ def _fill(
             continue
         start_of_row = np.float32(level + along_x * (left - x_m) + along_y * (y - y_m))
         start, row = left, y - first_row
-        for block in range(left // _BLOCK, right // _BLOCK + 1):
-            end = min(_BLOCK * (block + 1), right + 1)
+        for block in range(left // BLOCK, right // BLOCK + 1):
+            end = min(BLOCK * (block + 1), right + 1)
             at_start = start_of_row + slope * np.float32(start - left)
             at_end = start_of_row + slope * np.float32(end - 1 - left)
             at_start = min(max(at_start, farthest), nearest)  # slivers have wild slopes
@@ -292,47 +281,9 @@ def _fill(
                     is_nearer = here > before
                     depths[x] = here if is_nearer else before
                     numbers[x] = own if is_nearer else numbers[x]
-                if start == _BLOCK * block and (end - start == _BLOCK or end == width):
+                if start == BLOCK * block and (end - start == BLOCK or end == width):
                     lowest[row, block] = max(lowest[row, block], min(at_start, at_end))
             start = end
-
-
-@compiled
-def _is_hidden(
-    lowest: NDArray[np.float32], first: int, last: int, least: int, most: int, nearest: float
-) -> bool:
-    """Whether what is drawn already lies before all that could be seen in some rows and columns."""
-    for y in range(first, last + 1):
-        for block in range(least // _BLOCK, most // _BLOCK + 1):
-            if lowest[y, block] < nearest:
-                return False
-    return True
-
-
-@compiled
-def _box_is_hidden(
-    lowest: NDArray[np.float32],
-    box_m: NDArray[np.float64],
-    pixel_from_world: NDArray[np.float64],
-    first_row: int,
-    width: int,
-    near_m: float,
-) -> bool:
-    """Whether a box with (2, 3) corners lies behind what is drawn already, or beside it."""
-    least, most, first, last, nearest = np.inf, -np.inf, np.inf, -np.inf, 0.0
-    for corner in range(8):
-        x, y, z = box_m[corner & 1, 0], box_m[corner >> 1 & 1, 1], box_m[corner >> 2, 2]
-        u, v = _along(pixel_from_world[0], x, y, z), _along(pixel_from_world[1], x, y, z)
-        w = _along(pixel_from_world[2], x, y, z)
-        if w < near_m:
-            return False
-        least, most = min(least, u / w), max(most, u / w)
-        first, last = min(first, v / w), max(last, v / w)
-        nearest = max(nearest, 1 / w)
-    # Corners are rounded to parts of a sample, and inverse depths to single precision.
-    rows = max(int(np.floor(first)) - first_row, 0), min(int(np.ceil(last)) - first_row, len(lowest) - 1)
-    columns = max(int(np.floor(least)), 0), min(int(np.ceil(most)), width - 1)
-    return _is_hidden(lowest, *rows, *columns, nearest * (1 + 1e-6))
 
 
 @compiled
