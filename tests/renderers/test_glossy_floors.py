@@ -1,4 +1,4 @@
-"""Glossy floors beside doors and shelves, against the path tracer: what they mirror has no edges of its own."""
+"""Glossy floors beside doors and shelves, against the path tracer: what they mirror ends nowhere by itself."""
 
 from __future__ import annotations
 

@@ -155,7 +155,7 @@ def _sources(
 
 
 @compiled
-def _sees(seen: NDArray[np.float32], row: int, column: int, wanted: float) -> bool:
+def _sees(seen: NDArray[np.float32], row: int, column: int, wanted: np.float32) -> bool:
     """Whether a pixel lies in the image and its centre sees a surface."""
     height, width = seen.shape
     inside = (row >= 0) and (row < height) and (column >= 0) and (column < width)

@@ -30,7 +30,7 @@ def along(row: NDArray[np.float64], x: float, y: float, z: float) -> float:
 
 @compiled
 def is_hidden(
-    lowest: NDArray[np.float32], first: int, last: int, least: int, most: int, nearest: float
+    lowest: NDArray[np.float32], first: int, last: int, least: int, most: int, nearest: float | np.float32
 ) -> bool:
     """Whether what is drawn already lies before all that could be seen in some rows and columns."""
     for y in range(first, last + 1):
