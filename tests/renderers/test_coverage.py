@@ -7,12 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tacos_plugins.renderers.moderngl.coverage import find_edges
+from tacos_plugins.renderers.moderngl.coverage import find_edges, seeing_several
 
 
 def blended(colour, surface):
     copy = np.array(colour, np.float32)
-    find_edges(np.asarray(surface, np.int32)).blend(copy)
+    surface = np.asarray(surface, np.int32)
+    find_edges(*seeing_several(surface, 0), surface[1::2, 1::2].astype(np.float32)).blend(copy)
     return copy
 
 

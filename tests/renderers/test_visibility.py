@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tacos_plugins.renderers.moderngl.covered import nothing_drawn
 from tacos_plugins.renderers.moderngl.visibility import draw
 
 SHAPE = (40, 50)
@@ -16,15 +17,23 @@ PIXEL = np.array([[30.0, 0.0, 24.3, 0.0], [0.0, 30.0, 19.7, 0.0], [0.0, 0.0, 1.0
 
 def drawn(corners, closed=False):
     """(H, W) depth and triangle number, from 1, of (T, 3, 3) corners in front of a camera."""
+    with np.errstate(divide="ignore"):
+        inverse, number = drawn_rows(corners, 0, SHAPE[0], closed)
+        return 1 / inverse, number
+
+
+def drawn_rows(corners, first_row, rows, closed=False):
+    """Inverse depth and triangle number of some rows, each triangle a run with a box of its own."""
     corners = np.asarray(corners, np.float32)
     count = len(corners)
-    inverse, number = np.zeros(SHAPE, np.float32), np.zeros(SHAPE, np.int32)
+    shape = (rows, SHAPE[1])
+    inverse, number = np.zeros(shape, np.float32), np.zeros(shape, np.int32)
     vertices = np.arange(3 * count, dtype=np.int32)
-    runs = np.array([[0, count]], np.int64)
+    runs = np.column_stack([np.arange(count), np.ones(count, np.int64)])
     mesh = (corners.reshape(-1, 3), vertices.reshape(-1, 3), vertices // 3 + 1)
-    draw(inverse, number, *mesh, runs, PIXEL, NEAR_M, closed)
-    with np.errstate(divide="ignore"):
-        return 1 / inverse, number
+    boxes_m = np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1).astype(np.float64)
+    draw(inverse, number, nothing_drawn(shape), *mesh, runs, boxes_m, PIXEL, first_row, NEAR_M, closed)
+    return inverse, number
 
 
 def met(corners):
@@ -65,6 +74,24 @@ def test_nearest_surface_and_depth_are_those_that_rays_meet(corners):
     sure = ~unsure
     np.testing.assert_array_equal(number[sure], expected[sure])
     np.testing.assert_allclose(depth[sure], expected_depth[sure], rtol=2e-3)
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(place, place, place), min_size=1, max_size=8), st.integers(1, SHAPE[0] - 1))
+def test_bands_of_rows_are_the_same_bits_as_the_whole(corners, cut):
+    whole = drawn_rows(corners, 0, SHAPE[0])
+    bands = zip(drawn_rows(corners, 0, cut), drawn_rows(corners, cut, SHAPE[0] - cut), strict=True)
+    for one, (over, under) in zip(whole, bands, strict=True):
+        np.testing.assert_array_equal(one, np.vstack([over, under]))
+
+
+@given(st.permutations(range(1, 6)))
+def test_what_is_hidden_and_passed_over_would_not_have_shown(depths):
+    # Walls one behind another, wider than the image, so that each fills whole rows: the order cannot matter.
+    wall = np.array([(-9, -9, 1), (0, 18, 1), (9, -9, 1.0)])
+    depth, number = drawn([wall * z for z in depths])
+    np.testing.assert_allclose(depth, 1.0, rtol=1e-6)
+    assert (number == depths.index(1) + 1).all()
 
 
 @given(st.lists(st.tuples(st.integers(0, 200), st.integers(0, 160)), min_size=1, max_size=1))

@@ -50,33 +50,49 @@ class Edges:
         _blend(colour.reshape(-1, 3), self.pixel, self.source)
 
 
-def find_edges(surface: NDArray[np.int32]) -> Edges:
-    """Find the pixels that see several surfaces.
+def find_edges(pixel: NDArray[np.int32], wanted: NDArray[np.int32], seen: NDArray[np.float32]) -> Edges:
+    """Find what pixels that see several surfaces are blended from.
 
     Strips thinner than a pixel are seen by few centres: their colour comes from along the strip, or they
     would break up into dashes. A surface that no centre in reach sees has the colour of the pixel itself.
 
     Parameters
     ----------
-    surface
-        (2 H + 1, 2 W + 1) int32 number of the surface seen at every half pixel: row 2 y + 1 and column
-        2 x + 1 belong to the centre of pixel (x, y).
+    pixel, wanted
+        As `seeing_several` gives them.
+    seen
+        (H, W) number of the surface seen at the centre of each pixel.
 
     Examples
     --------
     >>> colour = np.float32([[[0, 0, 0], [8, 8, 8]]])
     >>> surface = np.int32([[1, 1, 1, 2, 2]] * 3)  # the edge lies between the half pixels 2 and 3
-    >>> find_edges(surface).blend(colour)
+    >>> find_edges(*seeing_several(surface, 0), surface[1::2, 1::2].astype(np.float32)).blend(colour)
     >>> colour[..., 0].tolist()
     [[0.0, 6.0]]
     """
-    pixel = _seeing_several(surface)
-    return Edges(pixel, _sources(surface, pixel))
+    return Edges(pixel, _sources(seen, pixel, wanted))
 
 
 @compiled
-def _seeing_several(surface: NDArray[np.int32]) -> NDArray[np.int32]:
-    """(K,) the pixels whose nine places see more than one surface."""
+def seeing_several(surface: NDArray[np.int32], first_row: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """The pixels whose nine places see more than one surface.
+
+    Parameters
+    ----------
+    surface
+        (2 R + 1, 2 W + 1) number of the surface seen at every half pixel of R rows: row 2 y + 1 and column
+        2 x + 1 belong to the centre of a pixel.
+    first_row
+        Row of the image that the first of them is.
+
+    Returns
+    -------
+    pixel
+        (K,) index in the image.
+    wanted
+        (K, 8) surface seen at each place around.
+    """
     height, width = surface.shape[0] // 2, surface.shape[1] // 2
     several = np.empty(width, np.bool_)
     pixel = np.empty(height * width, np.int32)
@@ -100,42 +116,50 @@ def _seeing_several(surface: NDArray[np.int32]) -> NDArray[np.int32]:
             if several[x]:
                 pixel[count] = y * width + x
                 count += 1
-    return pixel[:count].copy()
+    wanted = np.empty((count, 8), np.int32)
+    for index in range(count):
+        y, x = pixel[index] // width, pixel[index] % width
+        for place in range(8):
+            dy, dx = _PLACES[place]
+            wanted[index, place] = surface[2 * y + 1 + dy, 2 * x + 1 + dx]
+    return pixel[:count] + np.int32(first_row * width), wanted
 
 
 @compiled
-def _sources(surface: NDArray[np.int32], pixel: NDArray[np.int32]) -> NDArray[np.int32]:
+def _sources(
+    seen: NDArray[np.float32], pixel: NDArray[np.int32], wanted: NDArray[np.int32]
+) -> NDArray[np.int32]:
     """(K, 8) the nearest pixel whose centre sees what each place around a pixel sees; itself if none does."""
-    width = surface.shape[1] // 2
+    width = seen.shape[1]
     source = np.empty((len(pixel), 8), np.int32)
     for index in range(len(pixel)):
         y, x = pixel[index] // width, pixel[index] % width
         for place in range(8):
             dy, dx = _PLACES[place]
-            wanted = surface[2 * y + 1 + dy, 2 * x + 1 + dx]
-            found = _sees(surface, y, x, wanted)
+            number = np.float32(wanted[index, place])
+            found = _sees(seen, y, x, number)
             row, column = y, x
             # Pixels that share the place come first: they are nearer to it than any other.
             for sharing in range(3):
                 if not found:
                     row = y + dy * (sharing != 1)
                     column = x + dx * (sharing != 0)
-                    found = _sees(surface, row, column, wanted)
+                    found = _sees(seen, row, column, number)
             for nearby in range(len(_REACH)):
                 if found:
                     break
                 row, column = y + _REACH[nearby, 0], x + _REACH[nearby, 1]
-                found = _sees(surface, row, column, wanted)
+                found = _sees(seen, row, column, number)
             source[index, place] = row * width + column if found else pixel[index]
     return source
 
 
 @compiled
-def _sees(surface: NDArray[np.int32], row: int, column: int, wanted: int) -> bool:
+def _sees(seen: NDArray[np.float32], row: int, column: int, wanted: np.float32) -> bool:
     """Whether a pixel lies in the image and its centre sees a surface."""
-    height, width = surface.shape[0] // 2, surface.shape[1] // 2
+    height, width = seen.shape
     inside = (row >= 0) and (row < height) and (column >= 0) and (column < width)
-    return inside and surface[2 * row + 1, 2 * column + 1] == wanted
+    return inside and seen[row, column] == wanted
 
 
 @compiled

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tacos_framework.camera.geometry import invert_pose
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import describe_gl
+from tacos_plugins.renderers.moderngl.culling import DrawList
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
 from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
@@ -116,7 +117,7 @@ class Painter:
         """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
         self._clear(target, (np.inf, 0.0, 0.0, 0.0))
         program = self._programs.geometry
-        draws = self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
+        draws = self.to_see(view, chunks)
         for mover, bits, first, count in draws.groups:
             seen = self._seen(view, mover)
             _write(program, "clip_from_world", _columns(seen.clip_from_world))
@@ -128,22 +129,36 @@ class Painter:
         view: Viewpoint,
         inverse_depth: NDArray[np.float32],
         surface: NDArray[np.int32],
-        chunks: NDArray[np.intp],
+        draws: DrawList,
+        first_row: int = 0,
     ) -> None:
-        """Draw (H, W) inverse depth [1/m] and surface number without OpenGL; 0 for nothing."""
+        """Draw rows of inverse depth [1/m] and surface number without OpenGL; 0 for nothing.
+
+        Parameters
+        ----------
+        inverse_depth, surface
+            (rows, W) are filled, from a row of the view on.
+        draws
+            See `to_see`.
+        """
         # Compiled loops take a moment to import, which checking a recipe need not wait for.
+        from tacos_plugins.renderers.moderngl.covered import nothing_drawn
         from tacos_plugins.renderers.moderngl.visibility import draw, pixel_from_camera
 
         inverse_depth.fill(0)
         surface.fill(0)
+        lowest = nothing_drawn(surface.shape)
         world, from_camera = self.world, pixel_from_camera(view.camera)
-        draws = world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
+        mesh = (world.position_m, world.triangles, world.surface_of_vertex)
         for mover, bits, first, count in draws.groups:
             pixel_from_world = from_camera @ self._seen(view, mover).camera_from_world[:3]
-            runs = draws.runs(first, count)
-            mesh = (world.position_m, world.triangles, world.surface_of_vertex)
+            what = (*mesh, draws.runs(first, count), draws.boxes_m[first : first + count])
             closed = bool(bits & SurfaceKind.CLOSED)
-            draw(inverse_depth, surface, *mesh, runs, pixel_from_world, view.near_m, closed)
+            draw(inverse_depth, surface, lowest, *what, pixel_from_world, first_row, view.near_m, closed)
+
+    def to_see(self, view: Viewpoint, chunks: NDArray[np.intp]) -> DrawList:
+        """What is to be drawn of some chunks to know what is seen."""
+        return self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
 
     def colour(
         self,
@@ -161,9 +176,10 @@ class Painter:
         """
         world = self.world
         red, green, blue = map(float, world.ambient_cd_m2)
-        self._clear(target, (red, green, blue, 1.0))
         if behind is not None:
             target.fill_depth(behind)
+        # Depth was filled: clearing all would be one more pass over memory.
+        self._clear(target, (red, green, blue, 1.0), depth=behind is None)
         for unit, name in enumerate(_UNITS):
             world.textures[name].use(unit)
         self._context.depth_func = "<="
@@ -198,9 +214,13 @@ class Painter:
             arrays.release()
         self.world.release()
 
-    def _clear(self, target: RenderTarget, colour: tuple[float, float, float, float]) -> None:
+    def _clear(
+        self, target: RenderTarget, colour: tuple[float, float, float, float], depth: bool = True
+    ) -> None:
         target.framebuffer.use()
+        target.framebuffer.depth_mask = depth  # what is not written is not cleared either
         target.framebuffer.clear(color=colour, depth=1.0)
+        target.framebuffer.depth_mask = True
 
     def _seen(self, view: Viewpoint, mover: int) -> Viewpoint:
         """The view of an object that may have moved."""

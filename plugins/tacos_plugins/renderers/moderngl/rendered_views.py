@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import flush
-from tacos_plugins.renderers.moderngl.painter import Painter
+from tacos_plugins.renderers.moderngl.painter import Painter, Viewpoint
 from tacos_plugins.renderers.moderngl.targets import RenderTarget, TargetPool
+
+_BAND_ROWS = 64  # of pixels whose half pixels are drawn together, so that they stay in the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,32 +125,58 @@ class EdgeBlending:
         self._half_pixels = half_pixel_camera(camera)
         height, width = camera.height_px, camera.width_px
         self._shape = (height, width)
-        self._inverse_depth = targets.scratch("inverse depth", (2 * height + 1, 2 * width + 1))
-        self._surface = targets.scratch("surface", (2 * height + 1, 2 * width + 1)).view(np.int32)
+        self._rows = min(_BAND_ROWS, height)
+        band = (2 * self._rows + 1, 2 * width + 1)
+        self._inverse_depth = targets.scratch("inverse depth", band)
+        self._surface = targets.scratch("surface", band).view(np.int32)
         self._seen, self._behind = (targets.scratch(name, self._shape) for name in ("seen", "behind"))
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
-        # Compiled loops take a moment to import, which checking a recipe need not wait for.
-        from tacos_plugins.renderers.moderngl.coverage import find_edges
-        from tacos_plugins.renderers.moderngl.visibility import at_centres
+        from tacos_plugins.renderers.moderngl.coverage import find_edges  # takes a moment to import
 
         view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
         fine = painter.viewpoint(self._half_pixels, world_from_camera, self._near_m)
         chunks = painter.in_view(fine)  # which sees half a pixel more on every side
-        painter.visibility(fine, self._inverse_depth, self._surface, chunks)
         depth_m = np.empty(self._shape, np.float32)
-        seen, behind = self._seen, self._behind
-        at_centres(self._inverse_depth, self._surface, view.window_of_inverse, depth_m, seen, behind)
+        pixel, wanted = self._look(painter, view, fine, chunks, depth_m)
 
         colour = self._targets.get(self._shape[::-1], channels=4, fills_depth=True)
-        painter.colour(view, colour, painter.with_surfaces(chunks, seen), behind)
+        painter.colour(view, colour, painter.with_surfaces(chunks, self._seen), self._behind)
         flush()
-        edges = find_edges(self._surface)  # while other threads draw colour
+        edges = find_edges(pixel, wanted, self._seen)  # while other threads draw colour
         luminance = np.empty((*self._shape, 3), np.float32)
         colour.read(luminance)
         edges.blend(luminance)
-        return RenderedView(luminance, depth_m, seen)
+        return RenderedView(luminance, depth_m, self._seen)
+
+    def _look(
+        self,
+        painter: Painter,
+        view: Viewpoint,
+        fine: Viewpoint,
+        chunks: NDArray[np.intp],
+        depth_m: NDArray[np.float32],
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Fill in what pixel centres see, band by band; the pixels that see several surfaces, and which.
+
+        Half pixels of a whole image at many megapixels are fetched from memory each time a triangle covers
+        them; those of a band stay in the cache.
+        """
+        from tacos_plugins.renderers.moderngl.coverage import seeing_several
+        from tacos_plugins.renderers.moderngl.visibility import at_centres
+
+        draws, several = painter.to_see(fine, chunks), []
+        for first in range(0, self._shape[0], self._rows):
+            here = slice(first, min(first + self._rows, self._shape[0]))
+            lines = slice(2 * (here.stop - first) + 1)
+            inverse_depth, surface = self._inverse_depth[lines], self._surface[lines]
+            painter.visibility(fine, inverse_depth, surface, draws, 2 * first)
+            of_rows = (depth_m[here], self._seen[here], self._behind[here])
+            at_centres(inverse_depth, surface, view.window_of_inverse, *of_rows)
+            several.append(seeing_several(surface, first))
+        pixel, wanted = zip(*several, strict=True)
+        return np.concatenate(pixel), np.concatenate(wanted)
 
 
 def half_pixel_camera(camera: Camera) -> Camera:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.compiled import compiled
+from tacos_plugins.renderers.moderngl.covered import BLOCK, along, box_is_hidden, is_hidden
 
 _SUB = 256  # places a sample's width is divided into
 _GUARD_PX = float(1 << 20)  # farther out, triangles are cut off, so that edge functions stay exact integers
@@ -69,28 +70,40 @@ def at_centres(
 def draw(
     inverse_depth: NDArray[np.float32],
     surface: NDArray[np.int32],
+    lowest: NDArray[np.float32],
     position_m: NDArray[np.float32],
     triangles: NDArray[np.int32],
     surface_of_vertex: NDArray[np.int32],
     runs: NDArray[np.int64],
+    boxes_m: NDArray[np.float64],
     pixel_from_world: NDArray[np.float64],
+    first_row: int,
     near_m: float,
     closed: bool,
 ) -> None:
     """Draw runs of triangles over what is there; of equal depths the first counts.
 
+    A band of rows drawn by itself is, bit by bit, that part of the whole image.
+
     Parameters
     ----------
     inverse_depth, surface
         (H, W) what is drawn into: 0 for nothing [1/m, 1].
+    lowest
+        (H, blocks) at most the least inverse depth in each block of a row, by which what is hidden is passed
+        over; 0 for nothing [1/m].
     position_m, surface_of_vertex
         (V, 3) and (V,) places of vertices and the surfaces they belong to [m, 1].
     triangles
         (T, 3) vertices of each triangle.
     runs
         (R, 2) first triangle and number of triangles of each run.
+    boxes_m
+        (R, 2, 3) lower and upper corners of boxes that hold them [m].
     pixel_from_world
         (3, 4) see `pixel_from_camera`.
+    first_row
+        Row of the whole image that the first one here is.
     near_m
         What is nearer is cut off [m].
     closed
@@ -101,18 +114,15 @@ def draw(
     edges = np.empty((3, 6), np.int64)
     height, width = surface.shape
     for run in range(len(runs)):
+        if box_is_hidden(lowest, boxes_m[run], pixel_from_world, first_row, width, near_m):
+            continue
         for triangle in range(runs[run, 0], runs[run, 0] + runs[run, 1]):
             for corner in range(3):
                 vertex = triangles[triangle, corner]
                 x, y, z = position_m[vertex, 0], position_m[vertex, 1], position_m[vertex, 2]
                 for axis in range(3):
-                    corners[corner, axis] = (
-                        pixel_from_world[axis, 0] * x
-                        + pixel_from_world[axis, 1] * y
-                        + pixel_from_world[axis, 2] * z
-                        + pixel_from_world[axis, 3]
-                    )
-            if _beyond(corners, width, height):
+                    corners[corner, axis] = along(pixel_from_world[axis], x, y, z)
+            if _beyond(corners, width, first_row, first_row + height - 1):
                 continue
             count = 3
             if _needs_cutting(corners, near_m):
@@ -128,19 +138,19 @@ def draw(
                     spare[0, axis] = corners[0, axis]
                     spare[1, axis] = corners[corner - 1, axis]
                     spare[2, axis] = corners[corner, axis]
-                _fill(inverse_depth, surface, spare, number, closed, edges)
+                _fill(inverse_depth, surface, lowest, spare, first_row, number, closed, edges)
 
 
 @compiled
-def _beyond(corners: NDArray[np.float64], width: int, height: int) -> bool:
-    """Whether a triangle of homogeneous pixels lies beyond one side of the image, and so shows nowhere."""
+def _beyond(corners: NDArray[np.float64], width: int, first_row: int, last_row: int) -> bool:
+    """Whether a triangle of homogeneous pixels lies beyond one side of some rows, and so shows nowhere."""
     left, right, over, under = True, True, True, True
     for corner in range(3):
         x, y, w = corners[corner, 0], corners[corner, 1], corners[corner, 2]
         left &= x < 0
         right &= x > (width - 1) * w
-        over &= y < 0
-        under &= y > (height - 1) * w
+        over &= y < first_row * w
+        under &= y > last_row * w
     ahead = max(corners[0, 2], corners[1, 2], corners[2, 2]) > 0
     return left or right or over or under or not ahead
 
@@ -192,7 +202,9 @@ def _within(point: NDArray[np.float64], plane: int, near_m: float) -> float:
 def _fill(
     inverse_depth: NDArray[np.float32],
     surface: NDArray[np.int32],
+    lowest: NDArray[np.float32],
     corners: NDArray[np.float64],
+    first_row: int,
     number: int,
     closed: bool,
     edges: NDArray[np.int64],
@@ -210,11 +222,15 @@ def _fill(
         return
     if area < 0:
         x1, y1, x2, y2 = x2, y2, x1, y1
-    first = max(-(-min(y0, y1, y2) // _SUB), 0)
-    last = min(max(y0, y1, y2) // _SUB, height - 1)
+    first = max(-(-min(y0, y1, y2) // _SUB), first_row)
+    last = min(max(y0, y1, y2) // _SUB, first_row + height - 1)
     least = max(-(-min(x0, x1, x2) // _SUB), 0)
     most = min(max(x0, x1, x2) // _SUB, width - 1)
     if first > last or least > most:
+        return
+    nearest = np.float32(max(corners[0, 2], corners[1, 2], corners[2, 2]))
+    farthest = np.float32(min(corners[0, 2], corners[1, 2], corners[2, 2]))
+    if is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
         return
 
     for edge in range(3):
@@ -229,8 +245,6 @@ def _fill(
 
     along_x, along_y = _slopes(corners)
     x_m, y_m, level = corners[0, 0], corners[0, 1], corners[0, 2]
-    nearest = np.float32(max(corners[0, 2], corners[1, 2], corners[2, 2]))
-    farthest = np.float32(min(corners[0, 2], corners[1, 2], corners[2, 2]))
     slope = np.float32(along_x)
     own = np.int32(number)
     for y in range(first, last + 1):
@@ -251,14 +265,25 @@ def _fill(
         if left > right:
             continue
         start_of_row = np.float32(level + along_x * (left - x_m) + along_y * (y - y_m))
-        depths, numbers = inverse_depth[y, left : right + 1], surface[y, left : right + 1]
-        for x in range(len(depths)):
-            here = start_of_row + slope * np.float32(x)
-            here = min(max(here, farthest), nearest)  # slivers have wild slopes
-            before = depths[x]
-            is_nearer = here > before
-            depths[x] = here if is_nearer else before
-            numbers[x] = own if is_nearer else numbers[x]
+        start, row = left, y - first_row
+        for block in range(left // BLOCK, right // BLOCK + 1):
+            end = min(BLOCK * (block + 1), right + 1)
+            at_start = start_of_row + slope * np.float32(start - left)
+            at_end = start_of_row + slope * np.float32(end - 1 - left)
+            at_start = min(max(at_start, farthest), nearest)  # slivers have wild slopes
+            at_end = min(max(at_end, farthest), nearest)
+            if max(at_start, at_end) > lowest[row, block]:
+                depths, numbers = inverse_depth[row, start:end], surface[row, start:end]
+                for x in range(len(depths)):
+                    here = start_of_row + slope * np.float32(start - left + x)
+                    here = min(max(here, farthest), nearest)
+                    before = depths[x]
+                    is_nearer = here > before
+                    depths[x] = here if is_nearer else before
+                    numbers[x] = own if is_nearer else numbers[x]
+                if start == BLOCK * block and (end - start == BLOCK or end == width):
+                    lowest[row, block] = max(lowest[row, block], min(at_start, at_end))
+            start = end
 
 
 @compiled
