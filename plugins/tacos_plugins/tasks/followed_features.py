@@ -56,9 +56,7 @@ def extract(detector: Any, grey: NDArray[np.uint8]) -> Features:
     return _features(*detector.detectAndCompute(grey, None))
 
 
-def extract_spread(
-    detector: Any, grey: NDArray[np.uint8], *, cells: tuple[int, int], most: int
-) -> Features:
+def extract_spread(detector: Any, grey: NDArray[np.uint8], *, cells: tuple[int, int], most: int) -> Features:
     """Features spread over the image: of each cell the strongest, an even share of `most`.
 
     A cell in which too little is found stays short: others do not make up for it.
