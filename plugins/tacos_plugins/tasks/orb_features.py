@@ -82,8 +82,8 @@ class OrbFeatures:
         features: int = setting(2000, help="Features kept per frame, the strongest.", ge=1)
         cells: tuple[Cells, Cells] = setting(
             (1, 1),
-            help="Columns and rows of cells that share the features evenly, as SLAM does, so that no rich part of "
-            "the image stands in for the others.",
+            help="Columns and rows of cells that share the features evenly, as SLAM does: no rich part of the "
+            "image stands in for the others.",
         )
         fast_threshold: int = setting(
             20, help="Contrast a corner needs, in 1/255 of full scale.", unit="1/255", ge=1, le=254
