@@ -82,7 +82,7 @@ class OrbFeatures:
         features: int = setting(2000, help="Features kept per frame, the strongest.", ge=1)
         cells: tuple[Cells, Cells] = setting(
             (1, 1),
-            help="Columns and rows of cells that share the features evenly, as SLAM does: no rich part of the "
+            help="Columns and rows of cells that share the features evenly, as SLAM does: no part of the "
             "image stands in for the others.",
         )
         fast_threshold: int = setting(
