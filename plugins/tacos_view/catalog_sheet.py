@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tacos_framework.catalog import Catalog, CatalogPart
+from tacos_framework.catalog import Catalog, CatalogPart, OffTheShelf
 from tacos_framework.errors import Fault, UserError
 from tacos_report.palette import INK, MUTED, camera_colour
 
@@ -84,6 +84,28 @@ def _outline(part: CatalogPart) -> Outline | None:
             part.name, detail, circle, circle, True, str(values.get("mount") or "mount not stated")
         )
     return None
+
+
+def camera_outlines(cameras: Sequence[OffTheShelf]) -> tuple[Outline, ...]:
+    """The sensors of cameras that say which one they have, the smallest first; each rig has a colour.
+
+    Raises
+    ------
+    UserError
+        When no camera says so.
+    """
+    found = []
+    for camera in cameras:
+        sensor = camera.fixes.get("sensor")
+        sizes = sensor if isinstance(sensor, Mapping) else {}
+        part = CatalogPart(camera.title, {**sizes, "shutter": camera.rig})
+        if (outline := _outline(part)) is not None:
+            found.append(outline)
+    if not found:
+        what = "none of its cameras says the size of its sensor"
+        expected = "fixes: {sensor: {width_px: ..., height_px: ..., pixel_um: ...}}"
+        raise UserError(Fault("the catalog of cameras", what, expected))
+    return tuple(sorted(found, key=lambda each: (each.width_mm * each.height_mm, each.name)))
 
 
 def arranged(parts: Sequence[Outline]) -> tuple[PlacedOutline, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from tacos_framework.cli.exits import DONE
 from tacos_framework.components import Command
@@ -26,7 +26,7 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
         "what",
         metavar="WHAT",
         nargs="?",
-        help="a scene (scene.indoor), a recipe, the results folder of a study, or a catalog of parts",
+        help="a scene (scene.indoor), a recipe, a study's results folder, or a catalog of parts or cameras",
     )
     parser.add_argument("--effect", metavar="NAME", help="show this effect at rising severities instead")
     parser.add_argument("--camera", metavar="NAME", help="a product of the catalog, or a camera of the run")
@@ -75,7 +75,6 @@ def read_sets(given: list[str]) -> dict[str, Any]:
 
 
 def _view(arguments: argparse.Namespace) -> int:
-    from tacos_framework.catalog import catalog_names
     from tacos_framework.plugins import Plugins
 
     if arguments.what is None and arguments.effect is None:
@@ -86,8 +85,8 @@ def _view(arguments: argparse.Namespace) -> int:
     plugins = Plugins.discover()
     if arguments.effect is not None:
         path = _ladder(arguments, plugins)
-    elif arguments.what in catalog_names() or arguments.what.endswith(".csv"):
-        path = _catalog(arguments)
+    elif kind := _kind_of_catalog(arguments.what):
+        path = _catalog(arguments, kind)
     else:
         path = _scene(arguments, plugins)
     print(f"Look at {path}")
@@ -115,11 +114,29 @@ def _effect_use(name: str) -> str:
     return name if name.startswith("effect.") else f"effect.{name}"
 
 
-def _catalog(arguments: argparse.Namespace) -> Path:
-    from tacos_framework.catalog import find_catalog
-    from tacos_view.pages import write_catalog
+def _kind_of_catalog(what: str) -> Literal["parts", "cameras"] | None:
+    """Which catalog a user names, if it is one: by its name, its ending, or what stands in the file."""
+    from tacos_framework.catalog import catalog_names
+    from tacos_framework.settings.yaml_reader import read_yaml
 
-    return write_catalog(arguments.out, find_catalog(arguments.what))
+    if what in catalog_names() or what.lower().endswith(".csv"):
+        return "parts"
+    path = Path(what)
+    if path.suffix.lower() in (".yaml", ".yml") and path.is_file():
+        data = read_yaml(path).data
+        keys = data.keys() if isinstance(data, dict) and "tacos" not in data else ()
+        return "parts" if "parts" in keys else "cameras" if "cameras" in keys else None
+    return "cameras" if what == "cameras" and not path.exists() else None
+
+
+def _catalog(arguments: argparse.Namespace, kind: Literal["parts", "cameras"]) -> Path:
+    from tacos_framework.catalog import camera_names, find_catalog, load_cameras
+    from tacos_view.pages import write_cameras, write_catalog
+
+    if kind == "parts":
+        return write_catalog(arguments.out, find_catalog(arguments.what))
+    cameras = load_cameras(camera_names(arguments.what), arguments.what)
+    return write_cameras(arguments.out, Path(arguments.what).stem, cameras)
 
 
 def _scene(arguments: argparse.Namespace, plugins: Plugins) -> Path:

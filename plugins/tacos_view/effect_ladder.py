@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,22 +105,52 @@ def _severities(use: str, cls: type[Any], given: Mapping[str, Any]) -> Iterator[
     top = dict(given)
     factors = OF_THE_USER
     if top:
-        _, faults, _ = check(cls.Config, top, lambda path: ".".join(map(str, (use, *path))))
-        if faults:
-            raise UserError(faults)
+        rungs = _listed(use, cls, top)
+        if rungs:
+            yield from rungs
+            return
     else:
         guesses = getattr(cls, "initial_guesses", None) or ()
         if not guesses:
             what = f"{use} does not say how severe it is met in the field"
             raise UserError(Fault(use, what, "a severity", "Give one: --set SETTING=VALUE."))
         top, factors = dict(guesses[0]), OF_THE_FIELD
+    before: dict[str, Any] = {}
     for factor in factors:
         rung = {key: _between(cls.neutral.get(key), value, factor) for key, value in top.items()}
         try:
             cls.Config.model_validate(rung)
         except ValidationError:
             continue
-        yield rung
+        if rung != before:  # a setting that is off where it is not given, as a focus, has nothing between
+            yield rung
+        before = rung
+
+
+def _listed(use: str, cls: type[Any], given: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """A rung for each value where one setting is given several; none where each has one.
+
+    Raises
+    ------
+    UserError
+        With what is wrong with the settings, one list among them or not.
+    """
+
+    def where(path: Sequence[str | int]) -> str:
+        return ".".join(map(str, (use, *path)))
+
+    _, faults, _ = check(cls.Config, dict(given), where)
+    lists = [key for key, value in given.items() if isinstance(value, list) and value]
+    if not faults:
+        return []
+    if len(lists) != 1:
+        raise UserError(faults)
+    (several,) = lists
+    rungs = [{**given, several: value} for value in given[several]]
+    faults = [fault for rung in rungs for fault in check(cls.Config, rung, where)[1]]
+    if faults:
+        raise UserError(faults)
+    return rungs
 
 
 def _between(neutral: Any, value: Any, factor: float) -> Any:

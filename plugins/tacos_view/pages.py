@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from tacos_files.images import decode_samples
-from tacos_framework.catalog import Catalog
+from tacos_framework.catalog import Catalog, OffTheShelf
 from tacos_report.figures.canvas import draw
 from tacos_report.page import Drawing, Page, PagePicture, Paragraph, Section, SideBySide, Table, write_page
 from tacos_report.page import Warnings as PageWarnings
-from tacos_view.catalog_sheet import arranged, outlines, paint_sheet, size_in
+from tacos_view.catalog_sheet import (
+    Outline,
+    arranged,
+    camera_outlines,
+    outlines,
+    paint_sheet,
+    size_in,
+)
 from tacos_view.effect_ladder import EffectLadder
 from tacos_view.floor_plan import floor_plan
 from tacos_view.pictures import Picture, encoded_png, png_uri, reduced, shown_depth, shown_frame, shown_ids
@@ -139,10 +147,43 @@ def _two_a_row(pictures: Sequence[PagePicture]) -> tuple[SideBySide, ...]:
 
 def write_catalog(out: Path, catalog: Catalog) -> Path:
     """The parts of a catalog to one scale."""
+    parts = outlines(catalog)
+    said = "the circle each lens fills with light." if parts[0].round else "the active area of each sensor."
+    names = [part.name for part in catalog.rows]
+    return _write_sheet(out, catalog.name, (catalog.title, catalog.source), parts, said, names)
+
+
+def write_cameras(out: Path, name: str, cameras: Sequence[OffTheShelf]) -> Path:
+    """The sensors of a catalog of cameras to one scale, and what each camera fixes."""
+    said = "the active area of each camera's sensor."
+    titles = [camera.title for camera in cameras]
+    rows = tuple(
+        (camera.title, camera.maker, camera.rig, ", ".join(map(_fixed, camera.fixes.items())))
+        for camera in cameras
+    )
+    table = Section("What each fixes", (Table(("camera", "maker", "rig", "fixes"), rows),))
+    head = ("Cameras off the shelf", f"{len(cameras)} cameras of the catalog {name}")
+    return _write_sheet(out, name, head, camera_outlines(cameras), said, titles, table)
+
+
+def _fixed(item: tuple[str, Any]) -> str:
+    name, value = item
+    return f"{name} {value.get('name', 'custom') if isinstance(value, Mapping) else value}"
+
+
+def _write_sheet(
+    out: Path,
+    name: str,
+    head: tuple[str, str],
+    parts: Sequence[Outline],
+    said: str,
+    names: Sequence[str],
+    *more: Section,
+) -> Path:
+    """A drawing of parts under a title and a source, and which of the names could not be drawn."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    parts = outlines(catalog)
     placed = arranged(parts)
     size = size_in(placed)
     folder = ViewFolder(out)
@@ -151,13 +192,11 @@ def write_catalog(out: Path, catalog: Catalog) -> Path:
     paint_sheet(figure, placed)
     png = BytesIO()
     figure.savefig(png, format="png", dpi=110)
-    folder.add(catalog.name, decode_samples(png.getvalue(), catalog.name, "the drawing"), "")
+    folder.add(name, decode_samples(png.getvalue(), name, "the drawing"), "")
     drawn = {part.name for part in parts}
-    left_out = [part.name for part in catalog.rows if part.name not in drawn]
-    said = f"{len(parts)} parts to one scale: " + (
-        "the circle each lens fills with light." if parts[0].round else "the active area of each sensor."
-    )
-    drawing = Drawing(draw(catalog.name, size, said, lambda figure: paint_sheet(figure, placed)), said)
+    left_out = [each for each in names if each not in drawn]
+    said = f"{len(parts)} parts to one scale: {said}"
+    drawing = Drawing(draw(name, size, said, lambda figure: paint_sheet(figure, placed)), said)
     notes = [Paragraph(f"Without a stated size: {', '.join(left_out)}.")] if left_out else []
-    page = Page("tacos view", catalog.title, catalog.source, (Section("To scale", (drawing, *notes)),))
+    page = Page("tacos view", *head, (Section("To scale", (drawing, *notes)), *more))
     return folder.close(page)

@@ -20,6 +20,9 @@ INDOORS = {"illumination_lux": 20.0, "gain_db": 5.0, "exposure_ms": 30.0, "f_num
 OUTDOORS = {"illumination_lux": 5000.0, "gain_db": 0.0, "exposure_ms": 3.0, "f_number": 8.0}
 """Daylight, as `stereo_quick` has it, for scenes that a car drives through; the same brightness."""
 
+DUSK_LUX = 100.0
+"""With less light outdoors, as at dusk and by night, a camera is set as indoors [lux]."""
+
 
 def study_recipe(
     what: str | Path | Recipe,
@@ -67,6 +70,8 @@ def _scene_recipe(
     """A study in a scene: nothing of it is designed, but a recipe is what all else is made for."""
     cls = plugins.resolve(scene, "scene")
     outdoors = getattr(cls, "carrier", "") == "car"
+    lux = sets.get("scenario.illumination_lux")
+    by_day = outdoors and not (isinstance(lux, int | float) and lux < DUSK_LUX)
     own = {key: f"nodes.world.{key}" for key in sets if key.partition(".")[0] in cls.Config.model_fields}
     sets = {own.get(key, key): value for key, value in sets.items()}
     recipe: dict[str, Any] = {
@@ -78,7 +83,7 @@ def _scene_recipe(
             "pitch_deg": {"between": [-30, 30]},
             "sensor": {"from": "image_sensors"},
         },
-        "scenario": dict(OUTDOORS if outdoors else INDOORS),
+        "scenario": dict(OUTDOORS if by_day else INDOORS),
         "nodes": {
             "world": {"use": scene},
             "capture": {"use": "renderer.moderngl", "in": {"episode": "world"}},

@@ -10,6 +10,7 @@ from scipy.special import j1
 
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_plugins.effects.defocus import Defocus
+from tacos_plugins.effects.depth_of_field import signed_radius
 from tacos_plugins.effects.lens_blur import LensBlur
 from tacos_plugins.effects.motion_blur import MotionBlur
 from tests.effects.light_arrays import GEOMETRY, INSIDE, light, run
@@ -131,3 +132,13 @@ def test_no_blur_shifts_the_image():
         y, x = np.mgrid[:72, :96]
         assert (after * x).sum() / after.sum() == pytest.approx(48, abs=0.02)
         assert (after * y).sum() / after.sum() == pytest.approx(36, abs=0.02)
+
+
+@pytest.mark.parametrize(("focal_mm", "f_number", "circle_um"), [(3.6, 2.0, 3.1), (50.0, 2.8, 30.0)])
+def test_the_blur_at_the_hyperfocal_distance_is_that_of_the_textbook(focal_mm, f_number, circle_um):
+    """Focused on H = f^2 / (N c) + f, the circle c is reached at H / 2 and at infinity (Greenleaf 1950)."""
+    geometry = ImageGeometry(8, 8, focal_mm * 1e3, (3.5, 3.5), pixel_um=1.0)
+    hyperfocal_m = (focal_mm**2 / (f_number * circle_um * 1e-3) + focal_mm) * 1e-3
+    depth_m = np.array([hyperfocal_m / 2, hyperfocal_m, np.inf])
+    radius_px = signed_radius(depth_m, geometry, f_number=f_number, focus_m=hyperfocal_m)
+    assert 2 * radius_px == pytest.approx([-circle_um, 0.0, circle_um], rel=1e-6)

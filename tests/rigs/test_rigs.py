@@ -233,3 +233,34 @@ def test_what_a_buyer_should_know_of_a_lens():
 def test_a_camera_needs_exactly_one_of_focal_length_and_lens(given):
     with pytest.raises(ValidationError, match="exactly one of focal_length_mm and lens"):
         monocular(**given)
+
+
+@given(share=st.floats(0.05, 1.0))
+def test_a_region_of_interest_crops_the_view_and_leaves_pixels_as_they_are(share):
+    whole_builder, whole = monocular({"binning": 2})
+    builder, variables = monocular({"binning": 2}, roi_height=share)
+    camera, full = builder.build(variables).cameras[0], whole_builder.build(whole).cameras[0]
+    assert camera.focal_length_px == full.focal_length_px
+    assert camera.width_px == full.width_px
+    assert camera.height_px == pytest.approx(1500 * share, abs=1)
+    # A point at the edge of the region lies at the same angle in both.
+    derived, of_all = builder.derived(variables), whole_builder.derived(whole)
+    half = math.tan(math.radians(of_all["vfov_deg"]) / 2) * variables.region.height_px / 3000
+    assert math.tan(math.radians(derived["vfov_deg"]) / 2) == pytest.approx(half)
+    assert derived["hfov_deg"] == of_all["hfov_deg"]
+    assert derived["megapixels"] == pytest.approx(4000 * variables.region.height_px * 1e-6)
+
+
+def test_both_cameras_of_a_stereo_rig_have_the_region():
+    builder, variables = stereo(focal_length_mm=2.0, roi_width=0.5, roi_height=0.4)
+    assert {(camera.width_px, camera.height_px) for camera in builder.build(variables).cameras} == {
+        (496, 198)
+    }
+
+
+def test_a_lens_need_only_cover_the_region():
+    lens = {"name": "small", "focal_length_mm": 4.0, "image_circle_mm": 5.0}
+    builder, variables = monocular(focal_length_mm=None, lens=lens)
+    assert builder.derived(variables)["image_circle_margin_mm"] < 0  # 7.75 mm across the corners
+    builder, variables = monocular(focal_length_mm=None, lens=lens, roi_width=0.6, roi_height=0.6)
+    assert builder.derived(variables)["image_circle_margin_mm"] == pytest.approx(5 - 0.6 * 7.75)

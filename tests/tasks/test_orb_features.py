@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tacos_framework.errors import UserError
 from tacos_framework.testing.samples import sample_capture, sample_rig
 from tacos_framework.values import Capture, FrameBatch
-from tacos_plugins.tasks.followed_features import FollowedFeatures, grey_image
+from tacos_plugins.tasks.followed_features import FollowedFeatures, extract_spread, grey_image
 from tacos_plugins.tasks.orb_features import LEAST_PATCH_PX, OrbFeatures, Scale
 
 WIDTH, HEIGHT = 320, 240
@@ -232,3 +232,23 @@ def test_grey_keeps_light_linear_and_rounds():
 def test_grey_weighs_colours_by_their_luminance():
     colours = 200 * np.eye(3, dtype=np.uint8)[None]
     assert grey_image(colours, 0, 255).tolist() == [[43, 143, 14]]
+
+
+def test_cells_share_the_features_and_an_empty_one_stays_short():
+    picture = texture(1)[:, :WIDTH]
+    picture[:, : WIDTH // 2] = 1.0  # half of it is full
+    frames = frames_of([picture, picture])
+    whole = score(frames, features=200, patch_px=15, fast_threshold=5)
+    shared = score(frames, features=200, cells=(2, 1), patch_px=15, fast_threshold=5)
+    assert whole["extracted"] == 200  # the good half makes up for the full one
+    assert 100 <= shared["extracted"] <= 115  # all of one cell, and the corners along the edge of the other
+
+
+def test_no_cell_has_more_than_its_share():
+    grey = (255 * texture(3)[:, :WIDTH]).astype(np.uint8)
+    detector = Scale.of(OrbFeatures.Config(features=300), 1).detector(OrbFeatures.Config(cells=(4, 3)))
+    found = extract_spread(detector, grey, cells=(4, 3), most=240)
+    cells = (found.points_px // (WIDTH / 4, HEIGHT / 3)).astype(int)
+    _, counts = np.unique(cells, axis=0, return_counts=True)
+    assert counts.max() <= 20
+    assert len(found) == counts.sum() == len(found.descriptors)

@@ -168,3 +168,33 @@ def test_settings_of_a_scene_by_itself_need_no_path() -> None:
     full = study_recipe("scene.indoor", {"nodes.world.clutter": 0, "rig.binning": 2}, plugins=plugins)
     assert short.as_data() == full.as_data()
     assert short.nodes["world"].settings["clutter"] == 0
+
+
+def test_a_ladder_of_a_list_has_a_picture_for_each_value_and_one_of_what_has_nothing_between() -> None:
+    plugins = plugins_with_boxes()
+    setup = set_up(monocular_recipe(), CAMERA, plugins=plugins)
+    ladder = effect_ladder(setup, "defocus", {"focus_m": [0.2, 1.0], "f_number": 1.0}, plugins)
+    assert [step.settings.get("focus_m") for step in ladder.steps] == [None, 0.2, 1.0]
+    single = effect_ladder(setup, "defocus", {"focus_m": 0.2, "f_number": 1.0}, plugins)
+    assert len({str(step.settings) for step in single.steps}) == len(single.steps)
+    with pytest.raises(UserError, match="focus_m"):
+        effect_ladder(setup, "defocus", {"focus_m": [1.0, -2.0]}, plugins)
+
+
+def test_cameras_of_a_catalog_are_drawn_by_their_sensors(tmp_path: Path) -> None:
+    assert tacos_main(["view", "cameras", "--out", str(tmp_path / "shipped")]) == 0
+    text = (tmp_path / "shipped" / "index.html").read_text("utf-8")
+    assert "FLIR Flea3" in text
+    assert "Without a stated size: RealSense D450" in text
+    own = tmp_path / "mine.yaml"
+    own.write_text(
+        "cameras:\n  mine: {title: Mine, maker: me, rig: rig.stereo, fixes: {hfov_deg: 87}, sources: [me]}\n"
+    )
+    assert tacos_main(["view", str(own), "--out", str(tmp_path / "own")]) == 2
+
+
+@pytest.mark.parametrize(("lux", "f_number"), [(None, 8.0), (20_000, 8.0), (10, 2.0)])
+def test_a_street_by_night_is_not_exposed_as_by_day(lux: float | None, f_number: float) -> None:
+    sets = {} if lux is None else {"scenario.illumination_lux": lux}
+    recipe = study_recipe("scene.street", sets, plugins=Plugins.discover())
+    assert recipe.scenarios[0].f_number == f_number

@@ -57,6 +57,18 @@ class MonocularRig:
         )
         sensor: SensorPart = setting(help="Image sensor: a row of a catalog, or its size and pitch.")
 
+        roi_width: float = setting(
+            1.0, help="Share of the width of the sensor that is read out, about its middle.", gt=0, le=1
+        )
+        roi_height: float = setting(
+            1.0, help="Share of the height of the sensor that is read out, about its middle.", gt=0, le=1
+        )
+
+        @property
+        def region(self) -> SensorPart:
+            """What is read out: all of the sensor, or its region of interest."""
+            return self.sensor.read_out(self.roi_width, self.roi_height)
+
         @model_validator(mode="after")
         def _one_of_focal_length_and_lens(self) -> MonocularRig.Variables:
             if (self.focal_length_mm is None) == (self.lens is None):
@@ -75,7 +87,7 @@ class MonocularRig:
         """The rig of these variables."""
         camera = mounted_camera(
             "camera",
-            variables.sensor,
+            variables.region,
             _focal_length_mm(variables),
             position_m=(0.0, 0.0, self.config.height_above_eye_m),
             pitch_deg=variables.pitch_deg,
@@ -85,18 +97,18 @@ class MonocularRig:
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Fields of view and sizes of the sensor as manufactured, and how a lens fits it."""
-        optics = derived_optics(variables.sensor, _focal_length_mm(variables))
-        fit = {} if variables.lens is None else derived_fit(variables.lens, variables.sensor)
+        optics = derived_optics(variables.region, _focal_length_mm(variables))
+        fit = {} if variables.lens is None else derived_fit(variables.lens, variables.region)
         return {**optics, **fit}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images depend on; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
-        return image_coordinates(variables.sensor, _focal_length_mm(variables), variables.pitch_deg)
+        return image_coordinates(variables.region, _focal_length_mm(variables), variables.pitch_deg)
 
     def notes(self, variables: Variables) -> Iterator[str]:
         """What somebody who buys lens and sensor should know."""
         if variables.lens is not None:
-            yield from notes_on_fit(variables.lens, variables.sensor)
+            yield from notes_on_fit(variables.lens, variables.region)
 
 
 def _focal_length_mm(variables: MonocularRig.Variables) -> float:

@@ -61,6 +61,28 @@ class SensorPart(Settings):
         """Diagonal of the active area [mm]."""
         return math.hypot(self.width_mm, self.height_mm)
 
+    def read_out(self, width_share: float, height_share: float) -> SensorPart:
+        """The region of interest about its middle, in whole pairs of photosites, as colour patterns need it.
+
+        What lies outside is not read: the field of view shrinks with the image, pixels stay as they are.
+
+        Examples
+        --------
+        >>> region = SensorPart(width_px=4000, height_px=3000, pixel_um=1.55).read_out(0.5, 0.3337)
+        >>> region.width_px, region.height_px, region.pixel_um
+        (2000, 1002, 1.55)
+        """
+        if width_share == height_share == 1:
+            return self
+        sizes = {
+            name: size_px if share == 1 else max(2, 2 * round(size_px * share / 2))
+            for name, size_px, share in (
+                ("width_px", self.width_px, width_share),
+                ("height_px", self.height_px, height_share),
+            )
+        }
+        return self.model_copy(update=sizes)
+
     @property
     def electrons(self) -> Electrons:
         """What is known of its photosites in electrons."""

@@ -62,6 +62,18 @@ class StereoRig:
         )
         sensor: SensorPart = setting(help="Image sensor of both cameras.")
 
+        roi_width: float = setting(
+            1.0, help="Share of the width of each sensor that is read out, about its middle.", gt=0, le=1
+        )
+        roi_height: float = setting(
+            1.0, help="Share of the height of each sensor that is read out, about its middle.", gt=0, le=1
+        )
+
+        @property
+        def region(self) -> SensorPart:
+            """What is read out: all of the sensor, or its region of interest."""
+            return self.sensor.read_out(self.roi_width, self.roi_height)
+
         @model_validator(mode="after")
         def _one_of_field_and_focal_length(self) -> StereoRig.Variables:
             given = {"hfov_deg": self.hfov_deg, "focal_length_mm": self.focal_length_mm}
@@ -83,7 +95,7 @@ class StereoRig:
             tuple(
                 mounted_camera(
                     name,
-                    variables.sensor,
+                    variables.region,
                     _focal_length_mm(variables),
                     position_m=(0.0, left_m, self.config.height_above_eye_m),
                     pitch_deg=variables.pitch_deg,
@@ -95,12 +107,12 @@ class StereoRig:
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Fields of view and sizes of one sensor as manufactured, and the baseline."""
-        optics = derived_optics(variables.sensor, _focal_length_mm(variables))
+        optics = derived_optics(variables.region, _focal_length_mm(variables))
         return {**optics, "baseline_m": variables.baseline_m}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images of either camera depend on, and the baseline, which counts by its ratios."""
-        one = image_coordinates(variables.sensor, _focal_length_mm(variables), variables.pitch_deg)
+        one = image_coordinates(variables.region, _focal_length_mm(variables), variables.pitch_deg)
         return {"log2_baseline_m": math.log2(variables.baseline_m), **one}
 
 
@@ -108,4 +120,4 @@ def _focal_length_mm(variables: StereoRig.Variables) -> float:
     if variables.focal_length_mm is not None:
         return variables.focal_length_mm
     assert variables.hfov_deg is not None, "Variables holds exactly one of the two"
-    return focal_length_for_mm(variables.sensor.width_mm, variables.hfov_deg)
+    return focal_length_for_mm(variables.region.width_mm, variables.hfov_deg)

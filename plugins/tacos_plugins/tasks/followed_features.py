@@ -53,7 +53,44 @@ class FollowedFeatures:
 
 def extract(detector: Any, grey: NDArray[np.uint8]) -> Features:
     """The features an OpenCV detector with binary descriptors finds in a (H, W) image."""
-    keypoints, descriptors = detector.detectAndCompute(grey, None)
+    return _features(*detector.detectAndCompute(grey, None))
+
+
+def extract_spread(detector: Any, grey: NDArray[np.uint8], *, cells: tuple[int, int], most: int) -> Features:
+    """Features spread over the image: of each cell the strongest, an even share of `most`.
+
+    A cell in which too little is found stays short: others do not make up for it.
+
+    Parameters
+    ----------
+    detector
+        An OpenCV detector that finds more than `most`, with the strength of each.
+    grey
+        (H, W).
+    cells
+        Columns and rows of equal cells [1].
+    most
+        Features wanted of the whole image [1].
+
+    References
+    ----------
+    Mur-Artal, Montiel, Tardos 2015, "ORB-SLAM: a versatile and accurate monocular SLAM system", Sec. V-A.
+    """
+    keypoints = sorted(detector.detect(grey, None), key=lambda each: -each.response)
+    columns, rows = cells
+    height, width = grey.shape
+    room = [most // (columns * rows)] * (columns * rows)
+    kept = []
+    for keypoint in keypoints:
+        x_px, y_px = keypoint.pt
+        cell = int(y_px * rows / height) * columns + int(x_px * columns / width)
+        if room[cell]:
+            room[cell] -= 1
+            kept.append(keypoint)
+    return _features(*detector.compute(grey, kept))
+
+
+def _features(keypoints: Sequence[Any], descriptors: NDArray[np.uint8] | None) -> Features:
     if descriptors is None:
         return Features(np.empty((0, 2), np.float32), np.empty((0, 32), np.uint8))
     points = np.asarray(cv2.KeyPoint.convert(keypoints), np.float32)

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import cv2
 import numpy as np
+from pydantic import Field
 
 from tacos_framework.contracts import Scores, ScoreScale, State
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch
-from tacos_plugins.tasks.followed_features import Features, FollowedFeatures, extract, follow, grey_image
+from tacos_plugins.tasks.followed_features import (
+    Features,
+    FollowedFeatures,
+    extract,
+    extract_spread,
+    follow,
+    grey_image,
+)
 
 LEAST_PATCH_PX = 5
 """A descriptor compares points of a patch that was smoothed over 7 x 7 pixels: of less, none differ."""
@@ -22,6 +30,10 @@ TIME_TOLERANCE_S = 1e-6
 """Frames at a stated distance in time are so far apart but for rounding [s]."""
 
 
+CANDIDATES = 6
+"""Where features are shared out among cells, so many times as many are looked for in the whole image."""
+
+Cells = Annotated[int, Field(ge=1, le=64)]
 Scaled = Literal["features", "patch_px", "border_px", "ransac_threshold_px"]
 """Settings that may follow the binning of the camera."""
 
@@ -51,6 +63,9 @@ class OrbFeatures:
     what a descriptor holds, and how well a corner is placed, are matters of the pixels there are. So cameras
     rank at reduced resolution about as at full resolution.
 
+    With ``cells`` each of equal parts of the image gives its share of the features and no more: what is full
+    or black there costs them, and is not made up for elsewhere.
+
     A camera with more photosites finds more features and is held to a finer tolerance, as in the paper. The
     detection threshold is in 1/255 of full scale.
 
@@ -65,6 +80,11 @@ class OrbFeatures:
 
         camera: str | None = setting(None, help="Name of the camera that is scored; by default the first.")
         features: int = setting(2000, help="Features kept per frame, the strongest.", ge=1)
+        cells: tuple[Cells, Cells] = setting(
+            (1, 1),
+            help="Columns and rows of cells that share the features evenly, as SLAM does: no part of the "
+            "image stands in for the others.",
+        )
         fast_threshold: int = setting(
             20, help="Contrast a corner needs, in 1/255 of full scale.", unit="1/255", ge=1, le=254
         )
@@ -162,7 +182,7 @@ class Scale:
     def detector(self, config: OrbFeatures.Config) -> Any:
         """OpenCV's ORB."""
         return cv2.ORB.create(
-            nfeatures=self.features,
+            nfeatures=self.features * (1 if config.cells == (1, 1) else CANDIDATES),
             scaleFactor=config.scale_factor,
             nlevels=config.levels,
             edgeThreshold=self.border_px,
@@ -198,7 +218,11 @@ class OrbScorer:
             episode.walk.tolist(), episode.time_s.tolist(), frames.images[index], strict=True
         ):
             grey = grey_image(image, frames.black_level_dn, frames.white_level_dn)
-            frame = LastFrame(walk, time_s, extract(orb, grey))
+            if self._config.cells == (1, 1):
+                found = extract(orb, grey)
+            else:
+                found = extract_spread(orb, grey, cells=self._config.cells, most=scale.features)
+            frame = LastFrame(walk, time_s, found)
             if self._last is not None and self._are_pair(self._last, frame):
                 self._pairs.append(self._follow(self._last.features, frame.features, scale))
             self._last = frame
