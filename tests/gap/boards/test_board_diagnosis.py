@@ -195,7 +195,8 @@ def test_intervals_hold_the_lens_they_are_about(effects):
     held = []
     for seed in range(20):
         rng = np.random.default_rng(seed)
-        k1 = float(rng.uniform(-0.3, 0.1))
+        # beyond what the margin of boards hides on purpose: this is about intervals, not about the limit
+        k1 = float(rng.uniform(0.08, 0.3) * rng.choice([-1, 1]))
         captures = views(
             noise_px=rng.choice([0.03, 0.15]), sag_mm=rng.uniform(-2, 2), seed=seed, brown=(k1, 0, 0, 0, 0)
         )
