@@ -142,7 +142,7 @@ def _run_procedure(
             "procedure": recipe.use,
             "seed": recipe.seed,
             "seconds": round(time.monotonic() - began, 3),
-            "environment": describe_environment(workers, plugins.findings()),
+            "environment": describe_environment(workers, plugins.offers.findings()),
             "command": command,
             **found,
         }

@@ -77,7 +77,7 @@ def run_study(
 
 def _report(folder: Path, plugins: Plugins) -> None:
     """Have plugins report on the study; the result stands, whatever becomes of its report."""
-    for failure in plugins.write_reports(folder)[1]:
+    for failure in plugins.offers.write_reports(folder)[1]:
         warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
         log.warning("%s", warning, exc_info=failure.error)
         print(f"warning: {warning}", file=sys.stderr)

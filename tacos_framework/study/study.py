@@ -67,7 +67,7 @@ class Study:
         self.plan = plan
         self.results = results
         self.broken_off: str | None = None
-        self._observers = plugins.observers()
+        self._observers = plugins.offers.observers()
         self._manifest = manifest
         self._progress = progress
         self._command = command
@@ -83,7 +83,7 @@ class Study:
         self._samples: dict[str, list[str]] = {}
         journal = Journal(results, lambda: self.seconds)
         self._executor = JournaledExecutor(executor, journal)
-        self._environment = describe_environment(self._executor.workers, plugins.findings())
+        self._environment = describe_environment(self._executor.workers, plugins.offers.findings())
         self.searches = list(self._make_searches())
         self._checkpoints = Checkpoints(results, journal, self._line_files)
 
