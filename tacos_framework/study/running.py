@@ -17,7 +17,6 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.study.extending import for_resuming, without_budget
 from tacos_framework.study.failing import KeepsFailing
-from tacos_framework.study.manifest import settle_manifest
 from tacos_framework.study.progress import Progress, Silent
 from tacos_framework.study.study import BROKEN_OFF, DEFECT, Study
 
@@ -49,7 +48,9 @@ def run_study(
     parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
     packages = {part.cls.__module__.partition(".")[0] for part in parts}
     with results, results.logging({"tacos_framework", *packages}):
-        manifest = settle_manifest(results, plan, accept_changes=accept_changes, begun=checkpoint is not None)
+        manifest = settle_manifest(
+            results, manifest_of_study(plan), accept_changes=accept_changes, begun=checkpoint is not None
+        )
         of_recipe, distribution = plan.executor, plan.executor.distribution
         evaluates = (
             GuardedExecutor.of_host(executor)

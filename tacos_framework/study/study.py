@@ -24,7 +24,7 @@ from tacos_framework.study.extending import budget_of
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.journal import Journal, JournaledExecutor
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
-from tacos_framework.study.manifest import Manifest
+from tacos_framework.results.manifest import Manifest
 from tacos_framework.study.outcome import Outcome
 from tacos_framework.study.progress import Progress
 from tacos_framework.study.records import candidate_record
