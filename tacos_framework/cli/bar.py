@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -16,18 +17,22 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bars
 
+from tacos_framework.cli.pace import Logged, Pace
 from tacos_framework.cli.terminal import terminal_errors
 from tacos_framework.errors import printable
 from tacos_framework.simulation import Evaluation
 from tacos_framework.study.progress import Progress, Silent
 
+LONGEST_SILENCE_S = 20.0
+"""While candidates are evaluated, a line comes at least so often [s]."""
+
 
 @contextmanager
 def progress_for(*, quiet: bool) -> Iterator[Progress]:
-    """A live bar on a terminal, a line per generation elsewhere, nothing when quiet."""
+    """A live bar on a terminal, lines elsewhere, nothing when quiet; the run's log hears in any case."""
     console = Console(file=terminal_errors())
     if quiet:
-        yield Silent()
+        yield Logged(Silent())
     elif console.is_terminal:
         with Bars(
             TextColumn("{task.description:<28}"),
@@ -39,9 +44,9 @@ def progress_for(*, quiet: bool) -> Iterator[Progress]:
             TimeRemainingColumn(),
             console=console,
         ) as bars:
-            yield _Live(bars)
+            yield Logged(_Live(bars))
     else:
-        yield _Lines(console)
+        yield Logged(_Lines(console))
 
 
 class _Live:
@@ -79,29 +84,32 @@ class _Live:
 
 
 class _Lines:
-    """A line per generation or step, for logs."""
+    """Lines for who reads along in a file: one per generation or step, and one now and then between."""
 
     def __init__(self, console: Console):
         self._console = console
-        self._title, self._done = "", 0
+        self._pace = Pace("", None)
+        self._said_s = time.monotonic()
 
     def phase(self, title: str, candidates: int | None) -> None:
-        title = printable(title)
-        self._title, self._done = title, 0
-        self._console.print(title if candidates is None else f"{title}: {candidates} to do", highlight=False)
+        self._pace = Pace(title, candidates)
+        self._say(self._pace.title if candidates is None else f"{self._pace.title}: {candidates} to do")
 
     def evaluated(self, evaluation: Evaluation) -> None:
-        self._done += 1
+        self._pace.done += 1
+        if time.monotonic() - self._said_s >= LONGEST_SILENCE_S:
+            self._say(str(self._pace))
 
     def best(self, best: Evaluation | None) -> None:
-        fitness = _number(best.fitness if best else None)
-        self._console.print(f"{self._title}: {self._done} evaluated, best {fitness}", highlight=False)
+        self._say(f"{self._pace}, best {_number(best.fitness if best else None)}")
 
     def step(self, note: str = "") -> None:
-        self._done += 1
-        self._console.print(
-            f"{self._title}: {self._done} done{note and f', {printable(note)}'}", highlight=False
-        )
+        self._pace.done += 1
+        self._say(f"{self._pace}{note and f': {printable(note)}'}")
+
+    def _say(self, line: str) -> None:
+        self._console.print(line, highlight=False, soft_wrap=True)
+        self._said_s = time.monotonic()
 
 
 def _number(fitness: float | None) -> str:

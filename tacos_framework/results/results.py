@@ -12,10 +12,12 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.results.checksums import (
     Damaged,
     checked_json,
+    checked_text,
     text_with_checksum,
 )
 from tacos_framework.results.folder import RunFolder
 from tacos_framework.results.reading import (
+    MANIFEST,
     damage,
     file_of_run,
     read_run_json,
@@ -27,7 +29,7 @@ from tacos_framework.settings.yaml_writer import to_yaml
 FORMAT = 4
 """Format of ``checkpoint.json``; another one cannot be resumed."""
 
-RECIPE, CHECKPOINT = "recipe.yaml", "checkpoint.json"
+RECIPE, CHECKPOINT, LOG = "recipe.yaml", "checkpoint.json", "log.txt"
 
 
 def _as_it_is(recipe: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -53,7 +55,7 @@ class Results(RunFolder):
 
     @classmethod
     def create(cls, folder: Path, recipe: Mapping[str, Any]) -> Results:
-        """Start a new run in a folder that does not exist yet or is empty.
+        """Start a new run in a folder that does not exist yet or holds nothing that a run computed.
 
         Raises
         ------
@@ -168,8 +170,17 @@ class Results(RunFolder):
     # the folder -------------------------------------------------------------------------------------------
 
     def _empty(self) -> bool:
-        """Whether nothing is there but what a run leaves that was killed before it had begun."""
-        return all(path.name.endswith(PARTIAL) for path in self.folder.iterdir())
+        """Whether nothing is there but what a run leaves that ended before it had computed anything."""
+        names = {path.name for path in self.folder.iterdir() if not path.name.endswith(PARTIAL)}
+        if not names:
+            return True
+        if not {RECIPE, LOG} <= names <= {RECIPE, LOG, MANIFEST}:
+            return False
+        try:
+            checked_text(file_of_run(self.folder / RECIPE))  # of a run, not somebody's own
+        except (Damaged, UserError):
+            return False
+        return True
 
     def _remove_partial_files(self) -> None:
         for folder in (self.folder, self.folder / "weights", self.folder / "samples"):

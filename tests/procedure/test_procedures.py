@@ -96,6 +96,23 @@ def test_a_second_run_does_not_go_into_the_same_folder(tmp_path, plugins):
         run(asked, out=tmp_path / "out", plugins=plugins, resume=True)
 
 
+def test_a_start_that_failed_refuses_no_other(tmp_path, plugins):
+    out = tmp_path / "out"
+    for left in ("recipe.yaml", "log.txt"):  # as a run leaves them that ends before it has computed anything
+        run(ProcedureRecipe("procedure.count", {"limit": 2}), out=tmp_path / left, plugins=plugins)
+        out.mkdir(exist_ok=True)
+        (out / left).write_bytes((tmp_path / left / left).read_bytes())
+    result = run(ProcedureRecipe("procedure.count", {"limit": 3}), out=out, plugins=plugins)
+    assert result["squares"] == [0, 1, 4]
+
+
+def test_a_recipe_of_ones_own_is_not_written_over(tmp_path, plugins):
+    (tmp_path / "log.txt").touch()
+    (tmp_path / "recipe.yaml").write_text("use: procedure.count\n")
+    with pytest.raises(UserError, match="not empty"):
+        run(ProcedureRecipe("procedure.count", {"limit": 2}), out=tmp_path, plugins=plugins)
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

@@ -62,3 +62,9 @@ def test_starts_without_heavy_libraries(code: str) -> None:
 
 def test_the_probe_sees_heavy_libraries() -> None:
     assert heavy_imports("import numpy") == "numpy"
+
+
+def test_checking_the_demo_imports_no_library_that_only_a_run_needs() -> None:
+    code = "from tacos_framework.cli import run_main; assert run_main(['headset_quick', '--check']) == 0"
+    heavy = set(heavy_imports(code).split(","))
+    assert not heavy & {"scipy", "torch", "trimesh", "matplotlib", "colour", "shapely"}

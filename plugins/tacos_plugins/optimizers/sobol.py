@@ -6,7 +6,6 @@ import warnings
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, DesignSpace
@@ -47,6 +46,8 @@ class Sobol(Draws):
         super().__init__(evaluations=config.evaluations, batch=config.batch)
 
     def _scramble(self, scrambling: int) -> None:
+        from scipy.stats import qmc  # late: checking a recipe with another search needs none
+
         self._scrambling = scrambling
         self._sequence = qmc.Sobol(max(self._cube.dimension, 1), seed=np.random.default_rng(scrambling))
 

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from tacos_framework.contracts import DesignProblem
 from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Gene, Integer, Variable
@@ -185,6 +184,8 @@ class FeasibleCandidates:
 
     def _places(self, count: int, rng: np.random.Generator) -> Array:
         """(count, genes drawn from a range) places of a Latin hypercube."""
+        from scipy.stats import qmc  # late: checking a recipe draws nothing
+
         return np.asarray(qmc.LatinHypercube(len(self._continuous), rng=rng).random(count))
 
     def _at(self, genes: Array, places: Array) -> PlacedCandidate | None:

@@ -8,8 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotri
-from scipy.optimize import minimize
 
 from tacos_plugins.surrogate.gaussian_process import MEAN_VARIANCE, Inputs, factorised
 from tacos_plugins.surrogate.kernel import (
@@ -112,6 +110,8 @@ class Evidence:
         ----------
         Rasmussen and Williams 2006, eq. (5.8) and (5.9).
         """
+        from scipy.linalg.lapack import dpotri  # late: checking a recipe fits nothing
+
         n, d = len(self.inputs), self.dimension
         h = self.hyperparameters(logarithms)
         inverse_squares = np.exp(-2 * logarithms[:d])
@@ -161,6 +161,8 @@ def fit_hyperparameters(
     most_steps
         Iterations at most.
     """
+    from scipy.optimize import minimize  # late: checking a recipe fits nothing
+
     evidence = Evidence(inputs, values)
     middle, _ = evidence.prior
     begin = middle if start is None else evidence.logarithms(start)

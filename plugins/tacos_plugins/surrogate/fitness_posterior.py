@@ -8,8 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
-from scipy.stats import qmc
 
 from tacos_framework.fitness import Fitness
 from tacos_plugins.surrogate.gaussian_process import Prediction, factorised
@@ -59,6 +57,9 @@ def combined(fitness: Fitness, scores: Mapping[str, Array]) -> Array:
 
 def normal_rule(count: int, dimension: int) -> Array:
     """(count, dimension) quasi-random standard normal numbers, always the same; `count` a power of two."""
+    from scipy.special import ndtri  # late: checking a recipe predicts nothing
+    from scipy.stats import qmc
+
     if not dimension:
         return np.zeros((count, 0))
     sobol = qmc.Sobol(dimension, scramble=True, rng=np.random.default_rng(0))

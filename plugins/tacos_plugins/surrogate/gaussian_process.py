@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve, solve_triangular
 
 from tacos_plugins.surrogate.kernel import (
     Hyperparameters,
@@ -89,6 +88,8 @@ class GaussianProcess:
 
     @cached_property
     def _weights(self) -> Array:
+        from scipy.linalg import cho_solve  # late: checking a recipe predicts nothing
+
         return np.asarray(cho_solve((self._factor, True), self.values, check_finite=False))
 
     @property
@@ -97,6 +98,8 @@ class GaussianProcess:
 
     def at(self, points: Array) -> Prediction:
         """What is known at (m, d) points."""
+        from scipy.linalg import solve_triangular  # late: as above
+
         h = self.hyperparameters
         squared = scaled_distances(self.inputs.points, points, self._length_scales)
         across = h.signal**2 * matern(squared) + MEAN_VARIANCE

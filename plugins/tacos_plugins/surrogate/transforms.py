@@ -7,7 +7,6 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit, logit
 
 from tacos_framework.contracts import ScoreScale
 
@@ -87,11 +86,15 @@ class Logit:
 
     def forward(self, scores: Array) -> Array:
         """Logits of the shares."""
+        from scipy.special import logit  # late: checking a recipe predicts nothing
+
         inside = SHARE_MARGIN + (1 - 2 * SHARE_MARGIN) * np.clip(scores, 0.0, 1.0)
         return np.asarray(logit(inside), dtype=np.float64)
 
     def expected(self, mean: Array, variance: float) -> Array:
         """The mean share, between 0 and 1."""
+        from scipy.special import expit  # late: as above
+
         inside = expit(mean / np.sqrt(1 + np.pi * variance / 8))
         return np.clip((inside - SHARE_MARGIN) / (1 - 2 * SHARE_MARGIN), 0.0, 1.0)
 

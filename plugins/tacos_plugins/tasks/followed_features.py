@@ -125,4 +125,6 @@ def grey_image(
     stretch = 255 / (white_level_dn - black_level_dn)
     affine = np.append(weights * stretch, -black_level_dn * stretch)
     grey = cv2.transform(image_dn, affine[None])  # rounds and saturates to the file's own type
-    return np.minimum(grey, 255).astype(np.uint8).reshape(image_dn.shape[:2])
+    if grey.dtype != np.uint8:
+        np.minimum(grey, 255, out=grey)
+    return np.asarray(grey, np.uint8).reshape(image_dn.shape[:2])

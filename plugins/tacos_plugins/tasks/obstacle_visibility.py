@@ -130,12 +130,10 @@ class ObstacleScorer:
         self._crossings = episode.crossings
         obstacles = sorted({crossing.object_id for crossing in episode.crossings})
         for frame in range(len(episode)):
-            views = frames.capture.views
-            sighting = Sighting(
-                float(episode.time_s[frame]),
-                _most_photosites(views, frame, obstacles, within_m=None),
-                _most_photosites(views, frame, obstacles, within_m=self._config.within_m),
+            photosites, near = _most_photosites(
+                frames.capture.views, frame, obstacles, within_m=self._config.within_m
             )
+            sighting = Sighting(float(episode.time_s[frame]), photosites, near)
             self._walks.setdefault(int(episode.walk[frame]), []).append(sighting)
 
     def scores(self) -> Scores:
@@ -171,17 +169,24 @@ class ObstacleScorer:
 
 def _most_photosites(
     views: Sequence[View], frame: int, obstacles: Sequence[int], *, within_m: float | None
-) -> dict[int, float]:
-    """How many photosites each obstacle covers in the view that shows most of it."""
-    most = dict.fromkeys(obstacles, 0.0)
+) -> tuple[dict[int, float], dict[int, float]]:
+    """How many photosites each obstacle covers in the view that shows most of it: all, and those near."""
+    most, most_near = dict.fromkeys(obstacles, 0.0), dict.fromkeys(obstacles, 0.0)
+    if not obstacles:
+        return most, most_near
+    lowest, highest = min(obstacles), max(obstacles)
     for view in views:
-        ids = view.object_id[frame]
-        if within_m is not None:
-            ids = ids[view.depth_m[frame] <= within_m]
-        pixels = np.bincount(ids.ravel(), minlength=max(obstacles, default=0) + 1)
-        for obstacle in obstacles:
-            most[obstacle] = max(most[obstacle], float(pixels[obstacle] * view.camera.binning**2))
-    return most
+        # A few pixels of millions: all else is done with those alone.
+        ids = view.object_id[frame].ravel()
+        shown = np.flatnonzero((ids >= lowest) & (ids <= highest))
+        ids = ids[shown]
+        near = ids if within_m is None else ids[view.depth_m[frame].ravel()[shown] <= within_m]
+        for found, counted in ((ids, most), (near, most_near)):
+            pixels = np.bincount(found - lowest, minlength=highest - lowest + 1)
+            for obstacle in obstacles:
+                photosites = float(pixels[obstacle - lowest] * view.camera.binning**2)
+                counted[obstacle] = max(counted[obstacle], photosites)
+    return most, most_near
 
 
 def _belongs(crossing: Crossing, number: int, walk: Sequence[Sighting]) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc, rankdata
 
 Array = NDArray[np.float64]
 
@@ -26,6 +25,8 @@ def spread_out(rows: Array, count: int, rng: np.random.Generator) -> list[int]:
     ----------
     McKay et al. 1979, "A comparison of three methods for selecting values of input variables".
     """
+    from scipy.stats import qmc, rankdata  # late: checking a recipe draws nothing
+
     table = np.nan_to_num(rows, nan=0.5)
     ranks = rankdata(table, axis=0) / len(table) if len(table) else table
     columns = _independent(ranks)

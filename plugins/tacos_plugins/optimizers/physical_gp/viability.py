@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from tacos_plugins.surrogate.evidence import fit_hyperparameters
 from tacos_plugins.surrogate.gaussian_process import GaussianProcess, Inputs
@@ -57,6 +56,8 @@ class Viability:
 
     def chances(self, rows: Array) -> Array:
         """(points,) the probability at (points, names) scaled coordinates."""
+        from scipy.special import ndtr  # late: checking a recipe predicts nothing
+
         if self.process is None:
             return np.full(len(rows), self.always)
         prediction = self.process.at(rows)

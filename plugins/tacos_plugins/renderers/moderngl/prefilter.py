@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from tacos_framework.values import Material
 from tacos_plugins.renderers.moderngl.ambient_visibility import around
 from tacos_plugins.renderers.moderngl.probes import FACE_PX, Probe, face_camera, face_rotations
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 LAYER_PX = 96
 """Edge of an octahedral layer, border of one texel included [px]."""
@@ -61,6 +64,8 @@ def _source_edge(roughness: float) -> int:
 @lru_cache(maxsize=16)
 def _lobes(roughness: float, edge: int) -> csr_array:
     """(texels, 6 edge^2) matrix that blurs faces into an octahedral layer."""
+    from scipy.sparse import csr_array  # late: checking a recipe draws nothing
+
     axis = octahedral_directions()
     lobe, weight = ggx_lobe(roughness, _SAMPLES)
     source = _face_pixels(around(axis, lobe).reshape(-1, 3), edge)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from tacos_plugins.renderers.moderngl.rays import RayTracer
 
@@ -59,6 +58,8 @@ def map_probes(
     The weight of a probe is the share of it in sight over its squared distance. Cells that see none, inside
     walls and cupboards, mirror what the nearest cell that sees one does.
     """
+    from scipy.ndimage import distance_transform_edt  # late: checking a recipe draws nothing
+
     extent = np.maximum(upper_m[:2] - lower_m[:2], CELL_M)
     cell_m = max(CELL_M, float(extent.max()) / _MOST_CELLS)
     columns, rows = np.ceil(extent / cell_m).astype(int)

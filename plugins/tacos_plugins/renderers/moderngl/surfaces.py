@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tacos_plugins.renderers.moderngl.flatten import FlatMesh
 
@@ -19,6 +17,9 @@ def smooth_surfaces(mesh: FlatMesh) -> NDArray[np.int32]:
     A surface is a run of triangles of one part joined along vertices of the same place and normal: light
     changes steadily on it, and jumps from one surface to the next.
     """
+    from scipy.sparse import coo_array  # late: checking a recipe draws nothing
+    from scipy.sparse.csgraph import connected_components
+
     if len(mesh.position_m) == 0:
         return np.zeros(0, np.int32)
     place = np.round(mesh.position_m / _SAME_PLACE_M).astype(np.int64)

@@ -1,0 +1,94 @@
+"""How far a phase is, and how long the rest of it may take; said now and then in the log of the run."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from datetime import timedelta
+
+from tacos_framework.errors import printable
+from tacos_framework.simulation import Evaluation
+from tacos_framework.study.progress import Progress
+
+log = logging.getLogger(__name__)
+
+EVERY_S = 60.0
+"""The log is told at most so often [s]."""
+
+
+class Pace:
+    """Counts what is done of a phase.
+
+    Parameters
+    ----------
+    title
+        Of the phase.
+    total
+        How many candidates or steps it will take; None where nobody knows.
+    clock
+        Seconds since any moment.
+
+    Examples
+    --------
+    >>> seconds = iter([0.0, 90.0, 90.0])
+    >>> pace = Pace("Designing", 4, clock=lambda: next(seconds))
+    >>> print(pace)
+    Designing: 0 of 4 done
+    >>> pace.done += 1
+    >>> print(pace)
+    Designing: 1 of 4 done, about 0:04:30 left
+    """
+
+    def __init__(self, title: str, total: int | None, clock: Callable[[], float] = time.monotonic):
+        self.title = printable(title)
+        self.total = total
+        self.done = 0
+        self._clock = clock
+        self._began_s = clock()
+
+    def __str__(self) -> str:
+        """What is done, and, once something is, how long the rest takes at the mean pace so far."""
+        if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
+            return f"{self.title}: {self.done} done"
+        told = f"{self.title}: {self.done} of {self.total} done"
+        left = self.total - self.done
+        if not self.done or left <= 0:
+            return told
+        left_s = (self._clock() - self._began_s) / self.done * left
+        return f"{told}, about {timedelta(seconds=round(left_s))} left"
+
+
+class Logged:
+    """Hands on what it is told, and says in the log how far the work is, whether anybody watches or not."""
+
+    def __init__(self, shown: Progress, clock: Callable[[], float] = time.monotonic):
+        self._shown = shown
+        self._clock = clock
+        self._said_s = clock()
+        self._pace: Pace | None = None
+
+    def phase(self, title: str, candidates: int | None) -> None:
+        self._shown.phase(title, candidates)
+        self._pace = Pace(title, candidates, self._clock)
+        log.info("%s", self._pace.title)
+        self._said_s = self._clock()
+
+    def evaluated(self, evaluation: Evaluation) -> None:
+        self._shown.evaluated(evaluation)
+        self._count()
+
+    def best(self, best: Evaluation | None) -> None:
+        self._shown.best(best)
+
+    def step(self, note: str = "") -> None:
+        self._shown.step(note)
+        self._count()
+
+    def _count(self) -> None:
+        if self._pace is None:
+            return
+        self._pace.done += 1
+        if self._clock() - self._said_s >= EVERY_S:
+            log.info("%s", str(self._pace))  # now: who reads records later reads what was true then
+            self._said_s = self._clock()

@@ -1,0 +1,72 @@
+"""The log says how far a run is, whether anybody watches or not."""
+
+from __future__ import annotations
+
+import logging
+
+import pytest
+
+from tacos_framework.cli.pace import EVERY_S, Logged, Pace
+from tacos_framework.simulation import Evaluation
+from tacos_framework.study.progress import Silent
+
+
+class Clock:
+    """Time that passes when it is told to [s]."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+class Noting(Silent):
+    """Remembers what it is told."""
+
+    def __init__(self) -> None:
+        self.told: list[str] = []
+
+    def phase(self, title: str, candidates: int | None) -> None:
+        self.told.append(title)
+
+    def step(self, note: str = "") -> None:
+        self.told.append(note)
+
+
+def test_the_rest_takes_as_long_as_what_is_done_did() -> None:
+    clock = Clock()
+    pace = Pace("Scoring", 10, clock)
+    pace.done, clock.now_s = 4, 60.0
+    assert str(pace) == "Scoring: 4 of 10 done, about 0:01:30 left"
+    pace.done = 10
+    assert str(pace) == "Scoring: 10 of 10 done"
+    pace.done = 11
+    assert str(pace) == "Scoring: 11 done"
+
+
+def test_of_an_unknown_whole_only_what_is_done_is_said() -> None:
+    pace = Pace("Reading", None)
+    pace.done = 3
+    assert str(pace) == "Reading: 3 done"
+
+
+def test_the_log_is_told_now_and_then_and_the_terminal_each_time(caplog: pytest.LogCaptureFixture) -> None:
+    clock, shown = Clock(), Noting()
+    progress = Logged(shown, clock)
+    with caplog.at_level(logging.INFO, "tacos_framework"):
+        progress.phase("Diagnosing", 6)
+        for case in range(4):
+            clock.now_s += 0.6 * EVERY_S
+            progress.step(f"case {case}")
+        progress.phase("Designing", None)
+        clock.now_s += EVERY_S
+        progress.evaluated(Evaluation(values={}))
+    assert shown.told == ["Diagnosing", "case 0", "case 1", "case 2", "case 3", "Designing"]
+    assert caplog.messages == [
+        "Diagnosing",
+        "Diagnosing: 2 of 6 done, about 0:02:24 left",
+        "Diagnosing: 4 of 6 done, about 0:01:12 left",
+        "Designing",
+        "Designing: 1 done",
+    ]
