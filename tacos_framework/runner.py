@@ -76,9 +76,7 @@ def run(
     plugins = plugins or Plugins.discover()
     progress = progress or Silent()
     if isinstance(recipe, ProcedureRecipe | ProcedurePlan):
-        return _run_procedure(
-            recipe, Path(out), plugins, executor, resume, accept_changes, progress, command
-        )
+        return _run_procedure(recipe, Path(out), plugins, executor, resume, accept_changes, progress, command)
     return run_study(
         recipe,
         out=Path(out),

@@ -27,11 +27,8 @@ def checksums_below(root: Path) -> Mapping[str, str]:
     OSError
         When one cannot be read, or is no regular file.
     """
-    stamps = tuple(
-        (str(path), status.st_mtime_ns, status.st_size)
-        for path in _files(root)
-        if (status := path.stat()) is not None
-    )
+    stats = [(path, path.stat()) for path in _files(root)]
+    stamps = tuple((str(path), stat.st_mtime_ns, stat.st_size) for path, stat in stats)
     return _checksums_as_of(root, stamps)
 
 

@@ -1,4 +1,4 @@
-"""What the results of a study or a procedure depend on: code, versions, parts of catalogs, files of settings."""
+"""What the results of a run depend on: code, versions, parts of catalogs, files of settings."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def manifest_of_study(plan: Plan) -> Manifest:
 
 
 def manifest_of_procedure(plan: ProcedurePlan, plugins: Plugins) -> Manifest:
-    """The manifest of a procedure that starts now: of all components, as it may run studies of any of them."""
+    """The manifest of a procedure that starts now: of all components, as it may run any study."""
     offered = list(plugins)
     modules = [plan.cls.__module__, *(each.component.target.partition(":")[0] for each in offered)]
     return Manifest(

@@ -16,6 +16,7 @@ from tacos_framework.environment import describe_environment
 from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.results import Results
+from tacos_framework.results.manifest import Manifest
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
 from tacos_framework.study.analysis import make_record
 from tacos_framework.study.checkpoints import Checkpoints
@@ -24,7 +25,6 @@ from tacos_framework.study.extending import budget_of
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.journal import Journal, JournaledExecutor
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
-from tacos_framework.results.manifest import Manifest
 from tacos_framework.study.outcome import Outcome
 from tacos_framework.study.progress import Progress
 from tacos_framework.study.records import candidate_record
