@@ -18,6 +18,8 @@ from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_framework.results import Results
+from tacos_framework.results.dependencies import manifest_of_procedure
+from tacos_framework.results.manifest import settle_manifest
 from tacos_framework.study import run_study
 from tacos_framework.study.progress import Progress, Silent
 
@@ -74,7 +76,7 @@ def run(
     plugins = plugins or Plugins.discover()
     progress = progress or Silent()
     if isinstance(recipe, ProcedureRecipe | ProcedurePlan):
-        return _run_procedure(recipe, Path(out), plugins, executor, resume, progress, command)
+        return _run_procedure(recipe, Path(out), plugins, executor, resume, accept_changes, progress, command)
     return run_study(
         recipe,
         out=Path(out),
@@ -95,6 +97,7 @@ def _run_procedure(
     plugins: Plugins,
     executor: JobRunner | None,
     resume: bool,
+    accept_changes: bool,
     progress: Progress,
     command: str,
 ) -> dict[str, Any]:
@@ -128,6 +131,8 @@ def _run_procedure(
     }
     began = time.monotonic()
     with results, results.logging({"tacos_framework", plan.cls.__module__.partition(".")[0]}):
+        now = manifest_of_procedure(plan, plugins)
+        manifest = settle_manifest(results, now, accept_changes=accept_changes, begun=resume)
         try:
             asked = {name: value for name, value in supplied.items() if name in plan.asks_for}
             with calling(recipe.use, distribution, "run"):
@@ -142,8 +147,9 @@ def _run_procedure(
             "procedure": recipe.use,
             "seed": recipe.seed,
             "seconds": round(time.monotonic() - began, 3),
-            "environment": describe_environment(workers, plugins.findings()),
+            "environment": describe_environment(workers, plugins.offers.findings()),
             "command": command,
+            **({"accepted": manifest.accepted} if manifest.accepted else {}),
             **found,
         }
         results.write_json("result.json", result)

@@ -29,7 +29,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 def toys() -> Plugins:
     """The installed plugins and the toys, without the analysis of studies, which takes a second for each."""
     plugins = Plugins.discover()
-    plugins._plugins = [plugin for plugin in plugins._plugins if plugin.name != "decision"]
+    plugins.offers._plugins = [plugin for plugin in plugins.offers._plugins if plugin.name != "decision"]
     plugins.register(toy_plugin)
     return plugins
 

@@ -29,7 +29,7 @@ def _report(arguments: argparse.Namespace) -> int:
     folder = arguments.folder
     if not (folder / "result.json").is_file():
         raise UserError(Fault(str(folder), "there is no result.json", "the results folder of a run"))
-    written, failures = Plugins.discover().write_reports(folder)
+    written, failures = Plugins.discover().offers.write_reports(folder)
     for path in written:
         print(path)
     for failure in failures:

@@ -20,12 +20,12 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
-    for command in plugins.commands(taken=tuple(commands.choices)):
+    for command in plugins.offers.commands(taken=tuple(commands.choices)):
         try:
             command.add_arguments(argparse.ArgumentParser())  # in vain, as a parser once added stays
             command.add_arguments(commands.add_parser(command.name, help=command.help))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - kept and shown by `tacos plugins`
-            plugins.reject(command, error)
+            plugins.offers.reject(command, error)
     return parser
 
 
@@ -43,7 +43,7 @@ def _main(argv: Sequence[str] | None) -> int:
         "plugins": lambda arguments: _plugins(plugins),
         "doctor": lambda arguments: _doctor(plugins),
     }
-    commands = {command.name: command.run for command in plugins.commands()} | own
+    commands = {command.name: command.run for command in plugins.offers.commands()} | own
     return commands[arguments.command](arguments)
 
 
@@ -73,7 +73,7 @@ def _doctor(plugins: Plugins) -> int:
         EnvironmentFinding("Python", platform.python_version()),
         EnvironmentFinding("cores", str(usable_cores())),
         _torch(),
-        *plugins.findings(),
+        *plugins.offers.findings(),
         *(
             EnvironmentFinding(f"plugin {f.plugin}", f.reason, ok=False, remedy=f.remedy)
             for f in [*plugins.failures, *plugins.unusable()]

@@ -7,6 +7,7 @@ will take, refuses what is above a stated limit, and says what is wrong in a `ta
 ``regular``  bytes of a regular file, not too many, not from elsewhere
 ``limits``   how much a file may take, and how a user changes that
 ``text``     text in UTF-8; JSON; tables of comma-separated values
+``trees``    checksums of files and folders, to tell whether they have changed
 
 On top of them `tacos_framework.settings.yaml_reader` reads YAML, and `tacos_files` images and arrays.
 """

@@ -3,48 +3,27 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import partial
 from importlib.metadata import EntryPoint, entry_points
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
-import pluggy
-
-from tacos_framework import hookspecs
-from tacos_framework.components import CONTRACT_VERSION, Command, Component, ReferencePage
+from tacos_framework.components import CONTRACT_VERSION, Component
 from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.plugins.failures import PluginFailure, in_words, tried
+from tacos_framework.plugins.failures import PluginFailure, PluginFailures, in_words
 from tacos_framework.plugins.importing import WITHOUT_VARIABLE, imported, say_what_ended_the_last_start
-from tacos_framework.plugins.observers import Observer, Observers
+from tacos_framework.plugins.offers import GROUP, HookedPlugin, Offers
 from tacos_framework.plugins.registry import Registered, Registry
-
-if TYPE_CHECKING:
-    from tacos_framework.contracts import EpisodeStore
-
-GROUP = "tacos"
-"""The entry-point group plugins register in."""
-
-Offer = TypeVar("Offer")
-
-
-@dataclass(frozen=True)
-class _Plugin:
-    """A module or object with hooks, and where it comes from."""
-
-    hooks: Any
-    name: str
-    distribution: str | None
-
-    @property
-    def source(self) -> str:
-        return self.distribution or self.name
 
 
 class Plugins:
     """The plugins of one host. There is no global instance.
+
+    Attributes
+    ----------
+    offers
+        What they offer beside components.
 
     Examples
     --------
@@ -54,13 +33,10 @@ class Plugins:
     """
 
     def __init__(self) -> None:
-        self._manager = pluggy.PluginManager(GROUP)
-        self._manager.add_hookspecs(hookspecs)
-        self._plugins: list[_Plugin] = []
+        self._failures = PluginFailures()
+        self.offers = Offers(self._failures)
         self._components = Registry()
         self._modules: list[str] = []
-        self._command_sources: dict[str, str] = {}
-        self._failures: dict[tuple[str, str], PluginFailure] = {}
         self._remarks: dict[tuple[str, str], EnvironmentFinding] = {}
 
     @classmethod
@@ -82,9 +58,7 @@ class Plugins:
             reason = f"{WITHOUT_VARIABLE} names it, " + (
                 "so it is left out" if name in spared else "but it is not there"
             )
-            plugins._failures[name, reason] = PluginFailure(
-                name, reason, remedy=f"Change {WITHOUT_VARIABLE}."
-            )
+            plugins._failures.add(name, reason, remedy=f"Change {WITHOUT_VARIABLE}.")
         return plugins
 
     def _load(self, entry_point: EntryPoint) -> None:
@@ -92,9 +66,9 @@ class Plugins:
         plugin = distribution or entry_point.name
         module, error = imported(entry_point.load, plugin, partial(self._remark, plugin))
         if error is not None:
-            self._fail(plugin, f"its import failed: {in_words(error)}", error)
+            self._failures.add(plugin, f"its import failed: {in_words(error)}", error)
         else:
-            self._register(_Plugin(module, entry_point.name, distribution))
+            self._register(HookedPlugin(module, entry_point.name, distribution))
 
     def register(self, plugin: Any, name: str | None = None) -> None:
         """Add a module or object with hooks: the door for embedding and tests.
@@ -104,153 +78,28 @@ class Plugins:
         name = name or str(getattr(plugin, "__name__", type(plugin).__name__))
         if hasattr(plugin, "__spec__"):
             self._modules.append(plugin.__name__)
-        self._register(_Plugin(plugin, name, None))
+        self._register(HookedPlugin(plugin, name, None))
 
-    def _register(self, plugin: _Plugin) -> None:
-        known = set(self._manager.get_plugins())
-        unique = f"{plugin.distribution}:{plugin.name}" if plugin.distribution else plugin.name
-        try:
-            self._manager.register(plugin.hooks, unique)  # names are chosen by strangers
-            self._manager.check_pending()
-        except (pluggy.PluginValidationError, ValueError) as error:
-            if plugin.hooks not in known and self._manager.is_registered(plugin.hooks):
-                self._manager.unregister(plugin.hooks)
-            self._fail(plugin.source, f"its hooks do not fit: {error}", error)
+    def _register(self, plugin: HookedPlugin) -> None:
+        if not self.offers.register(plugin):
             return
-        if not self._manager.get_hookcallers(plugin.hooks):
-            self._fail(plugin.source, "it implements no hook: mark tacos_components with @hookimpl")
-            return
-        self._plugins.append(plugin)
-        for component in self._offered(plugin, "tacos_components", Component):
+        for component in self.offers.of(plugin, "tacos_components", Component):
             if component.contract == CONTRACT_VERSION:
                 self._components.add(Registered(component, plugin.name, plugin.distribution))
             else:
-                self._fail(
+                self._failures.add(
                     plugin.source,
                     f"{component.use} is written for contract {component.contract}, this is "
                     f"{CONTRACT_VERSION}: install a version of the plugin made for this tacos-framework",
                     uses=(component.use,),
                 )
 
-    # what plugins offer by hooks --------------------------------------------------------------------------
-
-    def _hook_of(self, plugin: _Plugin, hook: str) -> Any:
-        """Calls a hook of one plugin alone."""
-        others = [other.hooks for other in self._plugins if other.hooks is not plugin.hooks]
-        return self._manager.subset_hook_caller(hook, remove_plugins=others)
-
-    def _offered(self, plugin: _Plugin, hook: str, kind: type[Offer]) -> list[Offer]:
-        """What a plugin offers by a hook; its failures are kept."""
-        call = self._hook_of(plugin, hook)
-        offered, error = tried(partial(_all, call), f"{hook} of plugin {plugin.source}")
-        if error is not None:
-            self._fail(plugin.source, f"its {hook} failed: {in_words(error)}", error)
-        for offer in offered or ():
-            if not isinstance(offer, kind):
-                self._fail(
-                    plugin.source,
-                    f"it offers a {type(offer).__name__} where a {kind.__name__} is expected",
-                )
-        return [offer for offer in offered or () if isinstance(offer, kind)]
-
-    def findings(self) -> list[EnvironmentFinding]:
-        """What plugins found out about this machine; a look that fails is a finding too."""
-        found = []
-        for plugin in self._plugins:
-            call = self._hook_of(plugin, "tacos_doctor")
-            findings, error = tried(partial(_all, call), f"tacos_doctor of plugin {plugin.source}")
-            for finding in findings or ():
-                if isinstance(finding, EnvironmentFinding):
-                    found.append(finding)
-                else:
-                    error = TypeError(f"it gives a {type(finding).__name__} where a Finding is expected")
-            if error is not None:
-                said = f"its tacos_doctor failed: {in_words(error)}"
-                found.append(
-                    EnvironmentFinding(f"plugin {plugin.source}", said, ok=False, remedy="Update it.")
-                )
-        return found
-
-    def commands(self, taken: tuple[str, ...] = ()) -> list[Command]:
-        """The commands of ``tacos`` of plugins, by name, without those whose name is not theirs alone.
-
-        Parameters
-        ----------
-        taken
-            Names the host has given already.
-        """
-        offers: dict[str, list[tuple[_Plugin, Command]]] = {}
-        for plugin in self._plugins:
-            for command in self._offered(plugin, "tacos_commands", Command):
-                offers.setdefault(command.name, []).append((plugin, command))
-        for name, offered in offers.items():
-            sources = [plugin.source for plugin, _ in offered]
-            if name in taken:
-                sources.insert(0, "tacos itself")
-            if len(sources) > 1:
-                by = " and by ".join(sources)
-                self._fail(sources[-1], f"the command {name!r} is offered by {by}, so it is left out")
-            self._command_sources[name] = sources[-1]
-        return [
-            offered[0][1]
-            for name, offered in sorted(offers.items())
-            if len(offered) == 1 and name not in taken
-        ]
-
-    def reject(self, command: Command, error: BaseException) -> None:
-        """Keep that a command cannot be used, which showed only when it was."""
-        source = self._command_sources[command.name]
-        self._fail(source, f"its command {command.name!r} failed: {in_words(error)}", error)
-
-    def reference_pages(self) -> list[ReferencePage]:
-        """The pages of the reference that plugins offer."""
-        return [
-            page
-            for plugin in self._plugins
-            for page in self._offered(plugin, "tacos_reference_pages", ReferencePage)
-        ]
-
-    def episode_store(self) -> EpisodeStore | None:
-        """What keeps the episodes that scenes make; None where no plugin offers to."""
-        from tacos_framework.contracts import EpisodeStore  # numpy is not for those who only list plugins
-
-        kind: Any = EpisodeStore  # a Protocol
-        stores = (s for p in self._plugins for s in self._offered(p, "tacos_episode_stores", kind))
-        return next(stores, None)
-
-    def write_reports(self, folder: Path) -> tuple[list[Path], list[PluginFailure]]:
-        """Have plugins report on a results folder: the files they wrote, and what failed."""
-        written: list[Path] = []
-        failures = []
-        for plugin in self._plugins:
-            call = self._hook_of(plugin, "tacos_report")
-            files, error = tried(partial(call, folder=folder), f"tacos_report of plugin {plugin.source}")
-            written += files or ()
-            if error is not None:
-                said = f"its tacos_report failed: {in_words(error)}"
-                failures.append(PluginFailure(plugin.source, said, error))
-        return written, failures
-
-    def observers(self) -> Observers:
-        """Those who listen to a study; for one study, as those that fail are told no more."""
-        observers = []
-        for plugin in self._plugins:
-            implemented = self._manager.get_hookcallers(plugin.hooks) or []
-            hooks = {caller.name: self._hook_of(plugin, caller.name) for caller in implemented}
-            observers.append(Observer(plugin.name, plugin.distribution, hooks))
-        return Observers(observers)
-
     # failures ---------------------------------------------------------------------------------------------
 
     @property
     def failures(self) -> list[PluginFailure]:
         """What cannot be used, as far as it is known without importing components."""
-        return [*self._failures.values(), *self._components.clashes()]
-
-    def _fail(
-        self, plugin: str, reason: str, error: BaseException | None = None, uses: tuple[str, ...] = ()
-    ) -> None:
-        self._failures[plugin, reason] = PluginFailure(plugin, reason, error, uses)
+        return [*self._failures, *self._components.clashes()]
 
     def _remark(self, plugin: str, what: str) -> None:
         remark = EnvironmentFinding(f"plugin {plugin}", what, ok=False, remedy="Update it.")
@@ -359,11 +208,6 @@ class Plugins:
                 [Fault(where, f"{use}: {fault}", remedy="Correct the plugin.") for fault in faults]
             )
         return cls
-
-
-def _all(hook: Callable[[], Iterable[Iterable[Any]]]) -> list[Any]:
-    """What a hook returns, in one list."""
-    return [each for returned in hook() for each in returned]
 
 
 def _name_of(entry_point: EntryPoint) -> str | None:

@@ -39,6 +39,27 @@ class PluginFailure:
     remedy: str = "Update or uninstall it."
 
 
+class PluginFailures:
+    """What cannot be used, each reason once."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[str, str], PluginFailure] = {}
+
+    def __iter__(self) -> Iterator[PluginFailure]:
+        return iter(self._kept.values())
+
+    def add(
+        self,
+        plugin: str,
+        reason: str,
+        error: BaseException | None = None,
+        uses: tuple[str, ...] = (),
+        remedy: str = "Update or uninstall it.",
+    ) -> None:
+        """Keep a failure; see `PluginFailure`."""
+        self._kept[plugin, reason] = PluginFailure(plugin, reason, error, uses, remedy)
+
+
 def tried(
     call: Callable[[], Result], doing: str = "what a plugin does"
 ) -> tuple[Result | None, BaseException | None]:

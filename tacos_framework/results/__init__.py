@@ -1,12 +1,14 @@
 """The results folder of a run.
 
-=============  ==============================================================================================
-``results``    a run: what stands where, how it begins and goes on
-``folder``     a folder that one process writes into at a time
-``checksums``  how its files carry checksums
-``writing``    files that are there whole or not at all
-``reading``    files as the run left them, or a sentence on what is wrong
-=============  ==============================================================================================
+================  ===========================================================================================
+``results``       a run: what stands where, how it begins and goes on
+``folder``        a folder that one process writes into at a time
+``checksums``     how its files carry checksums
+``writing``       files that are there whole or not at all
+``reading``       files as the run left them, or a sentence on what is wrong
+``manifest``      what a run was started with, held against what is there when it goes on
+``dependencies``  what that is, of a study and of a procedure
+================  ===========================================================================================
 """
 
 from __future__ import annotations

@@ -7,12 +7,13 @@ telling.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+from tacos_framework.files.trees import new_checksum
 
 _HEX = rb"([0-9a-f]{32})"
 _JSON = re.compile(rb'(\{.*),\n "checksum": "' + _HEX + rb'"\n\}\n', re.DOTALL)
@@ -22,11 +23,6 @@ _TEXT = re.compile(rb"(.*)# checksum: " + _HEX + rb"\n", re.DOTALL)
 
 class Damaged(ValueError):
     """A file is not as the run left it; the message says what is wrong, in a few words."""
-
-
-def new_checksum(data: bytes = b"") -> hashlib.blake2b:
-    """The checksum of data, to which more may be added (BLAKE2b, 32 hexadecimal digits)."""
-    return hashlib.blake2b(data, digest_size=16)
 
 
 def checksum(data: bytes, after: str = "") -> str:

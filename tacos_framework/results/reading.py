@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,7 +16,6 @@ from tacos_framework.results.checksums import (
     checked_text,
     checksum,
     json_object,
-    new_checksum,
 )
 
 Content = TypeVar("Content")
@@ -41,18 +39,6 @@ def file_of_run(path: Path) -> bytes:
         raise Damaged(f"it is {error.strerror}") from error
     except OSError as error:
         raise Damaged(f"it cannot be read: {error.strerror or error}") from error
-
-
-def checksum_of_file(path: Path) -> str:
-    """What `checksum` gives for the content of a file of any size.
-
-    Raises
-    ------
-    OSError
-        When it cannot be read.
-    """
-    with open_regular(path) as file:
-        return hashlib.file_digest(file, new_checksum).hexdigest()
 
 
 def checked_file(path: Path, parse: Callable[[bytes], Content]) -> Content:

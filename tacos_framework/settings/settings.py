@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -115,6 +115,14 @@ def physical_settings(config: type[BaseModel]) -> Mapping[str, str]:
     return MappingProxyType({name: str(of) for name, of in counterparts.items() if of})
 
 
+def paths_in(settings: Settings) -> Iterator[tuple[str, str]]:
+    """The settings that may be paths and that text is given for, by name."""
+    for name in type(settings).model_fields:
+        value = getattr(settings, name)
+        if _extra(type(settings), name).get("path") and isinstance(value, str) and value:
+            yield name, value
+
+
 def _extra(config: type[BaseModel], name: str) -> Mapping[str, JsonValue]:
     extra = config.model_fields[name].json_schema_extra
     return extra if isinstance(extra, dict) else {}
@@ -125,10 +133,9 @@ def with_paths_from(
 ) -> dict[str, Any]:
     """The settings, with relative paths to what exists below the folder of a setting made to start there."""
     found = dict(settings)
-    for name, field in config.model_fields.items():
-        extra = field.json_schema_extra
+    for name in config.model_fields:
         value = settings.get(name)
-        if isinstance(extra, dict) and extra.get("path") and isinstance(value, str) and value:
+        if _extra(config, name).get("path") and isinstance(value, str) and value:
             folder = folder_of(name)
             if folder is not None and (folder / value).exists():
                 found[name] = str(folder / value)

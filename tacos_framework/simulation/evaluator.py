@@ -47,7 +47,7 @@ class Evaluator:
         if self._simulation is None:
             plugins = self._plugins or self._discover()
             self._simulation = Simulation(
-                self._plan or make_plan(self.recipe, plugins), plugins.episode_store()
+                self._plan or make_plan(self.recipe, plugins), plugins.offers.episode_store()
             )
         return self._simulation
 

@@ -15,9 +15,10 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.plugins.executing import GuardedExecutor
 from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
+from tacos_framework.results.dependencies import manifest_of_study
+from tacos_framework.results.manifest import settle_manifest
 from tacos_framework.study.extending import for_resuming, without_budget
 from tacos_framework.study.failing import KeepsFailing
-from tacos_framework.study.manifest import settle_manifest
 from tacos_framework.study.progress import Progress, Silent
 from tacos_framework.study.study import BROKEN_OFF, DEFECT, Study
 
@@ -49,7 +50,9 @@ def run_study(
     parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
     packages = {part.cls.__module__.partition(".")[0] for part in parts}
     with results, results.logging({"tacos_framework", *packages}):
-        manifest = settle_manifest(results, plan, accept_changes=accept_changes, begun=checkpoint is not None)
+        manifest = settle_manifest(
+            results, manifest_of_study(plan), accept_changes=accept_changes, begun=checkpoint is not None
+        )
         of_recipe, distribution = plan.executor, plan.executor.distribution
         evaluates = (
             GuardedExecutor.of_host(executor)
@@ -77,7 +80,7 @@ def run_study(
 
 def _report(folder: Path, plugins: Plugins) -> None:
     """Have plugins report on the study; the result stands, whatever becomes of its report."""
-    for failure in plugins.write_reports(folder)[1]:
+    for failure in plugins.offers.write_reports(folder)[1]:
         warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
         log.warning("%s", warning, exc_info=failure.error)
         print(f"warning: {warning}", file=sys.stderr)

@@ -16,6 +16,7 @@ from tacos_framework.environment import describe_environment
 from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.results import Results
+from tacos_framework.results.manifest import Manifest
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
 from tacos_framework.study.analysis import make_record
 from tacos_framework.study.checkpoints import Checkpoints
@@ -24,7 +25,6 @@ from tacos_framework.study.extending import budget_of
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.journal import Journal, JournaledExecutor
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
-from tacos_framework.study.manifest import Manifest
 from tacos_framework.study.outcome import Outcome
 from tacos_framework.study.progress import Progress
 from tacos_framework.study.records import candidate_record
@@ -67,7 +67,7 @@ class Study:
         self.plan = plan
         self.results = results
         self.broken_off: str | None = None
-        self._observers = plugins.observers()
+        self._observers = plugins.offers.observers()
         self._manifest = manifest
         self._progress = progress
         self._command = command
@@ -83,7 +83,7 @@ class Study:
         self._samples: dict[str, list[str]] = {}
         journal = Journal(results, lambda: self.seconds)
         self._executor = JournaledExecutor(executor, journal)
-        self._environment = describe_environment(self._executor.workers, plugins.findings())
+        self._environment = describe_environment(self._executor.workers, plugins.offers.findings())
         self.searches = list(self._make_searches())
         self._checkpoints = Checkpoints(results, journal, self._line_files)
 

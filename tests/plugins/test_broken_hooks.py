@@ -38,7 +38,7 @@ COMMANDS = """
 )
 def test_a_doctor_that_fails_is_a_finding(distribution, capsys, body, said):
     distribution("acme", DOCTOR.replace("BODY", body))
-    (finding,) = [f for f in Plugins.discover().findings() if f.name == "plugin acme"]
+    (finding,) = [f for f in Plugins.discover().offers.findings() if f.name == "plugin acme"]
     assert not finding.ok
     assert said in finding.value
     assert tacos_main(["doctor"]) == 1
@@ -68,6 +68,6 @@ def test_reference_pages_that_fail_are_listed(distribution):
     source = DOCTOR.replace("tacos_doctor", "tacos_reference_pages").replace("BODY", "raise OSError('gone')")
     distribution("acme", source)
     plugins = Plugins.discover()
-    assert plugins.reference_pages()
+    assert plugins.offers.reference_pages()
     (failure,) = plugins.failures
     assert failure.reason == "its tacos_reference_pages failed: OSError: gone"

@@ -111,7 +111,7 @@ def test_commands_of_one_name_are_both_left_out(distribution, capsys):
     distribution("acme-first", command("shine"))
     distribution("acme-second", command("shine"))
     plugins = Plugins.discover()
-    assert "shine" not in {each.name for each in plugins.commands()}
+    assert "shine" not in {each.name for each in plugins.offers.commands()}
     (failure,) = plugins.failures
     assert "the command 'shine' is offered by acme-first and by acme-second" in failure.reason
     with pytest.raises(SystemExit):

@@ -16,6 +16,7 @@ from tacos_framework.hookspecs import hookimpl
 from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
+from tacos_report.verifying import verify
 
 
 class Counting:
@@ -44,11 +45,21 @@ def _square(number: int) -> int:
     return number * number
 
 
+class Continuing(Counting):
+    """Goes on with a broken run."""
+
+    def run(self, *, out: Path, resume: bool) -> Mapping[str, Any]:  # type: ignore[override]
+        return {"resumed": resume}
+
+
 class _Module:
     @staticmethod
     @hookimpl
     def tacos_components() -> list[Component]:
-        return [Component("procedure", "count", f"{__name__}:Counting", summary="Counts.")]
+        return [
+            Component("procedure", "count", f"{__name__}:Counting", summary="Counts."),
+            Component("procedure", "continue", f"{__name__}:Continuing", summary="Goes on."),
+        ]
 
 
 @pytest.fixture
@@ -94,6 +105,37 @@ def test_a_second_run_does_not_go_into_the_same_folder(tmp_path, plugins):
         run(asked, out=tmp_path / "out", plugins=plugins)
     with pytest.raises(UserError, match="cannot go on with a broken run"):
         run(asked, out=tmp_path / "out", plugins=plugins, resume=True)
+
+
+def test_what_changes_under_a_procedure_is_named_as_it_goes_on(tmp_path, plugins):
+    table = tmp_path / "table.csv"
+    table.write_text("1\n")
+    asked = ProcedureRecipe("procedure.continue", {"limit": 1, "table": str(table)})
+    out = tmp_path / "out"
+    assert run(asked, out=out, plugins=plugins)["resumed"] is False
+    assert run(asked, out=out, plugins=plugins, resume=True)["resumed"] is True
+    table.write_text("2\n")
+    change = "the files of settings is not the same: procedure.continue.table: table.csv changed"
+    with pytest.raises(UserError, match=change) as caught:
+        run(asked, out=out, plugins=plugins, resume=True)
+    assert "--accept-changes" in str(caught.value)
+    taken = run(asked, out=out, plugins=plugins, resume=True, accept_changes=True)
+    assert taken["accepted"] == ((change,),)
+    assert run(asked, out=out, plugins=plugins, resume=True)["accepted"] == ((change,),)
+
+
+def test_the_files_of_a_procedure_are_verified(tmp_path, plugins):
+    run(ProcedureRecipe("procedure.count", {"limit": 2}), out=tmp_path / "out", plugins=plugins)
+    assert {each.name: each.damage for each in verify(tmp_path / "out")} == {
+        "recipe.yaml": None,
+        "manifest.json": None,
+        "result.json": None,
+        "log.txt": None,
+    }
+    result = tmp_path / "out" / "result.json"
+    result.write_bytes(result.read_bytes().replace(b"squares, ", b"sqares, "))
+    damaged = {each.name for each in verify(tmp_path / "out") if each.damage}
+    assert damaged == {"result.json"}
 
 
 def test_a_start_that_failed_refuses_no_other(tmp_path, plugins):

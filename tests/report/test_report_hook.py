@@ -55,7 +55,7 @@ def test_a_report_that_fails_costs_no_result(
 def test_every_plugin_may_report(tmp_path: Path) -> None:
     plugins = Plugins()
     plugins.register(OtherReport(), "other")
-    assert plugins.write_reports(tmp_path) == ([tmp_path / "summary.txt"], [])
+    assert plugins.offers.write_reports(tmp_path) == ([tmp_path / "summary.txt"], [])
 
 
 def test_the_result_of_a_procedure_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -70,5 +70,5 @@ def test_a_broken_result_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[
     (tmp_path / "result.json").write_text("{")
     assert tacos_main(["report", str(tmp_path)]) == 2
     assert "it is no JSON" in capsys.readouterr().err
-    _, (failure,) = Plugins.discover().write_reports(tmp_path)
+    _, (failure,) = Plugins.discover().offers.write_reports(tmp_path)
     assert isinstance(failure.error, UserError)

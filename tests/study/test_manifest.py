@@ -10,9 +10,10 @@ from toy_study import comparable, run, toy_recipe
 from tacos_framework.errors import UserError
 from tacos_framework.plan import make_plan
 from tacos_framework.recipe import Recipe
+from tacos_framework.results import dependencies
+from tacos_framework.results.dependencies import manifest_of_study
+from tacos_framework.results.manifest import Manifest
 from tacos_framework.settings.yaml_writer import to_yaml
-from tacos_framework.study import manifest
-from tacos_framework.study.manifest import Manifest
 from tests.toy_study import FROM_CATALOG
 
 
@@ -22,7 +23,7 @@ def changes(before: Manifest, **changed) -> list[str]:
 
 @pytest.fixture(scope="module")
 def of_toys(toys):
-    return Manifest.of(make_plan(toy_recipe(), toys))
+    return manifest_of_study(make_plan(toy_recipe(), toys))
 
 
 def test_every_difference_is_a_sentence(of_toys):
@@ -36,7 +37,7 @@ def test_every_difference_is_a_sentence(of_toys):
 
 def test_a_changed_plugin_is_refused_and_taken_where_that_is_wanted(toys, tmp_path, monkeypatch):
     result = run(toy_recipe(), toys, tmp_path)
-    monkeypatch.setattr(manifest, "_code_of", lambda package: {f"{package}.py": "changed"})
+    monkeypatch.setattr(dependencies, "_code_of", lambda package: {f"{package}.py": "changed"})
     with pytest.raises(UserError, match="the code of toy_plugin is not the same") as caught:
         run(toy_recipe(), toys, tmp_path, resume=True)
     assert "--accept-changes" in str(caught.value)
@@ -55,9 +56,9 @@ def test_a_part_of_a_catalog_that_has_changed_is_named(toys, tmp_path):
         **FROM_CATALOG,
         "design": {"focal_length_mm": {"between": [1, 20]}, "sensor": {"from": str(catalog)}},
     }
-    before = Manifest.of(make_plan(Recipe.model_validate(data), toys))
+    before = manifest_of_study(make_plan(Recipe.model_validate(data), toys))
     catalog.write_text(rows.replace("large,32", "large,64"))
-    now = Manifest.of(make_plan(Recipe.model_validate(data), toys))
+    now = manifest_of_study(make_plan(Recipe.model_validate(data), toys))
     assert before.changes(now) == ["the catalog ours is not the same: large changed"]
 
 
@@ -70,13 +71,13 @@ def test_files_that_settings_name_are_in_it(toys):
         "width": {"use": "task.orb-features", "in": {"frames": "frames"}},
     }
     data["fitness"] = [{"score": "width.inliers", "weight": 1}]
-    found = Manifest.of(make_plan(Recipe.model_validate(data), toys))
+    found = manifest_of_study(make_plan(Recipe.model_validate(data), toys))
     assert set(found.files) == {"frames.calibration: flea3_imx172.yaml"}
 
 
 def test_code_is_that_of_the_packages_in_use(of_toys):
     assert {"tacos_framework", "toy_plugin", "tacos_plugins"} == set(of_toys.code)
-    assert "study/manifest.py" in of_toys.code["tacos_framework"]
+    assert "results/manifest.py" in of_toys.code["tacos_framework"]
     assert not any("__pycache__" in name for files in of_toys.code.values() for name in files)
     assert sys.version.startswith(of_toys.python)
     assert to_yaml(of_toys.model_dump(mode="json"))

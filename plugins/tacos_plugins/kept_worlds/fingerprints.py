@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import sys
-from collections.abc import Iterator
 from functools import lru_cache
-from hashlib import blake2b
 from importlib.metadata import distributions
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.cache import content_key
-from tacos_framework.settings import Settings
+from tacos_framework.files.trees import checksums_below
+from tacos_framework.settings import Settings, paths_in
 
 
 def code_key(cls: type[Any]) -> str | None:
@@ -26,18 +24,13 @@ def code_key(cls: type[Any]) -> str | None:
     if root is None:
         return None
     ours = [_root_of(name) for name in ("tacos_framework", "tacos_files", "tacos_plugins")]
-    return content_key([_key_of_files(str(each)) for each in (root, *ours) if each], _machine())
+    return content_key([checksums_below(each) for each in (root, *ours) if each], _machine())
 
 
 def settings_key(config: Settings) -> str:
     """Content key of the settings of a component, and of all files they name."""
     plain = config.model_dump(mode="json", by_alias=True)
-    files = {
-        name: _key_of_files(text)
-        for name, field in type(config).model_fields.items()
-        if isinstance(field.json_schema_extra, dict) and field.json_schema_extra.get("path")
-        if isinstance(text := getattr(config, name), str) and text and Path(text).exists()
-    }
+    files = {name: checksums_below(Path(text)) for name, text in paths_in(config) if Path(text).exists()}
     return content_key(plain, files)
 
 
@@ -48,33 +41,6 @@ def _root_of(top: str) -> Path | None:
     if module is None or top == "__main__" or file is None:
         return None
     return Path(file).parent if hasattr(module, "__path__") else Path(file)
-
-
-def _key_of_files(root: str) -> str:
-    """Content key of a file, or of all files in a folder, byte code left out."""
-    stamps = tuple((str(path), path.stat().st_mtime_ns, path.stat().st_size) for path in _files(Path(root)))
-    return _key_as_of(root, stamps)
-
-
-@lru_cache(maxsize=32)
-def _key_as_of(root: str, stamps: tuple[tuple[str, int, int], ...]) -> str:
-    """The same, read once for as long as no file is written."""
-    digest = blake2b(digest_size=16)
-    for path, _, _ in stamps:
-        content = Path(path).read_bytes()
-        digest.update(f"{os.path.relpath(path, root)}\0{len(content)}\0".encode())
-        digest.update(content)
-    return digest.hexdigest()
-
-
-def _files(root: Path) -> Iterator[Path]:
-    """All files of a folder in order, or the file itself."""
-    if root.is_file():
-        yield root
-        return
-    for folder, names, files in os.walk(root):
-        names[:] = sorted(name for name in names if name != "__pycache__")
-        yield from (path for name in sorted(files) if (path := Path(folder) / name).is_file())
 
 
 @lru_cache(maxsize=1)

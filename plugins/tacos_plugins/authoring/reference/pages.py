@@ -242,7 +242,7 @@ def pages() -> dict[str, Callable[[], str]]:
         "recipe_keys.md": recipe_page,
         "hooks.md": hooks_page,
     }
-    return own | {page.name: page.write for page in Plugins.discover().reference_pages()}
+    return own | {page.name: page.write for page in Plugins.discover().offers.reference_pages()}
 
 
 def main(folder: Path) -> None:

@@ -2,31 +2,21 @@
 
 from __future__ import annotations
 
-import importlib.util
-import platform
-from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
-from pathlib import Path
-from typing import Any, Self
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
-from tacos_framework.cache import content_key
-from tacos_framework.environment import package_versions
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.packaged_resources import shipped_folder
-from tacos_framework.plan import ConfiguredComponent, Plan
-from tacos_framework.results import Results
-from tacos_framework.results.reading import MANIFEST, checksum_of_file, damage
-from tacos_framework.variables import CatalogChoice
+from tacos_framework.results.reading import MANIFEST, damage
+from tacos_framework.results.results import Results
 
-FRAMEWORK = "tacos_framework"
 NAMED = 5
 """Changed files and parts of a sort that a sentence names; of the others it says how many they are."""
 
 
 class Manifest(BaseModel):
-    """What the results of a study depend on, beside its recipe. Where it runs is no part of it.
+    """What the results of a run depend on, beside its recipe. Where it runs is no part of it.
 
     Parameters
     ----------
@@ -41,7 +31,7 @@ class Manifest(BaseModel):
     files
         Checksums of the files that settings name (``detect.weights: FILE``), folders file by file.
     accepted
-        What had changed, in sentences, each time the study went on with ``--accept-changes``.
+        What had changed, in sentences, each time the run went on with ``--accept-changes``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -52,20 +42,6 @@ class Manifest(BaseModel):
     catalogs: dict[str, dict[str, str]]
     files: dict[str, str]
     accepted: tuple[tuple[str, ...], ...] = ()
-
-    @classmethod
-    def of(cls, plan: Plan) -> Self:
-        """The manifest of a study that starts now."""
-        parts = dict(_parts(plan))
-        distributions = {part.distribution for part in parts.values() if part.distribution}
-        packages = {part.cls.__module__.partition(".")[0] for part in parts.values()}
-        return cls(
-            python=platform.python_version(),
-            packages=package_versions(distributions),
-            code={name: _code_of(name) for name in sorted({FRAMEWORK, *packages})},
-            catalogs=_catalogs(plan),
-            files=dict(_files(parts)),
-        )
 
     def changes(self, now: Manifest) -> list[str]:
         """What is different now, a sentence each."""
@@ -82,15 +58,15 @@ class Manifest(BaseModel):
         ]
 
 
-def settle_manifest(results: Results, plan: Plan, *, accept_changes: bool, begun: bool) -> Manifest:
+def settle_manifest(results: Results, now: Manifest, *, accept_changes: bool, begun: bool) -> Manifest:
     """Write the manifest of a run that begins, or hold one that goes on against what is there now.
 
     Parameters
     ----------
     results
         The folder of the run.
-    plan
-        What is run.
+    now
+        What the run depends on as of now.
     accept_changes
         Go on although something has changed; the manifest then says what.
     begun
@@ -101,7 +77,6 @@ def settle_manifest(results: Results, plan: Plan, *, accept_changes: bool, begun
     UserError
         With a fault for each change, where these are not accepted.
     """
-    now = Manifest.of(plan)
     data = results.read_json(MANIFEST)
     path = results.folder / MANIFEST
     if data is None and begun:
@@ -129,70 +104,6 @@ def settle_manifest(results: Results, plan: Plan, *, accept_changes: bool, begun
     accepted = now.model_copy(update={"accepted": (*before.accepted, tuple(changes))})
     results.write_json(MANIFEST, accepted.model_dump(mode="json"))
     return accepted
-
-
-def _parts(plan: Plan) -> Iterator[tuple[str, ConfiguredComponent]]:
-    """The components that results depend on, by the name of their place."""
-    yield from plan.nodes.items()
-    yield "rig", plan.rig
-    yield "optimizer", plan.optimizer
-    for number, effect in enumerate(plan.effects):
-        yield f"effects.{effect.name or number}", effect
-
-
-@cache
-def _code_of(package: str) -> dict[str, str]:
-    """Checksums of a package's files by their names; read once, as this process keeps what it imported."""
-    spec = importlib.util.find_spec(package) if package != "__main__" else None
-    if spec is None:
-        return {}
-    if not spec.submodule_search_locations:
-        return _tree(Path(spec.origin)) if spec.origin and Path(spec.origin).is_file() else {}
-    return {
-        name: found
-        for folder in spec.submodule_search_locations
-        for name, found in _tree(Path(folder)).items()
-    }
-
-
-def _tree(path: Path) -> dict[str, str]:
-    """Checksums of a file, or of the files in a folder, by names below it; shipped data are kept apart."""
-    if path.is_file():
-        return {path.name: checksum_of_file(path)}
-    data = [shipped_folder("catalogs"), shipped_folder("recipes")]
-    return {
-        str(file.relative_to(path)): checksum_of_file(file)
-        for file in sorted(path.rglob("*"))
-        if file.is_file() and "__pycache__" not in file.parts and not any(map(file.is_relative_to, data))
-    }
-
-
-def _catalogs(plan: Plan) -> dict[str, dict[str, str]]:
-    choices = [variable for variable in plan.space.variables if isinstance(variable, CatalogChoice)]
-    found = {
-        choice.catalog.name: {row.name: content_key(row.values) for row in choice.catalog.rows}
-        for choice in choices
-    }
-    if plan.cameras:
-        found["products"] = {camera.name: content_key(camera.fixes) for camera in plan.cameras}
-    return found
-
-
-def _files(parts: Mapping[str, ConfiguredComponent]) -> Iterator[tuple[str, str]]:
-    """Checksums of the files that settings name: by a path, or as data that are shipped."""
-    for place, part in parts.items():
-        for name, field in type(part.config).model_fields.items():
-            extra, value = field.json_schema_extra, getattr(part.config, name)
-            if not (isinstance(extra, dict) and extra.get("path") and isinstance(value, str) and value):
-                continue
-            for path in _meant(value):
-                for file, found in _tree(path).items():
-                    yield f"{place}.{name}: {file}", found
-
-
-def _meant(value: str) -> Iterable[Path]:
-    path = Path(value).expanduser()
-    return [path] if path.exists() else sorted(shipped_folder("catalogs").rglob(f"{value.strip('/*')}.*"))
 
 
 def _changes(

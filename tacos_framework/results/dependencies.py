@@ -1,0 +1,107 @@
+"""What the results of a run depend on: code, versions, parts of catalogs, files of settings."""
+
+from __future__ import annotations
+
+import importlib.util
+import platform
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+from tacos_framework.cache import content_key
+from tacos_framework.environment import package_versions
+from tacos_framework.files.trees import checksums_below
+from tacos_framework.packaged_resources import shipped_folder
+from tacos_framework.plan import ConfiguredComponent, Plan
+from tacos_framework.plan.procedure import ProcedurePlan
+from tacos_framework.plugins import Plugins
+from tacos_framework.results.manifest import Manifest
+from tacos_framework.settings import Settings, paths_in
+from tacos_framework.variables import CatalogChoice
+
+FRAMEWORK = "tacos_framework"
+
+
+def manifest_of_study(plan: Plan) -> Manifest:
+    """The manifest of a study that starts now: of the components that its recipe names."""
+    parts = dict(_parts(plan))
+    return Manifest(
+        python=platform.python_version(),
+        packages=package_versions({part.distribution for part in parts.values() if part.distribution}),
+        code=_code_of_all(part.cls.__module__ for part in parts.values()),
+        catalogs=_catalogs(plan),
+        files=dict(_files({place: part.config for place, part in parts.items()})),
+    )
+
+
+def manifest_of_procedure(plan: ProcedurePlan, plugins: Plugins) -> Manifest:
+    """The manifest of a procedure that starts now: of all components, as it may run any study."""
+    offered = list(plugins)
+    modules = [plan.cls.__module__, *(each.component.target.partition(":")[0] for each in offered)]
+    return Manifest(
+        python=platform.python_version(),
+        packages=package_versions({each.distribution for each in offered if each.distribution}),
+        code=_code_of_all(modules),
+        catalogs={},
+        files=dict(_files({plan.recipe.use: plan.config})),
+    )
+
+
+def _parts(plan: Plan) -> Iterator[tuple[str, ConfiguredComponent]]:
+    """The components that results depend on, by the name of their place."""
+    yield from plan.nodes.items()
+    yield "rig", plan.rig
+    yield "optimizer", plan.optimizer
+    for number, effect in enumerate(plan.effects):
+        yield f"effects.{effect.name or number}", effect
+
+
+def _code_of_all(modules: Iterable[str]) -> dict[str, dict[str, str]]:
+    """The code of the packages that modules are in, and of the framework."""
+    packages = {FRAMEWORK, *(module.partition(".")[0] for module in modules)}
+    return {package: _code_of(package) for package in sorted(packages)}
+
+
+@cache
+def _code_of(package: str) -> dict[str, str]:
+    """Checksums of a package's files by their names; read once, as this process keeps what it imported."""
+    spec = importlib.util.find_spec(package) if package != "__main__" else None
+    if spec is None:
+        return {}
+    if not spec.submodule_search_locations:
+        return dict(checksums_below(Path(spec.origin))) if spec.origin and Path(spec.origin).is_file() else {}
+    return {
+        name: checksum
+        for folder in map(Path, spec.submodule_search_locations)
+        for name, checksum in checksums_below(folder).items()
+        if not _is_shipped_data(folder / name)
+    }
+
+
+def _is_shipped_data(file: Path) -> bool:
+    return any(file.is_relative_to(shipped_folder(kind)) for kind in ("catalogs", "recipes"))
+
+
+def _catalogs(plan: Plan) -> dict[str, dict[str, str]]:
+    choices = [variable for variable in plan.space.variables if isinstance(variable, CatalogChoice)]
+    found = {
+        choice.catalog.name: {row.name: content_key(row.values) for row in choice.catalog.rows}
+        for choice in choices
+    }
+    if plan.cameras:
+        found["products"] = {camera.name: content_key(camera.fixes) for camera in plan.cameras}
+    return found
+
+
+def _files(settings: Mapping[str, Settings]) -> Iterator[tuple[str, str]]:
+    """Checksums of the files that settings name, by place: by a path, or as data that are shipped."""
+    for place, config in settings.items():
+        for name, value in paths_in(config):
+            for path in _meant(value):
+                for file, checksum in checksums_below(path).items():
+                    yield f"{place}.{name}: {file}", checksum
+
+
+def _meant(value: str) -> Iterable[Path]:
+    path = Path(value).expanduser()
+    return [path] if path.exists() else sorted(shipped_folder("catalogs").rglob(f"{value.strip('/*')}.*"))
