@@ -1,0 +1,79 @@
+"""What a hypothesis leaves of a picture, pixel by pixel, once pose, gain and offset are nobody's error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_gap.captures import RealCapture
+from tacos_gap.formation import lit_by
+from tacos_gap.pictures.overlay import laid_over
+from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS
+
+ROUNDING_DN2 = 1 / 12
+"""Variance of rounding to whole numbers [DN^2]."""
+
+
+TILES = TILE_ROWS * TILE_COLUMNS
+
+
+def tile_squares(
+    capture: RealCapture, hypotheses: Sequence[Sequence[PlacedEffect]]
+) -> NDArray[np.float64] | None:
+    """Squares that each hypothesis leaves in the tiles of a structured capture, noise taken off.
+
+    Effects on light act on the expectation; what acts on samples and files is left out. Each hypothesis is
+    then laid over the mean frame, with the gain and offset that fit best.
+
+    Parameters
+    ----------
+    capture
+        With expected values.
+    hypotheses
+        J lists of effects.
+
+    Returns
+    -------
+    NDArray or None
+        (J, TILES) over the same pixels [DN^2]; None where a hypothesis cannot be laid over the frames.
+    """
+    assert capture.expected_dn is not None
+    black = np.float32(capture.context.black_level_dn)
+    full = np.float32(capture.context.white_level_dn) - black
+    one = len(capture.expected_dn) == 1
+    real = (capture.real_dn.mean(axis=0) if one else capture.real_dn[0]).mean(axis=-1) - black
+    light = capture.expected_dn[:1] - black
+    overlays = []
+    for effects in hypotheses:
+        lit = np.clip(lit_by(capture, effects, light, EpisodeDraws(0, ("picture", capture.id))), 0, full)
+        overlay = laid_over(np.ascontiguousarray(lit[0].mean(axis=-1), np.float32), real)
+        if overlay is None:
+            return None
+        overlays.append(overlay)
+    inside = np.logical_and.reduce([capture.valid, *(each.inside for each in overlays)])
+    if not inside.any():
+        return None
+    tile = _tiles(inside.shape)[inside]
+    frames = capture.frames if one else 1
+    channels = capture.real_dn.shape[-1]
+    variance = capture.noise.variance_dn2(real[..., None]).mean(axis=-1) + ROUNDING_DN2
+    noise = np.bincount(tile, variance[inside] / (frames * channels), TILES)
+    left = [_left(each.image[inside], real[inside]) ** 2 for each in overlays]
+    return np.stack([np.bincount(tile, each, TILES) - noise for each in left])
+
+
+def _left(image: NDArray[np.float32], real: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(P,) what the best gain and offset leave."""
+    columns = np.stack([image, np.ones_like(image)], axis=1).astype(np.float64)
+    fitted, *_ = np.linalg.lstsq(columns, real.astype(np.float64), rcond=None)
+    return np.asarray(real - columns @ fitted)
+
+
+def _tiles(shape: tuple[int, int]) -> NDArray[np.int64]:
+    """(H, W) the tile of each pixel."""
+    rows = np.arange(shape[0])[:, None] * TILE_ROWS // shape[0]
+    columns = np.arange(shape[1])[None, :] * TILE_COLUMNS // shape[1]
+    return np.asarray(rows * TILE_COLUMNS + columns, np.int64)
