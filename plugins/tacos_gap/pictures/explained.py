@@ -33,6 +33,8 @@ def share_of_pictures(
 ) -> float:
     """Share of the squared difference of pictures that an effect explains, at the least (95 %).
 
+    Noise is part of the difference: what hardly exceeds it is for the statistics to tell.
+
     Parameters
     ----------
     problem
@@ -61,7 +63,7 @@ def share_of_pictures(
     if squares is None:
         return 0.0
     with_it, before = squares
-    share = 1 - np.maximum(with_it, 0.0) / np.maximum(before, 1e-9)
+    share = 1 - with_it / np.maximum(before, 1e-9)
     least = float(np.clip(np.percentile(share, LOW), 0.0, 1.0))
     if shown(least) == 0.0:
         return least

@@ -13,17 +13,13 @@ from tacos_gap.formation import lit_by
 from tacos_gap.pictures.overlay import laid_over
 from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS
 
-ROUNDING_DN2 = 1 / 12
-"""Variance of rounding to whole numbers [DN^2]."""
-
-
 TILES = TILE_ROWS * TILE_COLUMNS
 
 
 def tile_squares(
     capture: RealCapture, hypotheses: Sequence[Sequence[PlacedEffect]]
 ) -> NDArray[np.float64] | None:
-    """Squares that each hypothesis leaves in the tiles of a structured capture, noise taken off.
+    """Squares that each hypothesis leaves in the tiles of a structured capture, noise included.
 
     Effects on light act on the expectation; what acts on samples and files is left out. Each hypothesis is
     then laid over the mean frame, with the gain and offset that fit best.
@@ -57,12 +53,8 @@ def tile_squares(
     if not inside.any():
         return None
     tile = _tiles(inside.shape)[inside]
-    frames = capture.frames if one else 1
-    channels = capture.real_dn.shape[-1]
-    variance = capture.noise.variance_dn2(real[..., None]).mean(axis=-1) + ROUNDING_DN2
-    noise = np.bincount(tile, variance[inside] / (frames * channels), TILES)
     left = [_left(each.image[inside], real[inside]) ** 2 for each in overlays]
-    return np.stack([np.bincount(tile, each, TILES) - noise for each in left])
+    return np.stack([np.bincount(tile, each, TILES) for each in left])
 
 
 def _left(image: NDArray[np.float32], real: NDArray[np.float32]) -> NDArray[np.float64]:

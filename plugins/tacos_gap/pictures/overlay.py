@@ -17,7 +17,7 @@ LEAST_CORRELATION = 0.5
 """Correlation of the aligned pictures below which they do not show the same."""
 
 LEAST_SIDE_PX = 32
-"""Shorter side of a picture, below which it is not made coarser [px]."""
+"""Shorter side of a picture that can be aligned [px]."""
 
 BORDER_PX = 4
 """Rim that is not compared: there a picture is what interpolation makes of its edge [px]."""
@@ -59,7 +59,7 @@ def laid_over(picture: NDArray[np.float32], onto: NDArray[np.float32]) -> Overla
     """
     import cv2
 
-    matrix = _aligned(_unit(onto), _unit(picture))
+    matrix = _aligned(_unit(onto), _unit(picture)) if min(onto.shape) >= LEAST_SIDE_PX else None
     if matrix is None:
         return None
     size = picture.shape[::-1]
