@@ -14,7 +14,7 @@ from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.pictures import laid_over, share_of_pictures
+from tacos_gap.pictures import laid_over, share_of_pictures, tile_squares
 from tacos_gap.presence import shown
 from tacos_gap.problem import Problem
 from tacos_plugins.effects.defocus import Defocus
@@ -35,7 +35,9 @@ def with_disc(image: NDArray[np.float32], radius_px: float = 4.0) -> NDArray[np.
     fine = (np.arange(15 * 9) - 67) / 9  # centres of the parts of 15 pixels
     inside = np.hypot(fine[:, None], fine[None, :]) <= radius_px
     kernel = inside.reshape(15, 9, 15, 9).sum(axis=(1, 3)).astype(float)
-    return np.asarray(ndimage.convolve(image.astype(float), kernel / kernel.sum(), mode="nearest"), np.float32)
+    return np.asarray(
+        ndimage.convolve(image.astype(float), kernel / kernel.sum(), mode="nearest"), np.float32
+    )
 
 
 def with_line(image: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -55,7 +57,9 @@ def elsewhere(image: NDArray[np.float32]) -> NDArray[np.float32]:
     back = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) / 1.01
     centre = np.array([HEIGHT, WIDTH]) / 2
     return np.asarray(
-        ndimage.affine_transform(image, back, centre - back @ (centre + (1.2, -0.9)), order=3, mode="nearest")
+        ndimage.affine_transform(
+            image, back, centre - back @ (centre + np.array([1.2, -0.9])), order=3, mode="nearest"
+        )
     )
 
 
@@ -126,6 +130,16 @@ def test_a_pose_is_nobodys_effect_but_a_distortion_is_one(sharp):
     bent = np.asarray(ndimage.map_coordinates(sharp, at, order=3, mode="nearest"), np.float32)
     lens = HypothesisTerm("lens-distortion", LensDistortion, {"k1": k1}, {"k1": 0.01})
     assert share_of_pictures(problem_of(bent), (lens,), lens, [DISC, LINE], seed=0) > 0.6
+
+
+def test_of_a_large_picture_the_middle_is_compared(sharp):
+    wide = replace(
+        scene(sharp), valid=np.ones((800, 900), bool), expected_dn=np.resize(sharp, (1, 800, 900, 1)),
+        real_dn=np.resize(sharp, (1, 800, 900, 1)),
+    )  # fmt: skip
+    squares = tile_squares(wide, [[]])
+    assert squares.shape == (1, 48)
+    assert squares.sum() < 1e-3 * np.var(sharp) * wide.valid.size
 
 
 def test_defocus_is_named_although_depth_and_glints_leave_a_rest(sharp):

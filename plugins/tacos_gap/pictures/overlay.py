@@ -93,9 +93,12 @@ def _aligned(fixed: NDArray[np.float32], moving: NDArray[np.float32]) -> NDArray
     for level, (a, b) in enumerate(reversed(pyramid)):
         if level:
             matrix[:, 2] *= 2
+        everywhere = np.ones(b.shape, np.uint8)
         motion = cv2.MOTION_AFFINE if level == len(pyramid) - 1 else cv2.MOTION_TRANSLATION
         try:
-            correlation, found = cv2.findTransformECC(a, b, matrix.copy(), motion, stop, None, _SMOOTHED_PX)
+            correlation, found = cv2.findTransformECC(
+                a, b, matrix.copy(), motion, stop, everywhere, _SMOOTHED_PX
+            )
         except cv2.error:  # it did not converge, or there is nothing to correlate
             continue
         if np.isfinite(found).all():
