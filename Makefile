@@ -8,7 +8,7 @@ packages := tacos_framework plugins
 embedding := tests/embedding/design_a_camera.py tests/embedding/public_types.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-demo demo test test-lowest test-pythons lint format docs slow mutants clean
+.PHONY: help setup demo test test-lowest test-pythons lint format docs slow mutants clean
 
 help: ## Say what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /make \1\t/' | expand -t 14
