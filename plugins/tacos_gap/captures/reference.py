@@ -36,7 +36,8 @@ _CAPTURES_RULES = f"""\
 - `simulated` is linear, in digital numbers with the pedestal, without noise, not clipped: (height, width) or
   (height, width, channels), one for all frames or one per frame, or a number where it is the same everywhere.
   Any simulator may have made it. Where a capture names a `scene` instead, ours renders it: a bench recipe,
-  whose capture of the same `id` is taken.
+  the path of one from the folder or the name of a shipped one (`bench`), whose capture of the same `id` is
+  taken. A list of images that are all the same counts as one, which its frames repeat.
 - Without either, dark frames expect the pedestal, boards the pose that fits best, and walls (`flat`),
   brackets, edges and ColorCheckers what their own pictures tell of the target. A `scene` or `sequence` is
   left out.
