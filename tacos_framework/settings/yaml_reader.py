@@ -251,11 +251,11 @@ class _Reader:
             self.anchored[event.anchor] = value, self.entries - before + 1
         return value
 
-    def _alias(self, name: str, path: tuple[str | int, ...], position: Position, depth: int) -> Any:
+    def _alias(self, name: str | None, path: tuple[str | int, ...], position: Position, depth: int) -> Any:
         """What an alias stands for; None after reporting one that cannot be read."""
         if not self.aliases:
             self._fault(position, f"alias *{name} is not supported", remedy="Write the value out.")
-        elif name not in self.anchored:
+        elif name is None or name not in self.anchored:
             self._fault(position, f"alias *{name} names nothing that ends before it", f"&{name} above")
         else:
             value, entries = self.anchored[name]
