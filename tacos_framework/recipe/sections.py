@@ -277,7 +277,7 @@ class Test(Settings):
     episodes: int = setting(1, help="Episodes every camera is tested on first.", ge=1)
     most_episodes: int | None = setting(
         None,
-        help="Episodes are added until each comparison is decided, up to these; none are if absent.",
+        help="Episodes are added until the best product is decided, up to these; none are if absent.",
         ge=1,
     )
     margin: float = setting(

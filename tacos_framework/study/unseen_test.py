@@ -53,7 +53,7 @@ class UnseenTest:
         on_look: Callable[[int], None],
         on_evaluated: Callable[[Evaluation], None],
     ) -> None:
-        """Add scenes until each comparison is decided or the most are spent.
+        """Add scenes until the comparison with the best product is decided or the most are spent.
 
         Parameters
         ----------
@@ -87,7 +87,14 @@ class UnseenTest:
         if new:
             return new
         undecided = [name for name, found in self.comparisons.items() if found.verdict == "undecided"]
-        return [self.designed, *undecided] if undecided else []
+        return [self.designed, *undecided] if self._best_product in undecided else []
+
+    @property
+    def _best_product(self) -> str | None:
+        """The product that the decision is about, as of the scenes that all cameras have seen."""
+        common = self.on_common_scenes
+        fitness = {name: each for name in self.comparisons if (each := common[name].fitness) is not None}
+        return max(fitness, key=fitness.__getitem__, default=None)
 
     def _seen(self, name: str) -> int:
         return len(self.evaluations[name].blocks) if name in self.evaluations else 0

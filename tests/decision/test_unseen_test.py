@@ -12,7 +12,8 @@ from tacos_framework.simulation.evaluation import Evaluation
 from tacos_framework.study.unseen_test import UnseenTest, first_episodes
 
 FITNESS = Fitness((FitnessTerm("task.score", 1.0),))
-LEVELS = {"designed": 1.0, "far": 0.0, "near": 0.97, "twin": 1.0}
+LEVELS = {"designed": 1.0, "far": 0.0, "near": 0.97, "twin": 1.0, "fickle": 0.5}
+SPREADS = {"fickle": 3.0}
 
 
 def _scores(job: ScoreJob) -> Evaluation:
@@ -22,7 +23,7 @@ def _scores(job: ScoreJob) -> Evaluation:
     for spec in job.episodes:
         scene = np.random.default_rng([spec.seed, spec.name[1]]).normal()
         own = np.random.default_rng([spec.seed, spec.name[1], len(name)]).normal()
-        episodes.append({"task.score": LEVELS[name] + scene + 0.05 * own})
+        episodes.append({"task.score": LEVELS[name] + scene + SPREADS.get(name, 0.05) * own})
     if name == "broken":
         return Evaluation(job.values, failed="it broke")
     return Evaluation(job.values, episodes=tuple(episodes), images=len(episodes))
@@ -53,6 +54,14 @@ def test_products_that_are_decided_see_no_further_scenes():
     assert found["far"].interval[0] < 1.0 < found["far"].interval[1]
 
 
+def test_once_the_best_product_is_decided_the_others_see_no_further_scenes_either():
+    test = _test(most_episodes=30, margin=0.1, cameras=("designed", "twin", "fickle"))
+    found = test.comparisons
+    assert found["fickle"].verdict == "undecided"
+    assert found["twin"].verdict == "equivalent"
+    assert found["twin"].episodes == found["fickle"].episodes < 30
+
+
 def test_without_more_scenes_there_is_one_look():
     assert {len(found.blocks) for found in _test().evaluations.values()} == {8}
 
@@ -74,7 +83,7 @@ def test_a_test_that_goes_on_ends_as_one_that_never_stopped():
     whole = _test(most_episodes=20)
     again = _test(most_episodes=20, cameras=())
     again.evaluations = {n: first_episodes(e, 8, FITNESS) for n, e in whole.evaluations.items()}
-    jobs = {name: ScoreJob({"name": name}, ()) for name in LEVELS}
+    jobs = {name: ScoreJob({"name": name}, ()) for name in whole.evaluations}
     again.run(jobs, _Workers(1), _scores, lambda count: None, lambda evaluation: None)
     assert again.comparisons == whole.comparisons
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from tacos_framework.contracts import Executor
 from tacos_framework.plugins import Plugins
+from tacos_framework.results import Results
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_gap.candidates import candidates
@@ -29,7 +30,7 @@ from tacos_validation.blind.making import MADE, TRUTHS, Batch, Wanted, made_ahea
 from tacos_validation.blind.pages import page
 from tacos_validation.blind.real_cases import real_cases
 from tacos_validation.blind.real_folders import RealCase, real_folders
-from tacos_validation.blind.records import CASES, append, read_cases
+from tacos_validation.blind.records import CASES, kept_cases
 from tacos_validation.blind.scoring import baselines, figures
 from tacos_validation.blind.solving import Diagnosing, FreshGaps, Worker
 from tacos_validation.blind.tiers import Counts, case_specifications
@@ -83,7 +84,8 @@ class GapBlindCheck:
         config = self.config
         notes: list[str] = []
         size = (config.width_px, config.height_px)
-        cases = list(read_cases(out / CASES)) if resume else []
+        results = Results(out)
+        cases = kept_cases(results) if resume else []
         done = {case.name for case in cases}
         effects = candidates(plugins).effects
         specifications = case_specifications(config.counts, seed, size, config.captures)
@@ -94,9 +96,10 @@ class GapBlindCheck:
         began, solved = time.monotonic(), 0
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(config.makers, mp_context=context) as makers:
-            for batch, commitments in made_ahead(wanted, config.batch, out, makers):
+            for batch, commitments in made_ahead(wanted, config.batch, results, makers):
                 found = self._solve(batch, commitments, out, worker, executor)
-                append(out / CASES, [case.as_data() for case in found])
+                for case in found:
+                    results.append_line(CASES, case.as_data())
                 solved += len(found)
                 left_s = (time.monotonic() - began) / solved * (len(wanted) - solved)
                 for case in found:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 
+from tacos_framework.results import Results
 from tacos_validation.blind.generators.specifications import (
     CaseSpecification,
     Commitment,
@@ -14,7 +15,7 @@ from tacos_validation.blind.generators.specifications import (
     make_and_commit,
 )
 from tacos_validation.blind.real_folders import RealCase
-from tacos_validation.blind.records import COMMITMENTS, append
+from tacos_validation.blind.records import COMMITMENTS
 
 MADE, TRUTHS = "made", "truths"
 """Folders of a run: what is being solved, and the salted truths."""
@@ -29,7 +30,7 @@ def name_of(each: Wanted) -> str:
 
 
 def made_ahead(
-    wanted: Sequence[Wanted], size: int, out: Path, makers: ProcessPoolExecutor
+    wanted: Sequence[Wanted], size: int, results: Results, makers: ProcessPoolExecutor
 ) -> Iterator[tuple[Batch, list[Commitment]]]:
     """Batches with the commitments to their truths, which by then stand in a file.
 
@@ -41,18 +42,20 @@ def made_ahead(
         All cases.
     size
         Of a batch.
-    out
-        Folder of the run.
+    results
+        The folder of the run.
     makers
         Processes of the generator.
     """
+    out = results.folder
     shutil.rmtree(out / MADE, ignore_errors=True)  # what a broken run left
     batches = _batches(wanted, size)
     ahead: list[Future[Commitment]] | None = None
     for i, batch in enumerate(batches):
         making = _begun(batch, out, makers) if ahead is None else ahead
         commitments = [future.result() for future in making] + _real_commitments(batch, out)
-        append(out / COMMITMENTS, [{"case": each.case, "sha256": each.digest} for each in commitments])
+        for each in commitments:
+            results.append_line(COMMITMENTS, {"case": each.case, "sha256": each.digest})
         last = i + 1 == len(batches)
         ahead = None if last or _is_timed(batch) else _begun(batches[i + 1], out, makers)
         yield batch, commitments

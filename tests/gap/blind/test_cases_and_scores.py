@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import UserError
+from tacos_framework.results import Results
 from tacos_gap.captures import read_captures
 from tacos_validation.blind.cases import Case
-from tacos_validation.blind.check import GapBlindCheck
 from tacos_validation.blind.figure import Figure, interval
 from tacos_validation.blind.generators.acquisitions import new_camera, smallest
 from tacos_validation.blind.generators.catalogue import CATALOGUE
@@ -29,6 +29,7 @@ from tacos_validation.blind.generators.specifications import (
     reveal,
 )
 from tacos_validation.blind.pages import page
+from tacos_validation.blind.records import CASES, kept_cases
 from tacos_validation.blind.scoring import figures, ladder
 from tacos_validation.blind.tiers import Counts, case_specifications
 
@@ -94,20 +95,17 @@ def test_pairs_make_folders_that_can_be_read(pair: str, split: bool, tmp_path: P
     read_captures(tmp_path / "p" / CAPTURES)
 
 
-def test_cases_of_an_older_version_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "cases.jsonl").write_text(
-        '{"case": "c", "tier": "T0", "truth": {}, "answer": {}, "judged": null}'
-    )
-    check = GapBlindCheck(GapBlindCheck.Config())
-    with pytest.raises(UserError, match="an older version of tacos-framework wrote these cases"):
-        check.run(
-            out=tmp_path,
-            seed=1,
-            plugins=None,
-            executor=None,
-            progress=None,
-            resume=True,
-        )
+def test_a_broken_check_goes_on_with_its_cases_and_names_one_that_was_damaged(tmp_path: Path) -> None:
+    results = Results(tmp_path)
+    case = Case("c", "T0", {"withheld": []}, {"verdict": "no_gap", "causes": []}, None)
+    for name in ("first", "second"):
+        results.append_line(CASES, {**case.as_data(), "case": name})
+    file = tmp_path / CASES
+    file.write_bytes(file.read_bytes() + b'{"case": "cut')
+    assert [each.name for each in kept_cases(results)] == ["first", "second"]
+    file.write_bytes(file.read_bytes().replace(b"first", b"worst"))
+    with pytest.raises(UserError, match=r"cases\.jsonl.*line 1"):
+        kept_cases(results)
 
 
 def test_tiers_hold_what_they_are_asked_for() -> None:
