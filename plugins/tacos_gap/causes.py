@@ -19,13 +19,17 @@ from tacos_gap.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
 from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.pictures import share_of_pictures
 from tacos_gap.presence import share_explained, shown
-from tacos_gap.problem import Problem, robust
+from tacos_gap.problem import Hypothesis, Problem, robust
 from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained
 
 CONFIDENCE = 0.9
 """Probability with which a set of causes is to hold the truth, and an interval its parameter."""
+
+LEAST_CERTAIN = 0.5
+"""Probability against rivals up to which pictures are not asked: they could not make the effect likely."""
 
 _LARGEST_PROBABILITY = 0.99
 
@@ -76,6 +80,10 @@ def causes_of(
         without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
         share = 0.0 if without is None else share_explained(problem, best.z, without)
         near = [name for name in rivals if probabilities[name] > 0.05]
+        sure = max(shown(share), 1 - left.probability)
+        if sure < 1 and certainty > LEAST_CERTAIN:
+            rivals_of_it = _in_place_of(attribution, term)
+            sure = max(sure, shown(share_of_pictures(problem, best.hypothesis, term, rivals_of_it, seed)))
         causes.append(
             Cause(
                 effect=term.name,
@@ -88,13 +96,23 @@ def causes_of(
                 confused_with=tuple(dict.fromkeys([*alike, *near])),
                 evidence=_evidence(problem, best, term, rest, attribution),
                 settings=_settings(term),
-                present=certainty * max(shown(share), 1 - left.probability),
+                present=certainty * sure,
                 specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
             )
         )
         start = stop
     # a codec shows in every number and is seldom what one asks about: it comes last
     return sorted(causes, key=lambda cause: (effects[cause.effect].stage == "codec", -cause.shapley))
+
+
+def _in_place_of(attribution: Attribution, term: HypothesisTerm) -> list[Hypothesis]:
+    """The best explanation with each effect that was fitted in the place of one of its own."""
+    rest = {name for name in attribution.best.names if name != term.name}
+    return [
+        fitted.hypothesis
+        for names, fitted in attribution.fits.items()
+        if len(names) == len(rest) + 1 and rest < set(names) and term.name not in names
+    ]
 
 
 def _times(nats: float) -> str:

@@ -169,7 +169,11 @@ def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
         f"{context.black_level_dn:g} to {context.white_level_dn:g} DN"
     )
     yield ""
+    times = any(capture.taken_s is not None for capture in folder.captures)
     rows = [("id", "kind", "frames", "ms", "dB", "mean DN", "expected"), *map(_row, folder.captures)]
+    if times:
+        taken = ("-" if c.taken_s is None else f"{c.taken_s:g}" for c in folder.captures)
+        rows = [(*row, cell) for row, cell in zip(rows, ("taken s", *taken), strict=True)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     for row in rows:
         left = [cell.ljust(width) for cell, width in zip(row[:2], widths, strict=False)]

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
@@ -29,6 +28,7 @@ from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem, placed_in, robust
 from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
 from tacos_gap.transfer import of_each_capture, of_one_specimen
+from tacos_gap.undiagnosed import nothing_measured
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
 ENOUGH_PIXELS = 500_000
@@ -67,6 +67,11 @@ def diagnose(
         Threads.
     notify
         Told what is being done.
+
+    Raises
+    ------
+    NothingMeasured
+        When no capture can be measured.
     """
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
@@ -74,7 +79,7 @@ def diagnose(
     folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)
     if not any(each.labels for each in evidence):
-        raise UserError(nothing_to_measure(folder, limitations))
+        raise nothing_measured(folder, limitations)
     problem = Problem(evidence)
     while True:
         try:
@@ -138,16 +143,6 @@ def _explained(
         closure_interval=_closure_interval(problem, best, seed),
         detectable=_detectable(problem, effects, workers),
         nuisances=_nuisances(problem, best),
-    )
-
-
-def nothing_to_measure(folder: CaptureFolder, limitations: Sequence[str]) -> Fault:
-    """That no capture of a folder tells anything, and why."""
-    return Fault(
-        str(folder.path),
-        "nothing can be measured in any capture",
-        "one capture at least that shows something",
-        " ".join((*limitations, "Run `tacos captures check` on it.")),
     )
 
 

@@ -2,8 +2,9 @@
 
 The dialect is the one most people believe YAML to be: scalars of the YAML 1.2 core schema (``1e-3`` is a
 number, ``no`` and ``on`` are words, ``010`` is ten), plain mappings with distinct text keys, lists, one
-document. What can surprise or harm is refused: aliases and anchors (which also blow up in size), tags, merge
-keys, NaN and infinities, files over the limit ``text_mb``, nesting over 50 levels.
+document. What can surprise or harm is refused: aliases and anchors (unless asked for, and then bounded, as
+they blow up in size), tags, merge keys, NaN and infinities, files over the limit ``text_mb``, nesting over 50
+levels.
 
 References
 ----------
@@ -27,6 +28,9 @@ from tacos_framework.files.regular import too_large
 
 MAX_DEPTH = 50
 """Deepest nesting of mappings and lists that is read."""
+
+MAX_REPEATED = 10_000
+"""Most entries that aliases may repeat in all, where they are read."""
 
 _NULL = frozenset({"", "~", "null", "Null", "NULL"})
 _BOOLEAN = {word: word.lower() == "true" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
@@ -121,7 +125,7 @@ class Document:
         return [fault for fault in faults if fault in self.faults or fault.where not in unread]
 
 
-def read_yaml(source: Path | str, name: str | None = None) -> Document:
+def read_yaml(source: Path | str, name: str | None = None, *, aliases: bool = False) -> Document:
     """Read a YAML file (`pathlib.Path`) or text (`str`).
 
     Parameters
@@ -130,19 +134,21 @@ def read_yaml(source: Path | str, name: str | None = None) -> Document:
         The file or the text itself.
     name
         What to call it in messages; the path, or ``"text"``, when left out.
+    aliases
+        Whether aliases stand for what they name, as programs write what they hold twice.
 
     Raises
     ------
     UserError
         With every fault that can be found in one pass.
     """
-    document = read_yaml_draft(source, name)
+    document = read_yaml_draft(source, name, aliases=aliases)
     if document.faults:
         raise UserError(document.faults)
     return document
 
 
-def read_yaml_draft(source: Path | str, name: str | None = None) -> Document:
+def read_yaml_draft(source: Path | str, name: str | None = None, *, aliases: bool = False) -> Document:
     """As `read_yaml`, where what was refused is looked at together with other faults.
 
     Raises
@@ -158,7 +164,7 @@ def read_yaml_draft(source: Path | str, name: str | None = None) -> Document:
         text = source
         if len(text) > limits().bytes_of("text_mb"):
             raise UserError(too_large(name, "the text", len(text), "text_mb"))
-    return _Reader(text, name).document()
+    return _Reader(text, name, aliases).document()
 
 
 def _where(name: str, position: Position) -> str:
@@ -172,9 +178,12 @@ def _position(mark: Any) -> Position:
 class _Reader:
     """Builds the document from parser events, which come without recursion or construction of objects."""
 
-    def __init__(self, text: str, name: str):
+    def __init__(self, text: str, name: str, aliases: bool):
         self.text = text
         self.name = name
+        self.aliases = aliases
+        self.anchored: dict[str, tuple[Any, int]] = {}  # what is named, and how many entries it holds
+        self.entries = self.repeated = 0
         self.faults: list[Fault] = []
         self.positions: dict[tuple[str | int, ...], Position] = {}
         self.unread: set[tuple[str | int, ...]] = set()
@@ -223,19 +232,44 @@ class _Reader:
         if depth > MAX_DEPTH:
             self._fault(position, f"nesting is deeper than {MAX_DEPTH} levels", f"at most {MAX_DEPTH} levels")
             raise UserError(self.faults)
+        self.entries += 1
         if isinstance(event, yaml.AliasEvent):
-            self._fault(position, f"alias *{event.anchor} is not supported", remedy="Write the value out.")
-            self.unread.add(path)
-            return None
-        if event.anchor is not None:
+            return self._alias(event.anchor, path, position, depth)
+        if event.anchor is not None and not self.aliases:
             self._fault(position, f"anchor &{event.anchor} is not supported", remedy="Remove it.")
         if event.tag is not None:
             self._fault(position, f"tag {event.tag} is not supported", remedy="Remove it.")
+        before = self.entries
+        value: Any
         if isinstance(event, yaml.MappingStartEvent):
-            return self._mapping(path, depth)
-        if isinstance(event, yaml.SequenceStartEvent):
-            return self._list(path, depth)
-        return self._scalar(event, path, position)
+            value = self._mapping(path, depth)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            value = self._list(path, depth)
+        else:
+            value = self._scalar(event, path, position)
+        if event.anchor is not None:
+            self.anchored[event.anchor] = value, self.entries - before + 1
+        return value
+
+    def _alias(self, name: str | None, path: tuple[str | int, ...], position: Position, depth: int) -> Any:
+        """What an alias stands for; None after reporting one that cannot be read."""
+        if not self.aliases:
+            self._fault(position, f"alias *{name} is not supported", remedy="Write the value out.")
+        elif name is None or name not in self.anchored:
+            self._fault(position, f"alias *{name} names nothing that ends before it", f"&{name} above")
+        else:
+            value, entries = self.anchored[name]
+            self.entries += entries
+            self.repeated += entries
+            if self.repeated > MAX_REPEATED or depth + _height(value) > MAX_DEPTH:
+                what = (
+                    f"aliases repeat more than {MAX_REPEATED} entries, or nest deeper than {MAX_DEPTH} levels"
+                )
+                self._fault(position, what, remedy="Write the values out.")
+                raise UserError(self.faults)
+            return value
+        self.unread.add(path)
+        return None
 
     def _list(self, path: tuple[str | int, ...], depth: int) -> list[Any]:
         items: list[Any] = []
@@ -328,6 +362,12 @@ def _plain_scalar(text: str) -> Any:
     if not isfinite(number):
         raise ValueError(f"{text} is too large for a number")
     return number
+
+
+def _height(value: Any) -> int:
+    """Levels of mappings and lists below a value."""
+    inside = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return 1 + max(map(_height, inside), default=-1)
 
 
 def _kind(value: Any) -> str:

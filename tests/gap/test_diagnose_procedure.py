@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
@@ -18,7 +20,7 @@ from tacos_gap.candidates import candidates
 from tacos_gap.captures import RealCapture
 from tacos_gap.captures.writer import write_captures
 from tacos_gap.procedures.diagnose import Diagnose
-from tests.gap.taken import board, capture, effect, patchwork, taken
+from tests.gap.taken import HEIGHT, WIDTH, board, capture, effect, patchwork, taken
 
 KEYS = {
     "verdict",
@@ -26,7 +28,10 @@ KEYS = {
     "where",
     "causes",
     "cause_set",
+    "complete",
     "unknown",
+    "detectable",
+    "nuisances",
     "next_capture",
     "below_floor",
     "negative_control",
@@ -83,6 +88,22 @@ def test_vignetting_is_found_drawn_and_patched(plugins: Plugins, tmp_path: Path)
     patch = tmp_path / "out" / "patched.yaml"
     assert [entry["use"] for entry in yaml.safe_load(patch.read_text("utf-8"))] == ["effect.vignetting"]
     assert run_main(["headset_quick", "--with", str(patch), "--check"]) == 0
+
+
+def test_what_tells_nothing_gets_an_answer_with_every_key(plugins: Plugins, tmp_path: Path) -> None:
+    (flat,) = taken([capture("flat", 100.0)], [])
+    told, _ = diagnosed([flat], {"read-noise"}, plugins, tmp_path / "told")
+    nowhere = np.zeros((HEIGHT, WIDTH), bool)
+    data, report = diagnosed([replace(flat, valid=nowhere)], {"read-noise"}, plugins, tmp_path / "untold")
+    for one, other in ((told, data), *((told[k], data[k]) for k in ("gap", "complete", "unknown"))):
+        assert set(one) == set(other)
+    assert (data["verdict"], data["causes"], data["cause_set"]) == ("unknown", [], [])
+    assert data["complete"]["probability"] == 0
+    assert data["next_capture"]["kind"] == "flat"
+    assert any("its mask leaves no pixel" in text for text in data["limitations"])
+    assert headline(report) == "Nothing could be measured in these captures"
+    assert "its mask leaves no pixel" in report
+    assert yaml.safe_load((tmp_path / "untold" / "out" / "patched.yaml").read_text("utf-8")) == []
 
 
 def test_task_scores_of_the_patched_simulation_are_nearer_to_the_real_ones(

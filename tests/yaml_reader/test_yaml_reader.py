@@ -9,6 +9,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+import yaml
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -119,6 +120,42 @@ def test_all_faults_of_a_text_come_at_once() -> None:
         ("recipe.yaml:8:3", "a key is a list"),
         ("recipe.yaml:9:10", "key 'h' stands here again, first in line 9"),
     ]
+
+
+def test_aliases_stand_for_what_they_name_where_they_are_asked_for() -> None:
+    """As PyYAML writes what a program holds twice."""
+    board = {"inner_corners": [9, 6], "square_mm": 25}
+    data = {
+        "captures": [{"id": "a", "board": board}, {"id": "b", "board": board, "at": board["inner_corners"]}]
+    }
+    text = yaml.safe_dump(data)
+    assert "*id001" in text
+    document = read_yaml(text, name="captures.yaml", aliases=True)
+    assert document.data == data
+    aliased = document.where(("captures", 1, "board", "square_mm"))
+    assert aliased == document.where(("captures", 1, "board")), "what an alias repeats stands at the alias"
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("a: *b\nb: &b 1\n", "names nothing that ends before it"),
+        ("a: &a [*a]\n", "names nothing that ends before it"),
+        ("a: &a 1\n<<: *a\n", "merge keys"),
+        (
+            "\n".join(
+                ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+                + [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 30)]
+            ),
+            "repeat more than",
+        ),
+        ("\n".join(["a0: &a0 " + "[" * 30 + "]" * 30, "a1: " + "[" * 30 + "*a0" + "]" * 30]), "nest deeper"),
+    ],
+    ids=["later", "itself", "merged", "a_billion_laughs", "deep"],
+)
+def test_aliases_are_bounded(text: str, what: str) -> None:
+    with pytest.raises(UserError, match=what):
+        read_yaml(text, aliases=True)
 
 
 @pytest.mark.parametrize(

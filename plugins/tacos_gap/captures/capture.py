@@ -106,6 +106,10 @@ class RealCapture:
         (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
     row_time_us
         Readout from row to row that is in `expected_dn` already [us].
+    motion_blurred
+        Whether the blur of motion during the exposure is in `expected_dn` already.
+    taken_s
+        When it was taken, from the same moment on as others of its folder; None where nobody said it [s].
     unstated
         What of the lens nobody stated: focal_length, principal_point.
     corners
@@ -130,6 +134,8 @@ class RealCapture:
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
     row_time_us: float = 0.0
+    motion_blurred: bool = False
+    taken_s: float | None = None
     sensor: PlacedSensor | None = None
     notes: tuple[str, ...] = ()
     unstated: frozenset[str] = frozenset()

@@ -19,6 +19,9 @@ _DIM_DN = 8.0
 _PILE = 0.01
 """Share of pixels at the largest values that makes them the end of the codes in use."""
 
+_BLUR_PX = 0.5
+"""Path during an exposure from which on it blurs what is sharp."""
+
 _BELOW_FULL_SCALE = 0.98
 _OPPOSITE = -0.5
 """Correlation between real and expected red less blue below which the two are taken to be swapped."""
@@ -35,6 +38,7 @@ def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
     for capture in captures:
         yield from _of_zeros(capture)
         yield from _of_colours(capture)
+        yield from _of_motion(capture)
     yield from _of_full_scale(captures)
     yield from _of_orientation(captures)
     yield from _of_exposures(captures)
@@ -79,6 +83,22 @@ def _of_colours(capture: RealCapture) -> Iterator[str]:
                     f"{capture.id}: red is bright where blue is expected to be; make sure that files and "
                     f"`simulated` both hold red, green, blue in this order."
                 )
+
+
+def _of_motion(capture: RealCapture) -> Iterator[str]:
+    velocity = capture.context.velocity_px_s
+    if not isinstance(velocity, np.ndarray) or not capture.exposure_stated or capture.expected_dn is None:
+        return
+    path_px = float(np.median(np.linalg.norm(velocity, axis=-1))) * capture.context.exposure_s
+    if path_px < _BLUR_PX:
+        return
+    yield f"{capture.id}: by velocity_px_s and exposure_ms the picture moves by {path_px:.2g} px while " + (
+        "the shutter is open, and `simulated` holds that blur (motion_blurred): effect.motion-blur is what "
+        "is there beyond it."
+        if capture.motion_blurred
+        else "the shutter is open, and `simulated` is sharp: effect.motion-blur is to be expected. If "
+        "`simulated` does hold that blur, say motion_blurred: true."
+    )
 
 
 def _of_full_scale(captures: Sequence[RealCapture]) -> Iterator[str]:

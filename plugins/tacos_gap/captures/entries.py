@@ -13,6 +13,7 @@ Size = Annotated[int, Field(ge=1, le=100_000)]
 NonNegative = Annotated[float, Field(ge=0, le=1e9)]
 Level = Annotated[float, Field(ge=-1e9, le=1e9)]
 Place = Annotated[float, Field(ge=-1e6, le=1e6)]
+Moment = Annotated[float, Field(ge=-1e12, le=1e12)]
 Corners = Annotated[int, Field(ge=3, le=1000)]
 """Bounds far beyond any camera, within which nothing overflows."""
 
@@ -167,6 +168,12 @@ class CaptureEntry(Settings):
         0.0, help="Readout from row to row the simulator has.", unit="us", ge=0, le=1e9
     )
     row_time_reference: Place = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
+    motion_blurred: bool = setting(
+        False, help="Whether `simulated` holds the blur of motion during the exposure."
+    )
+    taken_s: Moment | None = setting(
+        None, help="When it was taken, from any moment on: captures stand in this order.", unit="s"
+    )
 
 
 class FolderEntry(Settings):

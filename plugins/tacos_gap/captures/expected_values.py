@@ -49,7 +49,7 @@ class ExpectedValues:
         if given is not None:
             paths = self._files.found(i, "simulated", given)
             if frames and self._one_or_one_per_frame(i, "simulated", len(paths), frames):
-                return self._files.stack(i, "simulated", paths[:MAX_FRAMES], shape)
+                return _once(self._files.stack(i, "simulated", paths[:MAX_FRAMES], shape))
             return None
         return self._rendered(i, entry, entry.scene, shape, frames) if entry.scene else None
 
@@ -89,3 +89,8 @@ class ExpectedValues:
             )
         self._one_or_one_per_frame(i, "scene", len(images), frames)
         return images[:MAX_FRAMES] if len(files.faults) == before else None
+
+
+def _once(images: NDArray[np.float32] | None) -> NDArray[np.float32] | None:
+    """Images that are all the same as one: frames that repeat it tell noise from fixed patterns."""
+    return images[:1] if images is not None and (images == images[:1]).all() else images

@@ -20,6 +20,7 @@ from tacos_gap.captures.lens_and_sensor import FOCAL_LENGTH_MM, geometry_of, uns
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
 from tacos_gap.captures.stated_noise import StatedNoise
+from tacos_gap.captures.time_order import in_time_order, time_doubts
 
 FILE = "captures.yaml"
 
@@ -51,14 +52,15 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
                 "See the how-to on captures.",
             )
         )
-    document = read_yaml(path)
+    document = read_yaml(path, aliases=True)
     entry, faults, _ = check(FolderEntry, document.data, document.where)
     if entry is None:
         raise UserError(faults)
     reader = _Reader(path.parent, document, entry, render)
     if reader.files.faults:
         raise UserError(reader.files.faults)
-    captures = [capture for i in range(len(entry.captures)) if (capture := reader.capture(i)) is not None]
+    listed = [capture for i in range(len(entry.captures)) if (capture := reader.capture(i)) is not None]
+    captures = in_time_order(listed)
     faults = [*reader.files.faults, *order_faults(captures, reader.where_of)]
     if faults:
         raise UserError(faults)
@@ -68,7 +70,7 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     usable, left_out = with_own_expectations(captures)
     if not usable:
         raise UserError([Fault(reader.where_of[text.partition(": ")[0]], text) for text in left_out])
-    return CaptureFolder(path.parent, usable, (*limits, *doubts(captures), *left_out))
+    return CaptureFolder(path.parent, usable, (*limits, *time_doubts(listed), *doubts(captures), *left_out))
 
 
 class _Reader:
@@ -115,6 +117,11 @@ class _Reader:
             )
         real = files.stack(i, "real", paths[:MAX_FRAMES], shape)
         self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
+        if entry.kind == "board" and (entry.simulated is not None or entry.scene is not None):
+            self.limitations.append(
+                f"{entry.id}: what is simulated of it is not used; a board is compared with the pose that "
+                f"fits it best."
+            )
         expected = self.expected.of(i, entry, shape, len(paths), usable=real is not None)
         mask = files.array(i, "mask", entry.mask, shape)
         depth = files.array(i, "depth", entry.depth, shape, infinite=True)
@@ -160,6 +167,8 @@ class _Reader:
             edge_angle_deg=entry.edge.angle_deg if entry.edge else None,
             patches=patches,
             row_time_us=entry.row_time_us,
+            motion_blurred=entry.motion_blurred,
+            taken_s=entry.taken_s,
             unstated=unstated(camera),
             objects=objects,
         )

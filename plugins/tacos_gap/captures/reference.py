@@ -36,12 +36,21 @@ _CAPTURES_RULES = f"""\
 - `simulated` is linear, in digital numbers with the pedestal, without noise, not clipped: (height, width) or
   (height, width, channels), one for all frames or one per frame, or a number where it is the same everywhere.
   Any simulator may have made it. Where a capture names a `scene` instead, ours renders it: a bench recipe,
-  whose capture of the same `id` is taken.
+  the path of one from the folder or the name of a shipped one (`bench`), whose capture of the same `id` is
+  taken. A list of images that are all the same counts as one, which its frames repeat.
 - Without either, dark frames expect the pedestal, boards the pose that fits best, and walls (`flat`),
   brackets, edges and ColorCheckers what their own pictures tell of the target. A `scene` or `sequence` is
   left out.
 - `chart.patches` is a table with the columns `id`, `x`, `y`, `width`, `height` [px] and `r`, `g`, `b` [linear
   DN].
+- Captures, and the frames of one, stand in the order they were taken. `taken_s` says when, from any moment
+  on: captures are then read in its order, those without one behind what they are listed after. Light that
+  only rises or only falls over captures that should be equally bright is named as a drift, and times that
+  cannot be (frames that take longer than what lies between two captures) are doubted.
+- `velocity_px_s` and `exposure_ms` tell how far the picture moves while the shutter is open. `simulated` is
+  taken to be sharp unless `motion_blurred` says that it holds this blur: what is found of
+  `effect.motion-blur` then comes on top of it.
+- YAML's anchors and aliases are read, up to 10000 repeated entries; merge keys (`<<`) are not.
 - Pixels count from 0, and (0, 0) is the centre of the first.
 
 All that is wrong with a folder is said at once, with line and column. What is not wrong but tells little

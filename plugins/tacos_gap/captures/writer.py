@@ -183,7 +183,7 @@ def _entry(folder: Path, name: str, capture: RealCapture, camera: Mapping[str, A
 
 
 def _scene_of(folder: Path, name: str, capture: RealCapture) -> dict[str, Any]:
-    """Depth, motion and readout."""
+    """Depth, motion, readout and time."""
     context = capture.context
     entry: dict[str, Any] = {}
     if context.depth_m is not None:
@@ -201,6 +201,10 @@ def _scene_of(folder: Path, name: str, capture: RealCapture) -> dict[str, Any]:
         entry["row_time_us"] = capture.row_time_us
     if context.reference_row:
         entry["row_time_reference"] = context.reference_row
+    if capture.motion_blurred:
+        entry["motion_blurred"] = True
+    if capture.taken_s is not None:
+        entry["taken_s"] = float(capture.taken_s)
     return entry
 
 

@@ -8,6 +8,7 @@ import shutil
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -93,7 +94,7 @@ def import_photographs(
     camera = camera_of(pictures, given, focal_px)
     stacks = sorted(stacks_of(pictures), key=lambda stack: _ORDER.index(stack.kind))
     doubts += [*camera.doubts, *_doubts(stacks, board, given)]
-    entries = tuple(_entries(stacks, out, board, given))
+    entries = tuple(_in_time_order(list(_entries(stacks, out, board, given))))
     path = out / FILE
     path.write_text(folder_text(out.name, camera, entries, doubts), encoding="utf-8")
     return Imported(path, entries, camera, tuple(doubts))
@@ -181,6 +182,8 @@ def _entries(
     """Entries of captures, their files copied."""
     isos = [p.facts.iso for stack in stacks for p in stack.pictures if p.facts.iso]
     lowest = min(isos, default=None)
+    times = {id(stack): _seconds(stack.first.facts.taken) for stack in stacks}
+    known = [time for time in times.values() if time is not None]
     count: Counter[str] = Counter()
     for stack in stacks:
         count[stack.kind] += 1
@@ -191,12 +194,33 @@ def _entries(
             entry["exposure_ms"] = round(facts.exposure_ms or _UNKNOWN_MS, 6)
         if facts.iso and lowest and facts.iso != lowest:
             entry["gain_db"] = round(20 * math.log10(facts.iso / lowest), 2)
+        if (taken := times[id(stack)]) is not None and len(known) == len(times):
+            entry["taken_s"] = round(taken - min(known), 3)
         if stack.group:
             entry["group"] = stack.group
         if stack.kind == "board" and board is not None:
             square_mm = given.square_mm or USUAL_SQUARE_MM
             entry["board"] = {"inner_corners": list(board.inner_corners), "square_mm": square_mm}
         yield entry
+
+
+def _seconds(taken: str) -> float | None:
+    """Seconds since some moment of a date and time as EXIF writes them; None of what is none.
+
+    >>> _seconds("2026:05:01 10:00:07.25") - _seconds("2026:05:01 10:00:00.")
+    7.25
+    """
+    written, _, fraction = taken.partition(".")
+    try:
+        moment = datetime.strptime(written, "%Y:%m:%d %H:%M:%S").replace(tzinfo=UTC)
+    except ValueError:
+        return None
+    return moment.timestamp() + (float(f"0.{fraction}") if fraction.isdecimal() else 0.0)
+
+
+def _in_time_order(entries: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The entries in the order they were taken, where the pictures say when; else as they are."""
+    return sorted(entries, key=lambda entry: float(entry.get("taken_s", 0.0)))
 
 
 def _copied(stack: Stack, out: Path, name: str) -> list[str]:

@@ -32,10 +32,12 @@ from tacos_gap.procedures.checking import check_all, check_captures
 from tacos_gap.procedures.telling import Telling
 from tacos_gap.report import task_words
 from tacos_gap.report.page import Circumstances, page
+from tacos_gap.report.undiagnosed import undiagnosed_page
 from tacos_gap.sensing import NODE, with_sensor
 from tacos_gap.tasks import RecipeTask, default_tasks, score_tasks, task_gap, tasks_of
 from tacos_gap.tasks.recipe_tasks import frozen_plan
 from tacos_gap.transfer import Photographed, patch, patched
+from tacos_gap.undiagnosed import NothingMeasured, undiagnosed_data, undiagnosed_summary
 from tacos_plugins.building import build
 from tacos_report.page import write_page
 
@@ -109,8 +111,15 @@ class Diagnose:
             folder = replace(folder, captures=with_sensor(folder.captures, sensor))
         progress.step(f"{len(folder.captures)} captures")
         progress.phase("Looking for causes", None)
-        with Telling(progress) as tell:
-            diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=tell)
+        try:
+            with Telling(progress) as tell:
+                diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=tell)
+        except NothingMeasured as nothing:
+            data = undiagnosed_data(nothing.limitations)
+            _write(out, data, patched((), Photographed.of(folder.captures)))
+            told = undiagnosed_page(folder, nothing.limitations, considered.effects, self._command(seed))
+            write_page(out / "report.html", told)
+            return {"diagnosis": data, "summary": undiagnosed_summary(nothing.limitations)}
         causes = diagnosis.attribution.best.hypothesis
         progress.phase("Scoring tasks", None)
         scored = score_tasks(folder.captures, lambda capture: placed(causes, capture.id), tasks, seed)

@@ -79,20 +79,24 @@ def not_told(
     captures: Sequence[RealCapture], effects: Mapping[str, type[Any]], diagnosis: Diagnosis
 ) -> Iterator[Block]:
     """What it takes to tell the effects these captures are blind to, and how small the others may be."""
-    lacking = untold(captures, effects)
-    if lacking:
-        rows = [
-            (remedy, ", ".join(words.effect_words(name) for name in names))
-            for remedy, names in sorted(lacking.items(), key=lambda item: -len(item[1]))
-        ]
-        yield Paragraph("Nothing can be said of these effects until the captures hold what shows them:")
-        yield Table(("photograph", "to learn of"), tuple(rows))
+    yield from effects_not_shown(captures, effects)
     if limits := diagnosis.detectable:
         yield Paragraph(
             "Of the others none was overlooked that is larger than its detection limit: an effect of that "
             "size would have shown in these captures nine times in ten."
         )
         yield Folded("Detection limits", Table(("effect", "would have shown from"), limit_rows(limits)))
+
+
+def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> Iterator[Block]:
+    """What it takes to tell the effects these captures are blind to."""
+    if lacking := untold(captures, effects):
+        rows = [
+            (remedy, ", ".join(words.effect_words(name) for name in names))
+            for remedy, names in sorted(lacking.items(), key=lambda item: -len(item[1]))
+        ]
+        yield Paragraph("Nothing can be said of these effects until the captures hold what shows them:")
+        yield Table(("photograph", "to learn of"), tuple(rows))
 
 
 def limit_rows(limits: Mapping[str, Mapping[str, float]]) -> tuple[tuple[str, str], ...]:

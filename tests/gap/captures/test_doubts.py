@@ -51,6 +51,30 @@ def test_mono_stored_as_colour(tmp_path):
     assert "set camera.channels to 1" in said(colour_folder(tmp_path, colourful()[..., :1].repeat(3, axis=2)))
 
 
+def moving_folder(folder: Path, **changes) -> Path:
+    return flat_folder(folder, kind="sequence", exposure_ms=20, velocity_px_s=[90, 120], **changes)
+
+
+def test_motion_while_the_shutter_is_open(tmp_path):
+    sharp = said(moving_folder(tmp_path))
+    assert "flat: by velocity_px_s and exposure_ms the picture moves by 3 px" in sharp
+    assert "effect.motion-blur is to be expected" in sharp
+    blurred = said(moving_folder(tmp_path, motion_blurred=True))
+    assert (
+        "`simulated` holds that blur (motion_blurred): effect.motion-blur is what is there beyond it"
+        in blurred
+    )
+    assert "moves by" not in said(flat_folder(tmp_path, velocity_px_s=[90, 120]))
+    assert "moves by" not in said(flat_folder(tmp_path, velocity_px_s=[9, 12], exposure_ms=20))
+
+
+def test_a_board_is_not_compared_with_what_is_simulated_of_it(tmp_path):
+    board = {"inner_corners": [9, 6], "square_mm": 25}
+    assert "flat: what is simulated of it is not used" in said(
+        flat_folder(tmp_path, kind="board", board=board)
+    )
+
+
 def test_lossy_files(tmp_path):
     assert cv2.imwrite(str(tmp_path / "flat.jpg"), noisy(frames=1)[0])
     entry = {"id": "flat", "kind": "flat", "real": "flat.jpg", "simulated": 100}

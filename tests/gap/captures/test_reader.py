@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import yaml
 
 from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import read_yaml
@@ -102,6 +103,22 @@ def test_the_expected_image_of_each_frame_of_a_sequence(tmp_path):
     assert capture.context.frame_interval_s == pytest.approx(0.033)
     assert capture.context.reference_row == 6
     assert capture.row_time_us == 20
+
+
+@pytest.mark.parametrize(("levels", "expectations"), [((100, 100), 1), ((100, 101), 2)])
+def test_a_list_that_repeats_one_image_lets_its_frames_repeat(tmp_path, levels, expectations):
+    images = np.stack([np.full((HEIGHT, WIDTH), level, np.float32) for level in levels])
+    names = save_frames(tmp_path, "expected", images, ".npy")
+    assert len(read_captures(flat_folder(tmp_path, simulated=names)).captures[0].expected_dn) == expectations
+
+
+def test_what_a_program_holds_twice_is_read(tmp_path):
+    names = save_frames(tmp_path, "flat", noisy())
+    entries = [{"id": f"c{i}", "kind": "flat", "real": names, "simulated": 100} for i in range(2)]
+    text = yaml.safe_dump({"tacos_captures": 1, "camera": CAMERA, "captures": entries})
+    assert "*id001" in text
+    (tmp_path / "captures.yaml").write_text(text)
+    assert [c.frames for c in read_captures(tmp_path).captures] == [2, 2]
 
 
 def test_velocity_depth_and_mask_may_vary_over_the_image(tmp_path):

@@ -124,6 +124,20 @@ def test_what_is_no_photograph_is_refused_in_a_sentence(tmp_path):
         import_photographs([tmp_path / "photos"], tmp_path / "out", Given(cfa="RGGB"))
 
 
+def test_pictures_that_say_when_stand_in_the_order_they_were_taken(tmp_path):
+    (tmp_path / "photos").mkdir()
+    for name, level, taken in (("a", 150.0, "00:07"), ("b", 12.0, "00:30")):
+        path = tmp_path / "photos" / f"{name}.png"
+        save(path, np.full((*SHAPE, 3), level))
+        with Image.open(path) as image:
+            tags = image.getexif()
+            tags.get_ifd(0x8769)[0x9003] = f"2026:05:01 10:{taken}"
+            image.save(path, exif=tags)
+    entries = import_photographs([tmp_path / "photos"], tmp_path / "out").entries
+    assert [(e["kind"], e["taken_s"]) for e in entries] == [("flat", 0.0), ("dark", 23.0)]
+    assert [c.taken_s for c in read_captures(tmp_path / "out").captures] == [0.0, 23.0]
+
+
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"the real captures are not at {DATA}")
 def test_a_real_bracket_is_imported_from_its_exif(tmp_path):
     found = import_photographs([DATA / "bracket_5d2"], tmp_path / "out")

@@ -1,0 +1,41 @@
+"""The report where nothing could be measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tacos_gap.captures import CaptureFolder
+from tacos_gap.report.photographed import effects_not_shown, photographed
+from tacos_gap.undiagnosed import WANTED
+from tacos_report.page import Code, Page, Paragraph, Section
+
+
+def undiagnosed_page(
+    folder: CaptureFolder, limitations: Sequence[str], effects: Mapping[str, type[Any]], command: str
+) -> Page:
+    """What was photographed, why it tells nothing, and what to photograph.
+
+    Parameters
+    ----------
+    folder
+        The captures.
+    limitations
+        What each lacks, in sentences.
+    effects
+        The classes of all effects that could be causes, by name.
+    command
+        What to type to run it again.
+    """
+    wanted = f"Capture next: {WANTED.kind}. {WANTED.why[:1].upper()}{WANTED.why[1:]}."
+    return Page(
+        "Diagnosis of the gap between captures and their simulation",
+        "Nothing could be measured in these captures",
+        "So nothing is said of the gap: neither that there is one, nor that there is none.",
+        [
+            Section("What was photographed", tuple(photographed(folder.captures))),
+            Section("Why it tells nothing", tuple(map(Paragraph, limitations))),
+            Section("What to photograph", (Paragraph(wanted), *effects_not_shown(folder.captures, effects))),
+            Section("To repeat it", (Code(command),)),
+        ],
+    )
