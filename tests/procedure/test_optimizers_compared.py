@@ -220,7 +220,8 @@ def test_a_broken_run_goes_on_and_renders_nothing_twice(compared, problem, plugi
     whole, finished = compared
     out = tmp_path / "broken"
     out.mkdir()
-    (out / "recipe.yaml").write_bytes((finished / "recipe.yaml").read_bytes())
+    for name in ("recipe.yaml", "manifest.json"):
+        (out / name).write_bytes((finished / name).read_bytes())
     kept = (finished / "scores.jsonl").read_text().splitlines()
     (out / "scores.jsonl").write_text("\n".join(kept[:60]) + '\n{"key": "cut sho')
     before = toy_plugin.WidthTask.begun

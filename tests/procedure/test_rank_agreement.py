@@ -239,7 +239,8 @@ def test_a_broken_run_goes_on_where_it_stopped(ranked, study, toys, tmp_path):
     whole, finished = ranked
     out = tmp_path / "broken"
     out.mkdir()
-    (out / "recipe.yaml").write_bytes((finished / "recipe.yaml").read_bytes())
+    for name in ("recipe.yaml", "manifest.json"):
+        (out / name).write_bytes((finished / name).read_bytes())
     kept = (finished / "scores.jsonl").read_text().splitlines()
     (out / "scores.jsonl").write_text("\n".join(kept[:50]) + '\n{"key": "cut sho')
     before = toy_plugin.WidthTask.begun
