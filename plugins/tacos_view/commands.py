@@ -88,9 +88,44 @@ def _view(arguments: argparse.Namespace) -> int:
     elif kind := _kind_of_catalog(arguments.what):
         path = _catalog(arguments, kind)
     else:
+        _look_for(arguments.what, plugins)
         path = _scene(arguments, plugins)
     print(f"Look at {path}")
     return DONE
+
+
+def _look_for(what: str, plugins: Plugins) -> None:
+    """See that a recipe, a scene or a results folder of this name may be there.
+
+    Raises
+    ------
+    UserError
+        When there is none, with the name of a recipe, scene or catalog that is nearly the same.
+    """
+    from tacos_framework.catalog import catalog_names
+    from tacos_framework.errors import did_you_mean
+    from tacos_framework.packaged_resources import shipped_folder
+
+    path = Path(what)
+    if what.startswith("scene.") or path.suffix in (".yaml", ".yml") or path.is_file():
+        return
+    if path.is_dir():
+        if not (path / "recipe.yaml").is_file():
+            raise UserError(Fault(what, "this folder holds no recipe.yaml", "the results folder of a study"))
+        return
+    recipes = [file.stem for file in shipped_folder("recipes").glob("*.yaml")]
+    if what not in recipes:
+        scenes = [each.component.use for each in plugins if each.component.kind == "scene"]
+        suggestion = did_you_mean(what, [*recipes, *scenes, *catalog_names(), "cameras"])
+        raise UserError(
+            Fault(
+                what,
+                "there is nothing of this name to look at",
+                "a scene (scene.indoor), a recipe (headset_quick), a catalog (image_sensors, cameras), or "
+                "the results folder of a study",
+                suggestion if suggestion.startswith("Did you mean") else "`tacos plugins` lists the scenes.",
+            )
+        )
 
 
 def _ladder(arguments: argparse.Namespace, plugins: Plugins) -> Path:
