@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault, UserError
-from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.labels import Rule
 from tacos_worlds.imported.model import Model, Surface
+from tacos_worlds.mesh_files.read import UNREADABLE
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
-MOST_TRIANGLES = 30_000_000
 _LEAST_OPACITY = 0.5
 """Clearer surfaces are left out: a pane of glass, drawn as a wall, would shut the light out [1]."""
 _LOWEST_M, _WIDEST_M = 1.5, 20_000.0
@@ -105,25 +104,16 @@ def _opened(file: Path, most_px: int) -> Model:
         from tacos_worlds.imported.formats.plain_meshes import read_plain_mesh
 
         return read_plain_mesh(file, most_px)
-    except (Damaged, Unreadable) as error:
-        raise UserError(
-            Fault(
-                str(file), f"cannot be used: {error}", remedy="Export it again, as a whole and uncompressed."
-            )
-        ) from error
+    except (Damaged, *UNREADABLE) as error:  # whatever trips over what no exporter writes
+        what = f"cannot be used: {error or type(error).__name__}"
+        remedy = "Export it again, as a whole and uncompressed."
+        raise UserError(Fault(str(file), what, remedy=remedy)) from error
 
 
 def _of_content(file: Path, model: Model) -> Iterator[Fault]:
     if not model.triangle_count:
         yield Fault(
             str(file), "holds no triangles that hide anything", "a mesh of a room, building or street"
-        )
-    if model.triangle_count > MOST_TRIANGLES:
-        yield Fault(
-            str(file),
-            f"has {model.triangle_count} triangles",
-            f"at most {MOST_TRIANGLES}",
-            "Decimate it, or export a part of it.",
         )
     for surface in model.surfaces:
         if not np.isfinite(surface.vertices).all():

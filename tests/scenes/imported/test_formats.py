@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tacos_framework.errors import UserError
 from tacos_worlds.imported.formats.gltf import read_gltf
 from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.formats.poses import read_poses
 from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
+from tacos_worlds.imported.reading import read_world
 from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.sky import read_surroundings
 
@@ -71,17 +73,41 @@ def test_gltf_names_places_extras_emission_and_lights(tmp_path: Path) -> None:
     [
         ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "KHR_draco_mesh_compression"),
         (
-            {"accessors": [{"bufferView": 0, "componentType": 5126, "count": 300_000_000, "type": "VEC3"}]},
+            {"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}]},
             "beyond",
         ),
         ({"buffers": [{"uri": "corners.bin", "byteLength": 99}]}, "cut short"),
-        ({"nodes": [{"children": [0]}]}, "contain themselves"),
+        ({"nodes": [{"children": [0]}]}, "more than once"),
+        (
+            {"nodes": [{"children": [1, 1]}, {"children": [2, 2]}, {"mesh": 0}]},
+            r"node 2 stands in .* more than",
+        ),
+        ({"nodes": [*({"children": [i + 1]} for i in range(300)), {"mesh": 0}]}, "more than 200 deep"),
         ({"asset": {"version": "1.0"}}, "not glTF 2.0"),
     ],
 )
 def test_gltf_that_claims_what_is_not_there(more: dict[str, object], said: str, tmp_path: Path) -> None:
     with pytest.raises(Damaged, match=said):
         read_gltf(gltf(tmp_path, **more), 1024)
+
+
+@pytest.mark.parametrize(
+    "more", [{"nodes": [{"children": 5}]}, {"nodes": [{"extensions": 3}]}, {"meshes": [{"primitives": "x"}]}]
+)
+def test_a_tree_of_other_kinds_of_values_is_a_fault(more: dict[str, object], tmp_path: Path) -> None:
+    file = gltf(tmp_path, **{"nodes": [{"mesh": 0}], **more})
+    with pytest.raises(UserError, match="cannot be used"):
+        read_world(file, up="auto", metres_per_unit=1.0, leave_out=(), most_px=64)
+
+
+def test_triangles_are_counted_before_any_is_read_those_of_a_mesh_as_often_as_it_stands_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = gltf(tmp_path, nodes=[{"children": [*range(1, 21)]}, *({"mesh": 0} for _ in range(20))])
+    assert len(read_gltf(file, 64).surfaces) == 20
+    monkeypatch.setenv("TACOS_LIMITS", "mesh_triangles=19")
+    with pytest.raises(UserError, match=r"(?s)20 triangles or more.*TACOS_LIMITS=mesh_triangles=21"):
+        read_gltf(file, 64)
 
 
 def test_one_path_in_three_formats_is_one_path(tmp_path: Path) -> None:

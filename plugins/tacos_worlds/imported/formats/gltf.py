@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import limits
 from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
 from tacos_worlds.imported.formats.gltf_skins import Skins
 from tacos_worlds.imported.model import Model, PunctualLight, Surface
 
 _DEEPEST = 200
-"""Levels of nodes; more mean that nodes contain themselves."""
+"""Levels of nodes; no program nests them so deep."""
 _UNDERSTOOD = {
     "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
     "KHR_materials_transmission", "KHR_mesh_quantization", "EXT_texture_webp", "KHR_materials_specular",
@@ -37,8 +39,10 @@ def read_gltf(file: Path, most_px: int) -> Model:
 
     Raises
     ------
-    Damaged, Unreadable
-        Where it is not what the format says, or names files that are not there.
+    Damaged
+        Where it is not what the format says.
+    UserError
+        Where a file cannot be read, or there are too many triangles.
     """
     buffers = Buffers(file)
     required = set(map(str, buffers.header.get("extensionsRequired", [])))
@@ -54,6 +58,8 @@ class _Reader:
         self._buffers = buffers
         self._skins = Skins(buffers, most_px)
         self._lights: list[PunctualLight] = []
+        self._placed: set[object] = set()
+        self._triangle_count = 0
         self._default_skin = len(buffers.listed("materials"))
 
     def model(self) -> Model:
@@ -71,8 +77,11 @@ class _Reader:
     ) -> Iterator[Surface]:
         """All surfaces of a node and of those below it."""
         if len(path) > _DEEPEST:
-            raise Damaged("its nodes contain themselves")
+            raise Damaged(f"its nodes lie more than {_DEEPEST} deep in one another")
         node = self._buffers.entry("nodes", index)
+        if index in self._placed:  # a small file of such nodes would be a world without end
+            raise Damaged(f"node {index} stands in the scene more than once")
+        self._placed.add(index)
         own = node.get("extras")
         extras = {**extras, **own} if isinstance(own, dict) else extras
         path = (*path, str(node.get("name", f"node {index}")))
@@ -100,6 +109,7 @@ class _Reader:
             return None
         if "KHR_draco_mesh_compression" in primitive.get("extensions", {}):
             raise Damaged("it is compressed by Draco: export it without compression")
+        self._count(primitive.get("indices", attributes["POSITION"]), mode)
         read = self._buffers.accessor
         vertices = _wide(read(attributes["POSITION"]), 3, path)
         indices = read(primitive["indices"])[:, 0] if "indices" in primitive else np.arange(len(vertices))
@@ -119,6 +129,15 @@ class _Reader:
             colours=_wide(_unit(read(attributes["COLOR_0"])), 3, path) if "COLOR_0" in attributes else None,
             extras=extras,
         )
+
+    def _count(self, accessor: object, mode: int) -> None:
+        """Add up triangles before they are decoded, those of a mesh as often as nodes place it."""
+        corners = self._buffers.count(accessor)
+        self._triangle_count += corners // 3 if mode == _TRIANGLES else max(corners - 2, 0)
+        count, most = self._triangle_count, limits().mesh_triangles
+        if count > most:
+            what, remedy = f"has {count} triangles or more", limits().remedy("mesh_triangles", count)
+            raise UserError(Fault(str(self._buffers.file), what, f"at most {most:.0f}", remedy))
 
     def _uv(self, attributes: Json, material: object, count: int) -> NDArray[np.float64] | None:
         which, moved = self._skins.uv_set(material)

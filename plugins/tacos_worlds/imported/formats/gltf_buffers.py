@@ -45,6 +45,8 @@ class Buffers:
 
     Attributes
     ----------
+    file
+        The file.
     header
         The JSON object.
 
@@ -55,7 +57,7 @@ class Buffers:
     """
 
     def __init__(self, file: Path) -> None:
-        self._file = file
+        self.file = file
         text, self._embedded = _container(file_bytes(file))
         try:
             header = json.loads(text)
@@ -94,15 +96,19 @@ class Buffers:
         entry = self.entry("images", index)
         return self._at(str(entry["uri"])) if "uri" in entry else bytes(self.view(entry.get("bufferView")))
 
+    def count(self, index: object) -> int:
+        """How many items an accessor has, as it says, before any is read."""
+        return _natural(self.entry("accessors", index).get("count"), f"accessors[{index}].count")
+
     def accessor(self, index: object) -> NDArray[Any]:
         """(N, width) numbers, normalised integers as floats in -1..1 or 0..1."""
         entry = self.entry("accessors", index)
-        where, count = f"accessors[{index}]", _natural(entry.get("count"), f"accessors[{index}].count")
+        where, count = f"accessors[{index}]", self.count(index)
         dtype, width = self._layout(entry, where)
         if "bufferView" in entry:
             values = self._strided(entry, where, count, dtype, width)
         else:
-            values = np.zeros((_held(count, self._file), width), dtype)
+            values = np.zeros((_held(count, self.file), width), dtype)
         if isinstance(sparse := entry.get("sparse"), dict):
             values = self._replaced(values, sparse, where, dtype, width)
         if entry.get("normalized") and dtype.kind in "iu":
@@ -157,7 +163,7 @@ class Buffers:
 
     def _at(self, uri: str) -> bytes:
         if not uri.startswith("data:"):
-            return neighbour(self._file, unquote(uri))
+            return neighbour(self.file, unquote(uri))
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
