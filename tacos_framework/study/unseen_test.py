@@ -86,15 +86,10 @@ class UnseenTest:
         new = [name for name in cameras if name not in self.evaluations]
         if new:
             return new
-        undecided = [name for name, found in self.comparisons.items() if found.verdict == "undecided"]
-        return [self.designed, *undecided] if self._best_product in undecided else []
-
-    @property
-    def _best_product(self) -> str | None:
-        """The product that the decision is about, as of the scenes that all cameras have seen."""
-        common = self.on_common_scenes
-        fitness = {name: each for name in self.comparisons if (each := common[name].fitness) is not None}
-        return max(fitness, key=fitness.__getitem__, default=None)
+        comparisons = self.comparisons
+        undecided = [name for name, found in comparisons.items() if found.verdict == "undecided"]
+        best = min(comparisons, key=lambda name: comparisons[name].difference, default=None)
+        return [self.designed, *undecided] if best in undecided else []
 
     def _seen(self, name: str) -> int:
         return len(self.evaluations[name].blocks) if name in self.evaluations else 0

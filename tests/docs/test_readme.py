@@ -9,7 +9,6 @@ from pathlib import Path
 from tests.docs.pages import ROOT, blocks
 
 _SMALLER = {
-    "rig.binning": 2,
     "nodes.world.frames": 4,
     "nodes.world.size_m": [11, 6],
     "nodes.capture.light_texel_m": 0.2,

@@ -16,7 +16,7 @@ from tacos_view.cameras import built_rig, choose_camera
 
 @pytest.fixture(scope="module")
 def plan() -> Plan:
-    return make_plan(load_recipe("headset_quick", {"rig.binning": 2}), Plugins.discover())
+    return make_plan(load_recipe("headset_quick"), Plugins.discover())
 
 
 def test_a_product_fixes_what_it_fixes_and_the_rest_is_in_the_middle(plan: Plan) -> None:
