@@ -9,7 +9,8 @@ from typing import Any
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import find_file, shipped_folder
 from tacos_framework.settings import Settings, check, setting
-from tacos_framework.settings.yaml_reader import Document, read_yaml
+from tacos_framework.settings.yaml_document import Document
+from tacos_framework.settings.yaml_reader import read_yaml
 
 
 class CatalogCamera(Settings):

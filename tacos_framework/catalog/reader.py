@@ -12,7 +12,8 @@ from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.files import read_csv
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
-from tacos_framework.settings.yaml_reader import Document, read_yaml
+from tacos_framework.settings.yaml_document import Document
+from tacos_framework.settings.yaml_reader import read_yaml
 
 SIZES = ("width_mm", "height_mm", "pixel_um")
 """What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""

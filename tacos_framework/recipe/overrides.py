@@ -8,7 +8,7 @@ from typing import Any
 
 from tacos_framework.errors import Fault
 from tacos_framework.recipe.fixing import fix_variable
-from tacos_framework.settings.yaml_reader import Document
+from tacos_framework.settings.yaml_document import Document
 
 Path = tuple[str | int, ...]
 

@@ -14,7 +14,8 @@ from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.recipe.recipe import FORMAT, Recipe
 from tacos_framework.recipe.sections import ExposureControl, Scenarios
 from tacos_framework.settings import check
-from tacos_framework.settings.yaml_reader import Document, read_yaml_draft
+from tacos_framework.settings.yaml_document import Document
+from tacos_framework.settings.yaml_reader import read_yaml_draft
 
 _WITH_METADATA: Mapping[str, Any] = {"scenario": Scenarios, "exposure": ExposureControl}
 """Sections whose annotation says more than its type, of which a field keeps the type alone."""

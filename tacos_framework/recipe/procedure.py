@@ -14,7 +14,7 @@ from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.recipe.recipe import FORMAT, Recipe
 from tacos_framework.recipe.sections import Use
 from tacos_framework.settings import Settings, check
-from tacos_framework.settings.yaml_reader import Document
+from tacos_framework.settings.yaml_document import Document
 
 SHARED_KEYS = ("tacos", "name", "seed", "notes", "executor")
 """Keys at the top of a procedure's recipe that are not settings of the procedure; as in `Recipe`."""

@@ -28,7 +28,7 @@ from tacos_framework.recipe.sections import (
     Weighted,
 )
 from tacos_framework.settings import Settings, setting
-from tacos_framework.settings.yaml_reader import Document
+from tacos_framework.settings.yaml_document import Document
 
 FORMAT = 1
 """The recipe format this version reads (``tacos: 1``)."""

@@ -5,26 +5,21 @@ number, ``no`` and ``on`` are words, ``010`` is ten), plain mappings with distin
 document. What can surprise or harm is refused: aliases and anchors (unless asked for, and then bounded, as
 they blow up in size), tags, merge keys, NaN and infinities, files over the limit ``text_mb``, nesting over 50
 levels.
-
-References
-----------
-YAML 1.2.2 core schema: https://yaml.org/spec/1.2.2/#103-core-schema
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import yaml
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits, read_text
 from tacos_framework.files.regular import too_large
+from tacos_framework.settings.yaml_document import Document, Position
+from tacos_framework.settings.yaml_scalars import LONGEST_NUMBER, plain_scalar
 
 MAX_DEPTH = 50
 """Deepest nesting of mappings and lists that is read."""
@@ -32,14 +27,7 @@ MAX_DEPTH = 50
 MAX_REPEATED = 10_000
 """Most entries that aliases may repeat in all, where they are read."""
 
-_NULL = frozenset({"", "~", "null", "Null", "NULL"})
-_BOOLEAN = {word: word.lower() == "true" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
-_DECIMAL = re.compile(r"[-+]?[0-9]+")
-_PREFIXED = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
 _NOT_STORABLE = re.compile("[\x00\ud800-\udfff]")
-_LONGEST_NUMBER = 40
 _NOWHERE = -1
 """A step of a path that no entry has: for keys while they are read, and for what stands below bad ones."""
 
@@ -49,80 +37,6 @@ _REMEDIES = {
     "could not find expected ':'": "Write 'key: value', with a space after the colon.",
     "that cannot start any token": "Quote text that starts with a special character.",
 }
-
-
-class Position(NamedTuple):
-    """Where something stands in a text; line and column count from 1."""
-
-    line: int
-    column: int
-
-
-@dataclass(frozen=True)
-class Document:
-    """What a YAML text holds, and where.
-
-    Parameters
-    ----------
-    data
-        Nested `dict` (text keys), `list`, `str`, `int`, `float`, `bool` and None.
-    positions
-        For the path of each entry its position: of the key in a mapping, of the item in a list. A path is
-        the keys and list indices on the way from the root, which is ``()``.
-    name
-        What to call the text in messages, usually its file.
-    elsewhere
-        What to call, in messages, entries that were put there from elsewhere, such as the command line.
-    faults
-        What the text says that was refused, where the rest can still be looked at.
-    unread
-        Paths of the values among it that were read as None, for want of a better one.
-
-    Examples
-    --------
-    >>> document = read_yaml("rig:\\n  pitch_deg: 1e1\\n", name="recipe.yaml")
-    >>> document.data
-    {'rig': {'pitch_deg': 10.0}}
-    >>> document.where(("rig", "pitch_deg"))
-    'recipe.yaml:2:3'
-    """
-
-    data: Any
-    positions: Mapping[tuple[str | int, ...], Position]
-    name: str
-    elsewhere: Mapping[tuple[str | int, ...], str] = field(default_factory=dict)
-    faults: tuple[Fault, ...] = ()
-    unread: frozenset[tuple[str | int, ...]] = frozenset()
-
-    def where(self, path: Sequence[str | int] = ()) -> str:
-        """``name:line:column`` of the entry, or of its nearest ancestor that exists.
-
-        An entry from elsewhere, and all that stands below it, has the name of where it came from.
-        """
-        known = tuple(path)
-        for length in range(len(known), 0, -1):
-            if known[:length] in self.elsewhere:
-                return self.elsewhere[known[:length]]
-        while known and known not in self.positions:
-            if made := next((name for key, name in self.elsewhere.items() if key[: len(known)] == known), ""):
-                return made  # it stands there only because something below was put in
-            known = known[:-1]
-        return _where(self.name, self.positions.get(known, Position(1, 1)))
-
-    def folder_of(self, path: Sequence[str | int]) -> Path | None:
-        """The folder that a relative path at an entry starts from; None for the working folder.
-
-        What a file says starts beside the file, what came from the command line where that was typed.
-        """
-        known = tuple(path)
-        if any(known[: len(given)] == given for given in self.elsewhere) or not Path(self.name).is_file():
-            return None
-        return Path(self.name).parent
-
-    def without_echoes(self, faults: Iterable[Fault]) -> list[Fault]:
-        """The faults, but for those that only say once more that a value could not be read."""
-        unread = {self.where(path) for path in self.unread}
-        return [fault for fault in faults if fault in self.faults or fault.where not in unread]
 
 
 def read_yaml(source: Path | str, name: str | None = None, *, aliases: bool = False) -> Document:
@@ -167,10 +81,6 @@ def read_yaml_draft(source: Path | str, name: str | None = None, *, aliases: boo
     return _Reader(text, name, aliases).document()
 
 
-def _where(name: str, position: Position) -> str:
-    return f"{name}:{position.line}:{position.column}"
-
-
 def _position(mark: Any) -> Position:
     return Position(mark.line + 1, mark.column + 1) if mark else Position(1, 1)
 
@@ -209,7 +119,7 @@ class _Reader:
         raise UserError(self.faults)
 
     def _fault(self, position: Position, what: str, expected: str = "", remedy: str = "") -> None:
-        self.faults.append(Fault(_where(self.name, position), what, expected, remedy))
+        self.faults.append(Fault(position.of(self.name), what, expected, remedy))
 
     def _stream(self) -> Any:
         self.loader.get_event()  # stream start
@@ -327,41 +237,11 @@ class _Reader:
         if not event.implicit[0]:  # quoted or block text
             return text
         try:
-            return _plain_scalar(text)
+            return plain_scalar(text)
         except ValueError as error:
-            self._fault(position, str(error), "a finite number" if len(text) < _LONGEST_NUMBER else "")
+            self._fault(position, str(error), "a finite number" if len(text) < LONGEST_NUMBER else "")
             self.unread.add(path)
             return None
-
-
-def reads_as_text(text: str) -> bool:
-    """Whether unquoted text is read as itself, not as a number, a truth value or nothing, or refused."""
-    try:
-        return isinstance(_plain_scalar(text), str)
-    except ValueError:
-        return False
-
-
-def _plain_scalar(text: str) -> Any:
-    """The value of unquoted text by the YAML 1.2 core schema; ValueError for what is no usable number."""
-    if text in _NULL:
-        return None
-    if text in _BOOLEAN:
-        return _BOOLEAN[text]
-    if _NOT_FINITE.fullmatch(text):
-        raise ValueError(f"{text} is not a number that can be used")
-    if not _FLOAT.fullmatch(text) and not _PREFIXED.fullmatch(text):
-        return text
-    if len(text) > _LONGEST_NUMBER:
-        raise ValueError(f"a number of {len(text)} characters is too long")
-    if _DECIMAL.fullmatch(text):
-        return int(text)
-    if _PREFIXED.fullmatch(text):
-        return int(text, 0)
-    number = float(text)
-    if not isfinite(number):
-        raise ValueError(f"{text} is too large for a number")
-    return number
 
 
 def _height(value: Any) -> int:

@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from tacos_framework.settings.yaml_reader import reads_as_text
+from tacos_framework.settings.yaml_scalars import reads_as_text
 
 
 class _Dumper(yaml.SafeDumper):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import pickle
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import pytest
 
@@ -34,9 +35,17 @@ def test_the_innermost_component_is_to_blame():
 
 
 def test_whoever_is_to_blame_is_known_in_other_processes_too():
-    with pytest.raises(UserError) as raised, calling("task.acme", "acme"):
+    with (
+        ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool,
+        pytest.raises(UserError) as raised,
+    ):
+        pool.submit(_blame_acme).result()
+    assert culprit_of(raised.value) == Culprit("task.acme", "acme")
+
+
+def _blame_acme():
+    with calling("task.acme", "acme"):
         raise UserError(Fault("acme.csv", "is not there"))
-    assert culprit_of(pickle.loads(pickle.dumps(raised.value))) == Culprit("task.acme", "acme")  # noqa: S301
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), GeneratorExit()])

@@ -14,7 +14,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.settings.yaml_reader import MAX_DEPTH, Document, read_yaml, read_yaml_draft
+from tacos_framework.settings.yaml_document import Document
+from tacos_framework.settings.yaml_reader import MAX_DEPTH, read_yaml, read_yaml_draft
 
 
 def faults_of(text: str | Path) -> list[tuple[str, str]]:

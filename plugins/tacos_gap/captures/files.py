@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits, read_csv
 from tacos_framework.files.regular import too_large
-from tacos_framework.settings.yaml_reader import Document
+from tacos_framework.settings.yaml_document import Document
 from tacos_gap.captures.images import read_array, read_image
 
 MAX_FRAMES = 6

@@ -13,7 +13,7 @@ from tacos_framework.values import Rig
 from tacos_plugins.rigs.lens import COVERED, LENS_UNITS, LensPart, derived_fit, notes_on_fit
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
-    SensorPart,
+    ReadOutVariables,
     derived_optics,
     image_coordinates,
     mounted_camera,
@@ -45,7 +45,7 @@ class MonocularRig:
             0.0, help="Height of the optical centre above the agent's eye.", unit="m"
         )
 
-    class Variables(Settings):
+    class Variables(ReadOutVariables):
         """What a recipe may design or fix; of focal length and lens exactly one."""
 
         pitch_deg: float = setting(0.0, help="Tilt of the camera, positive is up.", unit="deg", ge=-90, le=90)
@@ -55,19 +55,6 @@ class MonocularRig:
         lens: LensPart | None = setting(
             None, help="Lens: a row of a catalog, or its focal length and what else is known of it."
         )
-        sensor: SensorPart = setting(help="Image sensor: a row of a catalog, or its size and pitch.")
-
-        roi_width: float = setting(
-            1.0, help="Share of the width of the sensor that is read out, about its middle.", gt=0, le=1
-        )
-        roi_height: float = setting(
-            1.0, help="Share of the height of the sensor that is read out, about its middle.", gt=0, le=1
-        )
-
-        @property
-        def region(self) -> SensorPart:
-            """What is read out: all of the sensor, or its region of interest."""
-            return self.sensor.read_out(self.roi_width, self.roi_height)
 
         @model_validator(mode="after")
         def _one_of_focal_length_and_lens(self) -> MonocularRig.Variables:

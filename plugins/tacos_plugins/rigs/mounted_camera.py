@@ -91,6 +91,23 @@ class SensorPart(Settings):
         )
 
 
+class ReadOutVariables(Settings):
+    """A sensor, and how much of it is read out."""
+
+    sensor: SensorPart = setting(help="Image sensor: a row of a catalog, or its size and pitch.")
+    roi_width: float = setting(
+        1.0, help="Share of the sensor's width that is read out, about its middle.", gt=0, le=1
+    )
+    roi_height: float = setting(
+        1.0, help="Share of the sensor's height that is read out, about its middle.", gt=0, le=1
+    )
+
+    @property
+    def region(self) -> SensorPart:
+        """What is read out: all of the sensor, or its region of interest."""
+        return self.sensor.read_out(self.roi_width, self.roi_height)
+
+
 DERIVED_UNITS = {
     "hfov_deg": "deg",
     "vfov_deg": "deg",

@@ -12,7 +12,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Rig
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
-    SensorPart,
+    ReadOutVariables,
     derived_optics,
     focal_length_for_mm,
     image_coordinates,
@@ -47,7 +47,7 @@ class StereoRig:
             0.0, help="Height of the optical centres above the agent's eye.", unit="m"
         )
 
-    class Variables(Settings):
+    class Variables(ReadOutVariables):
         """What a recipe may design or fix; of field of view and focal length exactly one."""
 
         baseline_m: float = setting(help="Distance between the two optical centres.", unit="m", gt=0)
@@ -60,19 +60,6 @@ class StereoRig:
         pitch_deg: float = setting(
             0.0, help="Tilt of both cameras, positive is up.", unit="deg", ge=-90, le=90
         )
-        sensor: SensorPart = setting(help="Image sensor of both cameras.")
-
-        roi_width: float = setting(
-            1.0, help="Share of the width of each sensor that is read out, about its middle.", gt=0, le=1
-        )
-        roi_height: float = setting(
-            1.0, help="Share of the height of each sensor that is read out, about its middle.", gt=0, le=1
-        )
-
-        @property
-        def region(self) -> SensorPart:
-            """What is read out: all of the sensor, or its region of interest."""
-            return self.sensor.read_out(self.roi_width, self.roi_height)
 
         @model_validator(mode="after")
         def _one_of_field_and_focal_length(self) -> StereoRig.Variables:
