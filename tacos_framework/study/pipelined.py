@@ -10,14 +10,15 @@ from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
 from tacos_framework.simulation import Evaluation, Evaluator, PrepareJob, ScoreJob, merged_evaluation
 from tacos_framework.simulation.jobs import Job
+from tacos_framework.study.shards import by_world
 
 
 @dataclass(frozen=True)
 class _Trained:
-    """A candidate that has trained, and what scoring it will be."""
+    """A candidate that has trained, and what scoring it will be, world by world."""
 
     training: Evaluation
-    scoring: ScoreJob
+    scoring: Sequence[ScoreJob]
 
     def scored(self, beside: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
         """The whole evaluation with what was done beside the next; what was learnt stays if scoring fails."""
@@ -30,8 +31,9 @@ def score_pipelined(
     """Train and score candidates whose weights pass from one to the next.
 
     Scoring needs a candidate's weights, and so does the training of the next one, but neither needs the
-    other: an executor of two workers does both at a time, one of a single worker one after the other, with
-    the same results. A worker that has scored builds the world of the training to come.
+    other; and what a candidate trains on can be rendered before the weights are there. Where an executor
+    has several workers, one trains while the others score the last candidate, world by world, and render for
+    the next; then it helps with the scoring. A single worker does one after the other, with the same results.
 
     Parameters
     ----------
@@ -51,8 +53,8 @@ def score_pipelined(
     done: list[Evaluation] = []
     for job, following in zip_longest(jobs, jobs[1:]):
         training = replace(job, states=states, episodes=(), partial=True)
-        scoring = [last.scoring] if last else []
-        together: list[Job[Evaluation]] = [training, *scoring, *_prepared(job, following, executor)]
+        scoring = last.scoring if last else ()
+        together: list[Job[Evaluation]] = [training, *_prepared(job, following, executor), *scoring]
         trained, *others = executor.map(evaluate, together)
         done += others
         if last:
@@ -63,14 +65,12 @@ def score_pipelined(
             yield trained
         else:
             states = {**states, **trained.states}
-            last = _Trained(trained, replace(job, states=states, training=None, partial=True))
+            last = _Trained(trained, by_world(replace(job, states=states, training=None, partial=True)))
     if last:
-        yield last.scored([*done, *executor.map(evaluate, [last.scoring])], fitness)
+        yield last.scored([*done, *executor.map(evaluate, last.scoring)], fitness)
 
 
 def _prepared(job: ScoreJob, following: ScoreJob | None, executor: Executor) -> Iterator[PrepareJob]:
-    """Building the world that the next candidate trains in, where that is another and a worker is free."""
-    if getattr(executor, "workers", 1) < 2 or not (following and following.training and job.training):
-        return
-    if following.training.world != job.training.world:
+    """Rendering what the next candidate trains on, where a worker is free while this one trains."""
+    if getattr(executor, "workers", 1) > 1 and job.training and following and following.training:
         yield PrepareJob(following.values, following.training)

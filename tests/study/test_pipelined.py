@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import wraps
 
 import pytest
+from toy_plugin import ToyRenderer
 from toy_study import LEARNER, merged, toy_recipe
 
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
@@ -91,7 +93,7 @@ class TwoWorkers(Recorder):
         return map(evaluate, jobs)
 
 
-def test_a_free_worker_builds_the_world_to_come_with_the_same_results(toys):
+def test_a_free_worker_renders_for_the_training_to_come_with_the_same_results(toys):
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), TwoWorkers()
     worlds = [EpisodeSpec(3, ("train", 0, i)) for i in (0, 1, 1, 2)]
     jobs = [replace(job, training=world) for job, world in zip(jobs_of(evaluate), worlds, strict=True)]
@@ -99,7 +101,33 @@ def test_a_free_worker_builds_the_world_to_come_with_the_same_results(toys):
     pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
     assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
     prepared = ["PrepareJob" in names for names in executor.rounds]
-    assert prepared == [True, False, True, False, False]  # candidates 1 and 2 share a world
+    assert prepared == [True, True, True, False, False]
+
+
+def test_what_is_rendered_ahead_is_not_rendered_again(toys, monkeypatch):
+    rendered, capture = [], ToyRenderer.capture
+
+    @wraps(capture)
+    def counted(self, episode, **how):
+        rendered.append(len(episode))
+        return capture(self, episode, **how)
+
+    monkeypatch.setattr(ToyRenderer, "capture", counted)
+    evaluate = Evaluator(toy_recipe(**LEARNER), toys)
+    fitness = evaluate.simulation.plan.fitness
+    pipelined = list(score_pipelined(jobs_of(evaluate), fitness, TwoWorkers(), evaluate))
+    assert sum(rendered) == sum(evaluation.images for evaluation in pipelined)
+
+
+def test_a_candidate_is_scored_in_each_world_by_itself(toys):
+    evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
+    episodes = tuple(EpisodeSpec(3, ("design", 0, i)) for i in range(3))
+    jobs = [replace(job, episodes=episodes) for job in jobs_of(evaluate)[:2]]
+    fitness = evaluate.simulation.plan.fitness
+    pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
+    scoring = ["scoring"] * 3
+    assert executor.rounds == [["training"], ["training", *scoring], scoring]
+    assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
 
 
 def test_what_cannot_be_prepared_is_told_where_it_is_needed(toys, caplog):
