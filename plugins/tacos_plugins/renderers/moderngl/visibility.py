@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
-from tacos_plugins.renderers.moderngl.compiled import compiled
+from tacos_plugins.compiled import compiled
 from tacos_plugins.renderers.moderngl.covered import BLOCK, along, box_is_hidden, is_hidden
 
 _SUB = 256  # places a sample's width is divided into
