@@ -65,6 +65,7 @@ def test_a_candidate_is_scored_while_the_next_one_trains(toys):
     assert executor.rounds == [["training"], both, both, both, ["scoring"]]
 
 
+@pytest.mark.parametrize("workers", [1, 2])
 @pytest.mark.parametrize(
     ("sections", "trains"),
     [
@@ -72,10 +73,11 @@ def test_a_candidate_is_scored_while_the_next_one_trains(toys):
         ({"nodes": {"width": {"fail_above_deg": 100}}}, True),  # trained on, then refused by a scorer
     ],
 )
-def test_pipelined_scoring_goes_on_after_a_candidate_that_fails(toys, sections, trains):
+def test_pipelined_scoring_goes_on_after_a_candidate_that_fails(toys, sections, trains, workers):
     evaluate = Evaluator(toy_recipe(**merged(LEARNER, sections)), toys)
     fitness = evaluate.simulation.plan.fitness
-    first, failed, third, _ = score_pipelined(jobs_of(evaluate), fitness, Recorder(), evaluate)
+    executor = TwoWorkers() if workers == 2 else Recorder()
+    first, failed, third, _ = score_pipelined(jobs_of(evaluate), fitness, executor, evaluate)
     assert failed.failed
     assert failed.fitness is None
     assert bool(failed.states) is trains
@@ -100,8 +102,14 @@ def test_a_free_worker_renders_for_the_training_to_come_with_the_same_results(to
     fitness = evaluate.simulation.plan.fitness
     pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
     assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
-    prepared = ["PrepareJob" in names for names in executor.rounds]
-    assert prepared == [True, True, True, False, False]
+    train, ahead, score = "ScoreJob", "PrepareJob", "ScoreJob"
+    assert executor.rounds == [
+        [train, ahead],
+        [train, ahead],  # the first candidate waits until there are two to score
+        [train, ahead, score, score],
+        [train, score],
+        [score],
+    ]
 
 
 def test_what_is_rendered_ahead_is_not_rendered_again(toys, monkeypatch):
