@@ -143,7 +143,10 @@ def _ladder(arguments: argparse.Namespace, plugins: Plugins) -> Path:
     from tacos_view.setup import set_up
 
     what = arguments.what or "scene.indoor"
-    plugins.resolve(_effect_use(arguments.effect), "effect")  # before anything is rendered in vain
+    use = _effect_use(arguments.effect)
+    plugins.resolve(
+        use, "effect", where=f"--effect {arguments.effect}"
+    )  # before anything is rendered in vain
     setup = set_up(what, arguments.camera, sets=LADDER_SETS.get(what), plugins=plugins)
     settings = read_sets(arguments.sets)
     ladder = effect_ladder(setup, arguments.effect, settings, plugins, seed=arguments.seed)
