@@ -33,7 +33,8 @@ def test_a_world_is_made_twice_only_where_a_worker_would_idle(waiting, idle, bus
             continue
         left = [world for other, world in enumerate(waiting) if other not in given_out.values()]
         assert not (set(left) - {None}) & idle[worker], "it had something else at hand"
-        assert all(world in made_already for world in left if world is not None), "a new world waits"
+        taken = {*made_already, *(waiting[other] for other in given_out.values())}
+        assert all(world in taken for world in left if world is not None), "a new world waits"
 
 
 def test_what_another_has_is_made_anew_only_where_that_is_sooner():
