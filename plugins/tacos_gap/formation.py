@@ -18,6 +18,7 @@ from tacos_framework.formation.chain import ActingEffect
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_gap.captures import RealCapture
 from tacos_gap.sensing import dark_signal, sensor_at
+from tacos_plugins.effects.mosaic import bilinear, mosaic
 
 Samples = NDArray[np.float32]
 Step = Callable[[Samples, EpisodeDraws, int], Samples]
@@ -66,7 +67,7 @@ def simulate(
         return step
 
     steps: list[Step] = [
-        *map(acting, chain.light),
+        *_on_light([acting(effect) for effect in chain.light], context.cfa),
         lambda samples, draws, frame: samples + pedestal,
         *map(acting, chain.pixel),
     ]
@@ -97,10 +98,38 @@ def lit_by(
 ) -> Samples:
     """One frame of light with effects on it, (1, H, W, C)."""
     chain = _where_known(EffectChain.of(effects, capture.geometry, capture.context))
-    for effect in chain.light:
-        known = _of_frame(capture.context, 0)
-        light = effect.on(light, geometry=capture.geometry, context=known, draws=draws, frame=0)
+
+    def acting(effect: ActingEffect) -> Step:
+        def step(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
+            known = _of_frame(capture.context, frame)
+            return effect.on(samples, geometry=capture.geometry, context=known, draws=draws, frame=frame)
+
+        return step
+
+    for step in _on_light([acting(effect) for effect in chain.light], capture.context.cfa):
+        light = step(light, draws, 0)
     return light
+
+
+# mosaics --------------------------------------------------------------------------------------------------
+
+
+def _on_light(steps: Sequence[Step], cfa: str | None) -> list[Step]:
+    """Steps on light, which has all colours everywhere, also where a mosaic samples one of them.
+
+    Blur and whatever moves light would mix the colours of neighbouring photosites. What a mosaic has
+    sampled is kept to the bit where nothing acts.
+    """
+    if cfa is None or not steps:
+        return list(steps)
+
+    def in_colours(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
+        return np.stack([np.asarray(bilinear(each[..., 0], cfa), np.float32) for each in samples])
+
+    def as_sampled(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
+        return np.stack([np.asarray(mosaic(each, cfa), np.float32)[..., None] for each in samples])
+
+    return [in_colours, *steps, as_sampled]
 
 
 # what stands still ----------------------------------------------------------------------------------------
