@@ -280,3 +280,18 @@ def test_blur_mixes_no_colours_of_a_mosaic(effects):
     even = np.tile(160 * FILTERS, (HEIGHT // 2, WIDTH // 2)).astype(np.float32)[None, ..., None]
     disc = [placed("defocus", effects["defocus"], radius_px=3.0)]
     assert lit_by(still, disc, even, EpisodeDraws(0, ())) == pytest.approx(even, rel=1e-5)
+
+
+@pytest.mark.parametrize(("dy_px", "is_news"), [(0.4, False), (4.0, True)])
+def test_the_pose_of_a_mosaic_is_free_within_its_prior_alone(dy_px, is_news):
+    (seen,) = taken([mosaic_capture()], [mosaic_capture(0.0, dy_px)])
+    z = ImageEvidence(seen, seed=1, replicates=6).renuisanced(()).residual(())
+    assert (float(np.sqrt(np.mean(z**2))) > 3) == is_news
+
+
+def test_only_what_may_be_made_of_other_exposures_has_noise_beyond_a_frames():
+    free = {
+        kind: [f.sigma for f in freedoms_of(replace(scenes()[0], kind=kind)) if f.name == "noise_share"]
+        for kind in ("bracket", "scene", "flat")
+    }
+    assert free == {"bracket": [1.0], "scene": [0.35], "flat": []}
