@@ -162,6 +162,16 @@ def test_a_binned_camera_is_scored_as_its_settings_say():
     assert binned == score(frames_of(images), features=200, border_px=16)
 
 
+def test_a_camera_that_bins_by_itself_is_scored_by_the_pixels_it_has():
+    images = panning(3, noise=0.02)
+    frames = frames_of(images, binning=2.0)
+    views = tuple(
+        replace(view, camera=replace(view.camera, sensor_binning=2)) for view in frames.capture.views
+    )
+    own = replace(frames, capture=replace(frames.capture, views=views))
+    assert score(own, features=400) == score(frames_of(images), features=400)
+
+
 def test_the_border_has_no_keypoints():
     first = score(frames_of(panning(2)))
     assert score(frames_of(panning(2)), border_px=90)["extracted"] < 0.4 * first["extracted"]

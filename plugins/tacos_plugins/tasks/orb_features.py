@@ -57,11 +57,11 @@ class OrbFeatures:
 
     A pair with too few matches has no inliers; an episode without any pair has no scores.
 
-    Where each pixel averages b x b photosites (`Camera.binning`), the settings named in
-    ``scale_with_binning`` are divided by b: the features, which keeps as many of them per length of the
-    image, and the border, which leaves out the same margin of the scene. Patch and RANSAC's threshold stay:
-    what a descriptor holds, and how well a corner is placed, are matters of the pixels there are. So cameras
-    rank at reduced resolution about as at full resolution.
+    Where the simulation averages b x b of the camera's pixels (`Camera.simulated_binning`), the settings
+    named in ``scale_with_binning`` are divided by b: the features, which keeps as many of them per length of
+    the image, and the border, which leaves out the same margin of the scene. Patch and RANSAC's threshold
+    stay: what a descriptor holds, and how well a corner is placed, are matters of the pixels there are. So
+    cameras rank at reduced resolution about as at full resolution.
 
     With ``cells`` each of equal parts of the image gives its share of the features and no more: what is full
     or black there costs them, and is not made up for elsewhere.
@@ -105,7 +105,7 @@ class OrbFeatures:
         )
         scale_with_binning: tuple[Scaled, ...] = setting(
             ("features", "border_px"),
-            help="Settings that are divided by the camera's binning; the others hold for the image as it is.",
+            help="Settings that are divided by the simulation's binning; the others stay as they are.",
         )
         ransac_confidence: float = setting(
             0.99, help="Probability that RANSAC meets a sample free of outliers.", gt=0, lt=1
@@ -162,7 +162,7 @@ class Scale:
 
     @classmethod
     def of(cls, config: OrbFeatures.Config, binning: float) -> Scale:
-        """That of a camera whose pixels average `binning` x `binning` photosites.
+        """That of images whose pixels average `binning` x `binning` of the camera's.
 
         >>> Scale.of(OrbFeatures.Config(), binning=2)
         Scale(features=1000, patch_px=31, border_px=16, ransac_threshold_px=3.0)
@@ -211,7 +211,7 @@ class OrbScorer:
     def update(self, frames: FrameBatch) -> None:
         """Take in the next frames."""
         index = _camera_index(frames, self._config.camera)
-        scale = Scale.of(self._config, frames.capture.views[index].camera.binning)
+        scale = Scale.of(self._config, frames.capture.views[index].camera.simulated_binning)
         orb = scale.detector(self._config)
         episode = frames.episode
         for walk, time_s, image in zip(
