@@ -6,6 +6,7 @@ A point p of the file is the point (p - o) / 2 of the plane that begins at o, x 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ def in_plane(matrix: NDArray[np.float64], origin: NDArray[np.float64]) -> NDArra
     return np.column_stack([linear, (linear @ origin + moved - origin) / 2])
 
 
-def cell_means(image: NDArray[np.floating]) -> Image:
+def cell_means(image: NDArray[Any]) -> Image:
     """(H // 2, W // 2) means of the 2 x 2 cells of an (H, W) mosaic: what it shows, whatever the colours."""
     height, width = (side // 2 * 2 for side in image.shape)
     cells = image[:height, :width].reshape(height // 2, 2, width // 2, 2)
