@@ -205,6 +205,12 @@ def test_a_street_by_night_is_not_exposed_as_by_day(lux: float | None, f_number:
     assert recipe.scenarios[0].f_number == f_number
 
 
+def test_a_rendering_is_printed_in_a_line() -> None:
+    shot = render(monocular_recipe(), CAMERA, frames=2, plugins=plugins_with_boxes())
+    assert "2 frames of 128 x 96 pixels" in repr(shot)
+    assert "\n" not in repr(shot) + repr(shot.first)
+
+
 def test_what_components_log_is_said_while_the_command_runs(capsys) -> None:
     log = logging.getLogger("tacos_worlds.somewhere")
     with log_on_terminal(["tacos_worlds"]):
