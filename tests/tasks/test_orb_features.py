@@ -139,20 +139,21 @@ def test_frames_too_far_apart_in_time_are_no_pair():
     assert score(frames, pair_within_s=0.1) == {}
 
 
-ALL = ("features", "patch_px", "border_px", "ransac_threshold_px")
+ALL = ("features", "levels", "patch_px", "border_px", "ransac_threshold_px")
 
 
 def test_the_count_and_the_border_follow_the_binning():
     config = OrbFeatures.Config(border_px=40)
-    assert Scale.of(config, 1) == Scale(2000, 31, 40, 3.0)
-    assert Scale.of(config, 2) == Scale(1000, 31, 20, 3.0)
-    assert Scale.of(OrbFeatures.Config(), 4) == Scale(500, 31, 8, 3.0)
+    assert Scale.of(config, 1) == Scale(2000, 8, 31, 40, 3.0)
+    assert Scale.of(config, 2) == Scale(1000, 8, 31, 20, 3.0)
+    assert Scale.of(OrbFeatures.Config(), 4) == Scale(500, 8, 31, 8, 3.0)
 
 
 def test_what_follows_the_binning_can_be_chosen():
     config = OrbFeatures.Config(scale_with_binning=ALL)
-    assert Scale.of(config, 2) == Scale(1000, 16, 16, 1.5)
+    assert Scale.of(config, 2) == Scale(1000, 4, 16, 16, 1.5)
     assert Scale.of(config, 16).patch_px == LEAST_PATCH_PX
+    assert Scale.of(config, 16).levels == 1
     assert Scale.of(OrbFeatures.Config(scale_with_binning=()), 4) == Scale.of(OrbFeatures.Config(), 1)
 
 
