@@ -207,7 +207,7 @@ def test_a_street_by_night_is_not_exposed_as_by_day(lux: float | None, f_number:
 
 def test_a_rendering_is_printed_in_a_line() -> None:
     shot = render(monocular_recipe(), CAMERA, frames=2, plugins=plugins_with_boxes())
-    assert "2 frames of 128 x 96 pixels" in repr(shot)
+    assert f"2 frames of {shot.camera.width_px} x {shot.camera.height_px} pixels" in repr(shot)
     assert "\n" not in repr(shot) + repr(shot.first)
 
 
