@@ -148,7 +148,7 @@ class Rendering:
 
     def _repr_html_(self) -> str:
         caption = f"<figcaption>{self._said}</figcaption>"
-        return f'<figure><img src="{png_uri(self._sheet())}">{caption}</figure>'
+        return f'<figure><img style="max-width: 100%" src="{png_uri(self._sheet())}">{caption}</figure>'
 
     def _sheet(self) -> NDArray[np.uint8]:
         tiles = []
