@@ -28,6 +28,13 @@ _WORDS = {
     "back_hfov_deg": "Field of view behind",
     "total_megapixels": "Pixels of all cameras",
     "total_power_w": "Power of all cameras",
+    "f_number": "F-number",
+    "focus_m": "Distance of focus",
+    "exposure_ms": "Exposure time",
+    "gain_db": "Gain",
+    "sensor_binning": "Binning",
+    "roi_width": "Share of the width read out",
+    "roi_height": "Share of the height read out",
     "fitness": "Fitness",
 }
 _NARROW_SPACE = "\u202f"
@@ -54,11 +61,14 @@ def unit_sign(unit: str) -> str:
 def words(name: str) -> str:
     """A variable, score or node in words: ``focal_length_mm`` -> ``Focal length``.
 
-    Scores keep the node that reports them: ``features.inlier_ratio`` -> ``features: inlier ratio``.
+    Scores keep the node that reports them: ``features.inlier_ratio`` -> ``features: inlier ratio``. Settings
+    that have a word need no owner where only one can be meant: ``scenario.f_number`` -> ``F-number``.
     """
     if name in _WORDS:
         return _WORDS[name]
     node, dot, score = name.rpartition(".")
+    if dot and score in _WORDS and (node == "scenario" or node.startswith("effects.")):
+        return _WORDS[score]
     if dot:
         return f"{node.replace('_', ' ')}: {score.replace('_', ' ')}"
     unit = unit_of(name)

@@ -95,7 +95,11 @@ def _variable_words(name: str, value: Any) -> str:
         if abs(value) < 0.05:
             return "mounted level"
         return f"pitched {quantity(abs(value), 'deg')} {'down' if value < 0 else 'up'}"
-    return f"a {words(name).lower()} of {shown(name, value)}"
+    if name == "sensor_binning" and value == 1:
+        return "no binning"
+    said = words(name).lower()
+    article = "an" if said[0] in "aeio" or said.startswith("f-") else "a"
+    return f"{article} {said} of {shown(name, value)}"
 
 
 def verdict(study: StudyData) -> str:

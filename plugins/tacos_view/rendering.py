@@ -45,6 +45,10 @@ class CameraFrames:
     world_from_camera: NDArray[np.float64]
     luminance_cd_m2: NDArray[np.float32]
 
+    def __repr__(self) -> str:
+        camera = self.camera
+        return f"<{camera.name}: {len(self)} frames of {camera.width_px} x {camera.height_px} pixels>"
+
     def __len__(self) -> int:
         return len(self.image)
 
@@ -126,17 +130,25 @@ class Rendering:
         """The frames of the first camera as people expect to see them, (H, W, 3) sRGB each."""
         return [shown_frame(image, self.black_level_dn, self.white_level_dn) for image in self.image]
 
+    def __repr__(self) -> str:
+        """One line: the arrays and the world would fill the terminal."""
+        return f"<{self._said}; cameras {', '.join(self.cameras)}>"
+
+    @property
+    def _said(self) -> str:
+        camera = self.camera
+        return (
+            f"{self.title}: {len(self)} frames of {camera.width_px} x {camera.height_px} pixels, "
+            f"{camera.hfov_deg:.0f} x {camera.vfov_deg:.0f} deg"
+        )
+
     def _repr_png_(self) -> bytes:
         """In a notebook: every frame of every camera above its depth, reduced."""
         return encoded_png(self._sheet())
 
     def _repr_html_(self) -> str:
-        camera = self.camera
-        said = (
-            f"{self.title}: {len(self)} frames of {camera.width_px} x {camera.height_px} pixels, "
-            f"{camera.hfov_deg:.0f} x {camera.vfov_deg:.0f} deg"
-        )
-        return f'<figure><img src="{png_uri(self._sheet())}"><figcaption>{said}</figcaption></figure>'
+        caption = f"<figcaption>{self._said}</figcaption>"
+        return f'<figure><img style="max-width: 100%" src="{png_uri(self._sheet())}">{caption}</figure>'
 
     def _sheet(self) -> NDArray[np.uint8]:
         tiles = []

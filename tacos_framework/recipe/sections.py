@@ -16,7 +16,7 @@ class Use(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="allow")
 
-    use: str = Field(description="The component, kind.name.", pattern=r"^[a-z]+\.[a-z0-9-]+$")
+    use: str = Field(description="The component, kind.name.", pattern=r"^[a-z]+\.[a-z0-9_-]+$")
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -135,6 +135,10 @@ def test_the_outcome_needs_an_interval_without_zero(
         ),
         ({"pitch_deg": 0.0, "focal_length_mm": 4.0}, "a 4\u202fmm lens, mounted level"),
         ({"pitch_deg": 7.25}, "pitched 7.2° up"),
+        (
+            {"effects.defocus.focus_m": 1.5, "scenario.f_number": 4.0, "sensor_binning": 1},
+            "a distance of focus of 1.5\u202fm, an f-number of 4, no binning",
+        ),
         ({}, "one without design variables"),
     ],
 )

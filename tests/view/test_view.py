@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 import cv2
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from tacos_framework.camera.geometry import project
 from tacos_framework.catalog import find_catalog
 from tacos_framework.cli import tacos_main
+from tacos_framework.cli.terminal import log_on_terminal
 from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
 from tacos_view import render, set_up
@@ -201,3 +203,17 @@ def test_a_street_by_night_is_not_exposed_as_by_day(lux: float | None, f_number:
     sets = {} if lux is None else {"scenario.illumination_lux": lux}
     recipe = study_recipe("scene.street", sets, plugins=Plugins.discover())
     assert recipe.scenarios[0].f_number == f_number
+
+
+def test_a_rendering_is_printed_in_a_line() -> None:
+    shot = render(monocular_recipe(), CAMERA, frames=2, plugins=plugins_with_boxes())
+    assert f"2 frames of {shot.camera.width_px} x {shot.camera.height_px} pixels" in repr(shot)
+    assert "\n" not in repr(shot) + repr(shot.first)
+
+
+def test_what_components_log_is_said_while_the_command_runs(capsys) -> None:
+    log = logging.getLogger("tacos_worlds.somewhere")
+    with log_on_terminal(["tacos_worlds"]):
+        log.info("lighting %d triangles", 7)
+    log.info("nobody hears this")
+    assert capsys.readouterr().err == "lighting 7 triangles\n"

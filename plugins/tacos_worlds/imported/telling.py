@@ -29,7 +29,7 @@ class Telling:
         self._name = file.name
         self._triangles = 0
         self._done = 0.0
-        log.info("%s: reading %.0f MB", self._name, file.stat().st_size / 1e6)
+        log.info("%s: reading %.3g MB", self._name, file.stat().st_size / 1e6)
         self._began_s = time.monotonic()
 
     def read(self, triangles: int) -> None:
