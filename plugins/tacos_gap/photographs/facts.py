@@ -13,7 +13,7 @@ from typing import Any
 from tacos_files.images import UNREADABLE
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes
-from tacos_gap.captures.images import RAW_SUFFIXES, open_raw
+from tacos_gap.captures.images import RAW_SUFFIXES, opened_raw
 
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})
 PICTURE_SUFFIXES = LOSSY_SUFFIXES | RAW_SUFFIXES | {".png", ".tif", ".tiff", ".npy"}
@@ -151,7 +151,7 @@ def _text(value: Any) -> str:
 
 
 def _of_raw(path: Path) -> dict[str, Any]:
-    with open_raw(path, str(path)) as raw:
+    with opened_raw(path, str(path)) as raw:
         other = getattr(raw, "other", None)  # since rawpy 0.22; EXIF says the same of most cameras
         letters = raw.color_desc.decode("ascii", "replace")
         pattern = None if raw.raw_pattern is None else raw.raw_pattern.ravel().tolist()
