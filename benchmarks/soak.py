@@ -6,7 +6,8 @@
 
 The same study runs twice, once left alone and once with a worker killed (SIGKILL) every so many candidates,
 and what they leave is compared. Memory, open files and processor time are those of the process that runs
-the study, so that other programs change none of them. ``--recipe NAME`` takes a shipped recipe in place of the toys.
+the study, so that other programs change none of them. ``--recipe NAME`` takes a shipped recipe in place of
+the toys.
 """
 
 from __future__ import annotations
@@ -120,9 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         killed = soaked(recipe, Path(folder) / "killed", shaken)
     for name, watch in (("left alone", calm), ("workers killed", shaken)):
         print(f"{name}, {watch.kills} killed")
-        print(
-            "| candidates | memory [MiB] | open files | processor time per candidate [ms] |\n|---|---|---|---|"
-        )
+        print("| candidates | memory [MiB] | open files | processor time each [ms] |\n|---|---|---|---|")
         step = max(1, len(watch.rows) // 10)
         for count, memory, files, each_ms in watch.rows[::step]:
             print(f"| {count} | {memory:.0f} | {files} | {each_ms:.1f} |")
