@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from tacos_framework.cli.exits import DONE
 from tacos_framework.components import Command
 from tacos_framework.errors import Fault, UserError
-from tacos_view.commands import add_sets, read_sets
+from tacos_view.commands import add_sets, read_sets, said_meanwhile
 
 FORMATS = ("coco", "kitti", "euroc", "tum", "png16", "exr")
 
@@ -61,22 +64,43 @@ def _camera(arguments: argparse.Namespace) -> int:
 
 def _dataset(arguments: argparse.Namespace) -> int:
     from tacos_export.dataset import export_dataset
+    from tacos_framework.plugins import Plugins
     from tacos_view.setup import set_up
 
     if arguments.frames < 1:
         raise UserError(Fault("--frames", f"{arguments.frames} frames are none", "1 or more"))
-    setup = set_up(arguments.recipe, arguments.camera, sets=read_sets(arguments.sets))
-    notes = export_dataset(
-        setup,
-        arguments.out,
-        arguments.format,
-        frames=arguments.frames,
-        seed=arguments.seed,
-        encoding=arguments.encoding,
-    )
+    plugins = Plugins.discover()
+    with said_meanwhile(plugins):
+        setup = set_up(arguments.recipe, arguments.camera, sets=read_sets(arguments.sets), plugins=plugins)
+        notes = export_dataset(
+            setup,
+            arguments.out,
+            arguments.format,
+            frames=arguments.frames,
+            seed=arguments.seed,
+            encoding=arguments.encoding,
+            progress=_paced(arguments.frames),
+        )
     print(f"{arguments.frames} frames of {setup.camera.title} as {arguments.format}: {arguments.out}")
     _tell(notes, setup.camera.assumed)
     return DONE
+
+
+def _paced(frames: int) -> Callable[[int], None]:
+    """Says how many frames are written, and how long the rest may take, now and then."""
+    from tacos_framework.cli.bar import LONGEST_SILENCE_S
+    from tacos_framework.cli.pace import Pace
+
+    pace, said_s = Pace("Frames", frames), time.monotonic()
+
+    def written(done: int) -> None:
+        nonlocal said_s
+        pace.done = done
+        if time.monotonic() - said_s >= LONGEST_SILENCE_S:
+            print(pace, file=sys.stderr)
+            said_s = time.monotonic()
+
+    return written
 
 
 def _tell(notes: list[str], assumed: tuple[str, ...]) -> None:

@@ -66,9 +66,10 @@ def quaternion_xyzw(pose: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def at_full_resolution(camera: Camera) -> Camera:
-    """The camera with every photosite a pixel, as it is built; the simulation may average blocks of them.
+    """The camera with all of its pixels; the simulation may average blocks of them.
 
-    A point at x of the simulated image lies at ``(x + 0.5) * binning - 0.5`` of the whole one.
+    A point at x of the simulated image lies at ``(x + 0.5) * b - 0.5`` of the whole one, with b its
+    `Camera.simulated_binning`. Photosites that the camera itself bins stay one pixel.
 
     Examples
     --------
@@ -77,13 +78,13 @@ def at_full_resolution(camera: Camera) -> Camera:
     >>> full.width_px, full.focal_length_px / camera.focal_length_px, full.centre_px
     (640, 2.0, (319.5, 239.5))
     """
-    factor = camera.binning
+    factor = camera.simulated_binning
     x, y = ((at + 0.5) * factor - 0.5 for at in camera.centre_px)
     return replace(
         camera,
         width_px=round(camera.width_px * factor),
         height_px=round(camera.height_px * factor),
-        binning=1.0,
+        binning=float(camera.sensor_binning),
         principal_point_px=(x, y),
     )
 

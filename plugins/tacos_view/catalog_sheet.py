@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _LABEL_MM, _CELL_MM, _SHEET_MM = 3.4, 9.0, 105.0
 """Room below a part for its name, least room across, and across the sheet, in millimetres of parts [mm]."""
 
+_LETTERS_PER_MM = 1.6  # of the drawing's text
 INCHES_PER_MM = 0.1
 """Size of the drawing over that of the parts."""
 
@@ -161,6 +162,22 @@ def paint_sheet(figure: Figure, placed: Sequence[PlacedOutline]) -> None:
         axes.text(20 + 16 * i, bottom, group, color=camera_colour(1 + i), va="center", fontsize=8)
 
 
+def shortened(name: str, cell_mm: float) -> str:
+    """A name as far as there is room; what is left out stands before its last word, which tells models apart.
+
+    Examples
+    --------
+    >>> shortened("Hikrobot MVL-KF0814M-12MPE", 12.0), shortened("IMX219", 10.0)
+    ('…MVL-KF0814M-12MPE', 'IMX219')
+    """
+    most = int(cell_mm * _LETTERS_PER_MM)
+    if len(name) <= most:
+        return name
+    kept = name.rpartition(" ")[2][-most + 1 :]
+    before = name[: most - 1 - len(kept)]
+    return f"{before}…{kept}" if len(before) > 2 else f"…{kept}"
+
+
 def _paint_part(axes: Axes, placed: PlacedOutline, colour: str) -> None:
     from matplotlib.patches import Ellipse, Patch, Rectangle
 
@@ -171,6 +188,5 @@ def _paint_part(axes: Axes, placed: PlacedOutline, colour: str) -> None:
         shape = Rectangle((x, y), part.width_mm, part.height_mm)
     shape.set(facecolor=colour, edgecolor=colour, alpha=0.35, linewidth=1.0)
     axes.add_patch(shape)
-    name = part.name if len(part.name) <= 17 else f"{part.name[:16]}…"
-    axes.text(x, y - 0.3, name, color=INK, va="top", fontsize=6.5)
+    axes.text(x, y - 0.3, shortened(part.name, _cell_mm(part)), color=INK, va="top", fontsize=6.5)
     axes.text(x, y - 1.5, part.detail, color=MUTED, va="top", fontsize=4.8)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -83,15 +84,23 @@ def _view(arguments: argparse.Namespace) -> int:
     if arguments.frames < 1:
         raise UserError(Fault("--frames", f"{arguments.frames} frames are none", "1 or more"))
     plugins = Plugins.discover()
-    if arguments.effect is not None:
-        path = _ladder(arguments, plugins)
-    elif kind := _kind_of_catalog(arguments.what):
-        path = _catalog(arguments, kind)
-    else:
-        _look_for(arguments.what, plugins)
-        path = _scene(arguments, plugins)
+    with said_meanwhile(plugins):
+        if arguments.effect is not None:
+            path = _ladder(arguments, plugins)
+        elif kind := _kind_of_catalog(arguments.what):
+            path = _catalog(arguments, kind)
+        else:
+            _look_for(arguments.what, plugins)
+            path = _scene(arguments, plugins)
     print(f"Look at {path}")
     return DONE
+
+
+def said_meanwhile(plugins: Plugins) -> AbstractContextManager[None]:
+    """Says on the terminal what components log, such as a world that takes minutes to be lit."""
+    from tacos_framework.cli.terminal import log_on_terminal
+
+    return log_on_terminal(each.component.target.partition(".")[0] for each in plugins)
 
 
 def _look_for(what: str, plugins: Plugins) -> None:
@@ -134,7 +143,10 @@ def _ladder(arguments: argparse.Namespace, plugins: Plugins) -> Path:
     from tacos_view.setup import set_up
 
     what = arguments.what or "scene.indoor"
-    plugins.resolve(_effect_use(arguments.effect), "effect")  # before anything is rendered in vain
+    use = _effect_use(arguments.effect)
+    plugins.resolve(
+        use, "effect", where=f"--effect {arguments.effect}"
+    )  # before anything is rendered in vain
     setup = set_up(what, arguments.camera, sets=LADDER_SETS.get(what), plugins=plugins)
     settings = read_sets(arguments.sets)
     ladder = effect_ladder(setup, arguments.effect, settings, plugins, seed=arguments.seed)

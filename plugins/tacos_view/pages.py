@@ -89,6 +89,9 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
         else []
     )
     world = rendering.world
+    if len(world.objects) == 1:
+        what_to_do = "nothing in this world is labelled, so tasks about things find none"
+        notes.append(PageWarnings("Labels", (what_to_do,)))
     labelled = len({thing.class_name for thing in world.objects[1:]})
     page = Page(
         eyebrow="tacos view",

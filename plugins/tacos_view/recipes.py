@@ -74,6 +74,14 @@ def _scene_recipe(
     by_day = outdoors and not (isinstance(lux, int | float) and lux < DUSK_LUX)
     own = {key: f"nodes.world.{key}" for key in sets if key.partition(".")[0] in cls.Config.model_fields}
     sets = {own.get(key, key): value for key, value in sets.items()}
+    fields = cls.Config.model_fields
+    if missing := [name for name, info in fields.items() if info.is_required() and name not in own]:
+        raise UserError(
+            [
+                Fault(scene, f"needs {name}", fields[name].description or "", f"Give --set {name}=VALUE.")
+                for name in missing
+            ]
+        )
     recipe: dict[str, Any] = {
         "tacos": 1,
         "name": scene,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from tacos_framework.cli.exits import DONE, exit_status
@@ -63,28 +63,35 @@ def _plugins(plugins: Plugins) -> int:
 
 
 def _doctor(plugins: Plugins) -> int:
+    sound = True
+    for finding in _findings(plugins):
+        sound = sound and finding.ok
+        print(f"{'ok  ' if finding.ok else 'BAD '} {finding.name}: {finding.value}", flush=True)
+        if finding.remedy and not finding.ok:
+            print(f"     to do: {finding.remedy}", flush=True)
+    return DONE if sound else 1
+
+
+def _findings(plugins: Plugins) -> Iterator[EnvironmentFinding]:
+    """What is found out about this machine, the quick things first."""
     import platform
 
     from tacos_framework import __version__
     from tacos_framework.environment import EnvironmentFinding, usable_cores
 
-    findings = [
-        EnvironmentFinding("tacos-framework", __version__),
-        EnvironmentFinding("Python", platform.python_version()),
-        EnvironmentFinding("cores", str(usable_cores())),
-        _torch(),
-        *plugins.offers.findings(),
-        *(
-            EnvironmentFinding(f"plugin {f.plugin}", f.reason, ok=False, remedy=f.remedy)
-            for f in [*plugins.failures, *plugins.unusable()]
-        ),
-        *plugins.remarks,
-    ]
-    for finding in findings:
-        print(f"{'ok  ' if finding.ok else 'BAD '} {finding.name}: {finding.value}")
-        if finding.remedy and not finding.ok:
-            print(f"     to do: {finding.remedy}")
-    return DONE if all(finding.ok for finding in findings) else 1
+    yield EnvironmentFinding("tacos-framework", __version__)
+    yield EnvironmentFinding("Python", platform.python_version())
+    yield EnvironmentFinding("cores", str(usable_cores()))
+    yield from plugins.offers.findings()
+    yield _torch()
+    components = len(list(plugins))
+    print(f"     importing {components} components, one after the other", file=sys.stderr)
+    broken = [*plugins.failures, *plugins.unusable()]
+    for failure in broken:
+        yield EnvironmentFinding(f"plugin {failure.plugin}", failure.reason, ok=False, remedy=failure.remedy)
+    if not broken:
+        yield EnvironmentFinding("plugins", f"{components} components, none of them broken")
+    yield from plugins.remarks
 
 
 def _torch() -> EnvironmentFinding:

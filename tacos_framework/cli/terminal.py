@@ -6,8 +6,9 @@ said before, or set the title of the window; marks of direction show text in ano
 
 from __future__ import annotations
 
+import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
@@ -49,3 +50,21 @@ def printable_output() -> Iterator[None]:
 def terminal_errors() -> TextIO:
     """Standard error for a bar, which moves the cursor: what it shows must be printable by itself."""
     return sys.stderr.stream if isinstance(sys.stderr, PrintableStream) else sys.stderr
+
+
+@contextmanager
+def log_on_terminal(packages: Iterable[str]) -> Iterator[None]:
+    """What these packages note in their log meanwhile is said on standard error too."""
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter("%(message)s"))
+    loggers = [logging.getLogger(name) for name in sorted(set(packages))]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.removeHandler(handler)
+            logger.setLevel(level)

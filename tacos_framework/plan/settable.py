@@ -10,6 +10,7 @@ from typing import Any
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
+from tacos_framework.plan.other_keys import keys_of_recipe, remedy_for
 from tacos_framework.plan.targets import EXPOSURE, Target, target_of
 from tacos_framework.recipe import NamedScenario, Scenario
 from tacos_framework.settings import check
@@ -53,10 +54,17 @@ class Settable:
             fields, owner = part.cls.Config.model_fields, part.use
         if target.setting not in fields:
             what = f"{owner} has no variable {target.setting!r}"
-            self._fault(variable, what, "", did_you_mean(target.setting, fields))
+            remedy = self._remedy(target, fields)
+            self._fault(variable, what, "", remedy)
             return None
         extra = fields[target.setting].json_schema_extra
         return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
+
+    def _remedy(self, target: Target, own: Mapping[str, object]) -> str:
+        """What to do about a setting that its owner does not have."""
+        keys = keys_of_recipe(self.rig, self.nodes, self.effects, self.exposure)
+        alone = target.kind == "rig"
+        return remedy_for(target.setting, own, keys, self.findings.plugins, alone=alone)
 
     def check_values(self, variables: Sequence[Variable]) -> None:
         """Try the ends of each variable, or all it may choose, on what it sets; not on the rig."""
@@ -130,9 +138,18 @@ class Settable:
         known, expected = recipe.keys_of("nodes"), ""
         if target.kind == "effect":
             known, expected = recipe.effect_names, "effects.NAME.setting, with an effect of the recipe"
+        if target.owner == "rig" and self.rig is not None and "rig" not in known:
+            own = self.rig.cls.Variables.model_fields
+            remedy = self._remedy(target, own)
+            self._fault(variable, "variables of the rig are named alone", "NAME, not rig.NAME", remedy)
+            return False
         if target.owner not in known:
             what = f"there is no {target.kind} {target.owner!r}"
-            self._fault(variable, what, expected, did_you_mean(target.owner, known))
+            remedy = did_you_mean(target.owner, known)
+            installed = {each.component.use for each in self.findings.plugins}
+            if (use := f"effect.{target.owner}") in installed and target.kind == "effect":
+                remedy = f"The recipe needs it: effects: [{{use: {use}}}]."
+            self._fault(variable, what, expected, remedy)
             return False
         part = self._part(target)
         if part is None or target.camera is None or part.use.partition(".")[0] in _OF_ONE_CAMERA:

@@ -58,6 +58,9 @@ class Camera:
     binning
         Linear factor of photosites averaged into one simulated pixel [1]; 1 simulates every photosite.
         The pitch of a simulated pixel is ``pixel_um * binning``.
+    sensor_binning
+        The part of it that the camera does itself: its own images have a pixel for so many photosites along
+        each side [1].
     principal_point_px
         (x, y) [px]; the image centre when None.
     electrons
@@ -73,15 +76,21 @@ class Camera:
     binning: float = 1.0
     principal_point_px: tuple[float, float] | None = None
     electrons: Electrons = Electrons()
+    sensor_binning: int = 1
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
             raise ValueError(f"camera {self.name!r} has no pixels: {self.width_px} x {self.height_px}")
-        for name in ("pixel_um", "focal_length_mm", "binning"):
+        for name in ("pixel_um", "focal_length_mm", "binning", "sensor_binning"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"camera {self.name!r}: {name} must be above 0, not {value}")
         read_only(self, "agent_from_camera", np.float64, (4, 4))
+
+    @property
+    def simulated_binning(self) -> float:
+        """Linear factor of the camera's own pixels averaged into one that is simulated [1]."""
+        return self.binning / self.sensor_binning
 
     @property
     def focal_length_px(self) -> float:

@@ -7,12 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter
-from scipy.special import j1
 
 from tacos_plugins.effects.blur import (
     airy_transfer,
     blur,
-    disc_transfer,
     gaussian_transfer,
     kernel_of,
     line_transfer,
@@ -46,23 +44,6 @@ def test_a_wide_gaussian_is_scipys():
     np.testing.assert_allclose(found, expected, atol=0.02)
 
 
-@pytest.mark.parametrize("radius_px", [0.6, 2.0, 5.0])
-@pytest.mark.parametrize("frequency", [0.06, 0.13, 0.25])
-def test_a_disc_leaves_the_bessel_functions_contrast(radius_px, frequency):
-    z = 2 * np.pi * radius_px * frequency
-    kernel = kernel_of(disc_transfer(radius_px), reach_px=radius_px)
-    assert contrast_left(kernel, frequency, 35) == pytest.approx(2 * j1(z) / z, abs=0.015)
-
-
-def test_a_disc_spreads_light_evenly_over_its_area():
-    kernel = kernel_of(disc_transfer(8.0), reach_px=8)
-    middle = len(kernel) // 2
-    y, x = np.mgrid[-middle : middle + 1, -middle : middle + 1]
-    inside = kernel[np.hypot(x, y) < 6]
-    assert inside.mean() == pytest.approx(1 / (np.pi * 64), rel=0.02)
-    assert np.abs(kernel[np.hypot(x, y) > 10]).max() < 0.05 * inside.mean()
-
-
 @pytest.mark.parametrize("angle_deg", [0.0, 30.0, 90.0])
 def test_a_line_leaves_a_sinc_along_it_and_all_across(angle_deg):
     kernel = kernel_of(line_transfer(7.0, angle_deg), reach_px=3.5)
@@ -81,10 +62,9 @@ def test_diffraction_leaves_nothing_beyond_its_cut_off():
 @given(st.floats(0.01, 20.0), st.floats(0.0, 180.0))
 @settings(max_examples=25, deadline=None)
 def test_kernels_are_symmetric_and_keep_the_light(size_px, angle_deg):
-    for transfer in (disc_transfer(size_px), line_transfer(size_px, angle_deg)):
-        kernel = kernel_of(transfer, reach_px=size_px)
-        assert kernel.sum() == pytest.approx(1.0)
-        np.testing.assert_allclose(kernel, kernel[::-1, ::-1], atol=1e-12)
+    kernel = kernel_of(line_transfer(size_px, angle_deg), reach_px=size_px)
+    assert kernel.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(kernel, kernel[::-1, ::-1], atol=1e-12)
 
 
 def test_a_blur_makes_no_light_and_no_darkness():

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from tacos_framework.values import ImageGeometry
-from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
+from tacos_plugins.effects.blur import blur
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
+from tacos_plugins.effects.disc import disc_kernel
 
 
 def test_at_twice_the_focus_distance_the_circle_is_that_of_the_thin_lens():
@@ -23,7 +24,7 @@ def test_of_one_depth_it_is_the_plain_disc():
     light = np.random.default_rng(1).uniform(0, 10, (1, 40, 50, 3))
     radius = 1.25
     found = blur_by_depth(light, np.full((1, 40, 50), radius))
-    expected = blur(light, kernel_of(disc_transfer(radius), reach_px=radius))
+    expected = blur(light, disc_kernel(radius))
     # Two neighbouring radii of the same variance stand in for it.
     assert np.abs(found - expected).mean() < 0.03 * light.std()
 
@@ -44,7 +45,7 @@ def test_a_near_thing_out_of_focus_overlaps_what_is_behind():
     light, radius = np.full((1, 60, 60, 1), 100.0), np.zeros((1, 60, 60))
     light[:, :, :30], radius[:, :, :30] = 0.0, -8.0
     row = blur_by_depth(light, radius)[0, 30, :, 0]
-    kernel = kernel_of(disc_transfer(8.0), reach_px=8)
+    kernel = disc_kernel(8.0)
     cover = blur((radius < 0).astype(np.float64)[..., None], kernel)[0, 30, :, 0]
     np.testing.assert_allclose(row[30:], 100 * (1 - cover[30:]), atol=4)  # the wall shows through
 
@@ -53,3 +54,14 @@ def test_light_is_neither_made_nor_lost_where_depth_changes_smoothly():
     light = np.random.default_rng(4).uniform(0, 10, (1, 80, 80, 1))
     radius = np.broadcast_to(np.linspace(-3, 5, 80), (1, 80, 80))
     assert blur_by_depth(light, radius).mean() == pytest.approx(light.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize("radius", [0.3, 1.0, 2.5, 7.0])
+def test_a_lamp_out_of_focus_has_no_dark_ring(radius):
+    """Streets by night: a lamp a thousand times as bright as what is around it."""
+    light = np.full((1, 41, 41, 3), 0.01)
+    light[:, 20, 20] = 10.0
+    for sign in (-1, 1):
+        blurred = blur_by_depth(light, np.full((1, 41, 41), sign * radius))
+        assert blurred.min() >= 0.01 * (1 - 1e-9)
+        assert blurred.sum() == pytest.approx(light.sum(), rel=1e-6)

@@ -213,7 +213,10 @@ def test_an_effect_found_at_one_camera_is_the_same_at_another(name: tuple[str, s
 
 @pytest.mark.parametrize(("binning", "loss"), [(4, 0.07), (16, 0.005)])
 def test_defocus_of_a_fine_pixel_hardly_matters_to_a_binned_one(binning: int, loss: float) -> None:
-    """Bars of 2.5 binned pixels; taken for pixels of the image, 1.2 px cost three quarters of it."""
+    """Bars of 2.5 binned pixels; taken for pixels of the image, 1.2 px cost two thirds of it.
+
+    Taps that are never negative, with the variance of the disc, leave at most 3 % more of such fine bars.
+    """
     setup, defocus = CAMERAS["finer, 6 dB, 4 x 4"], EFFECTS["defocus"]
     taking = {"electrons": 2000.0, "binning": binning, "size": (40 * binning, 160 * binning)}
 
@@ -221,6 +224,6 @@ def test_defocus_of_a_fine_pixel_hardly_matters_to_a_binned_one(binning: int, lo
         effects = [placed_at(defocus, {"radius_px": radius_px})]
         return abs(wave(setup.images(bars(2.5 * binning), effects, full=full, **taking), 2.5))
 
-    assert 1 - seen(1.2) / seen(0.0) == pytest.approx(loss, abs=0.006)
+    assert 1 - seen(1.2) / seen(0.0) == pytest.approx(loss, abs=0.03)
     assert 1 - seen(1.2, full=True) / seen(0.0, full=True) == pytest.approx(loss, abs=0.006)
-    assert 1 - seen(1.2 * binning) / seen(0.0) > 0.7
+    assert 1 - seen(1.2 * binning) / seen(0.0) > 0.6

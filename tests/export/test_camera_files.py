@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from tacos_export.conventions import at_full_resolution
 from tacos_framework.camera.geometry import invert_pose, project
 from tacos_framework.cli import tacos_main
 from tacos_framework.values import Camera, Electrons, Exposure
+from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.emva import Emva
 from tacos_view import RenderSetup, set_up
@@ -109,6 +111,25 @@ def test_noise_of_the_electron_model_is_what_went_in() -> None:
     assert noise.temporal_dark_noise_e == pytest.approx([3.0] * 3, rel=1e-3)
     assert noise.saturation_capacity_e == pytest.approx([9000] * 3, rel=1e-4)
     assert (noise.quantum_efficiency, noise.black_level_dn, noise.white_level_dn) == (0.6, 60, 4095)
+
+
+@pytest.mark.parametrize("simulated", [1, 3])
+def test_a_camera_that_bins_is_exported_with_the_pixels_it_gives_out(simulated: int) -> None:
+    """Of b x b photosites: b^2 times the electrons, and b times the noise of b^2 reads."""
+    known = Electrons("s", quantum_efficiency=0.6, full_well_e=9000, read_noise_e=3.0, dark_current_e_s=5.0)
+    variables = MonocularRig.Variables(
+        focal_length_mm=4.0, sensor={"width_px": 1200, "height_px": 900, "pixel_um": 2.0}, sensor_binning=2
+    )
+    (camera,) = MonocularRig(MonocularRig.Config(binning=simulated)).build(variables).cameras
+    shown = at_full_resolution(replace(camera, electrons=known))
+    assert (shown.width_px, shown.height_px, shown.centre_px) == (600, 450, (299.5, 224.5))
+    assert shown.focal_length_px == pytest.approx(1000)  # 4 mm over 2 x 2 um
+    noise = describe_noise(Emva(Emva.Config()), shown, Exposure(0.01, 2.0, 0.0))
+    assert noise.system_gain_dn_per_e == pytest.approx([4095 / 36000] * 3, rel=1e-4)
+    assert noise.saturation_capacity_e == pytest.approx([36000] * 3, rel=1e-4)
+    dark_e2 = 4 * (3.0**2 + 5.0 * 0.01)
+    assert noise.temporal_dark_noise_e == pytest.approx([dark_e2**0.5] * 3, rel=1e-3)
+    assert noise.dark_current_e_s == 20.0
 
 
 def test_noise_predicts_the_variance_that_is_drawn() -> None:

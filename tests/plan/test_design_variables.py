@@ -79,6 +79,12 @@ WRONG = [
     ("world.left.frames", BETWEEN, "scene.toy has no settings for one camera"),
     ("frames.middle.sigma_dn", BETWEEN, "rig.stereo has no camera 'middle'"),
     ("scenario.gain", BETWEEN, "scenario has no variable 'gain'\n  to do: Did you mean 'gain_db'?"),
+    ("gain_db", BETWEEN, "rig.stereo has no variable 'gain_db'\n  to do: Did you mean 'scenario.gain_db'?"),
+    ("aperture", BETWEEN, "to do: Did you mean 'scenario.f_number'?"),
+    ("share", BETWEEN, "to do: Did you mean 'dim.share'?"),
+    ("scenario.offset_dn", BETWEEN, "to do: Did you mean 'effects.toy-offset.offset_dn'?"),
+    ("rig.baseline_m", BETWEEN, "variables of the rig are named alone"),
+    ("rig.baseline_m", BETWEEN, "to do: Did you mean 'baseline_m'?"),
     ("scenario.nigth.gain_db", BETWEEN, "there is no scenario 'nigth'"),
     ("scenario.nigth.gain_db", BETWEEN, "Did you mean 'night'?"),
     ("scenario.night.weight", BETWEEN, "scenario has no variable 'weight'"),
@@ -104,6 +110,13 @@ def test_what_cannot_be_designed_is_told_at_its_place(toys, wrong):
     if more:
         message = "it sets what 'effects.toy-offset_2.offset_dn' sets already"
     assert any(message in fault for fault in faults), "\n".join(faults)
+
+
+@pytest.mark.parametrize("name", ["offset_dn", "scenario.offset_dn", "effects.toy-offset.offset_dn"])
+def test_an_effect_that_the_recipe_lacks_is_named_with_what_to_write(toys, name):
+    (fault,) = faults_of({name: BETWEEN}, toys, effects=[])
+    assert "effects: [{use: effect." in fault
+    assert "effect.toy-offset" in fault or "'effects.toy-offset.offset_dn'" in fault
 
 
 def test_all_values_are_tried_and_each_fault_is_told_once(toys):

@@ -245,10 +245,10 @@ def test_a_region_of_interest_crops_the_view_and_leaves_pixels_as_they_are(share
     assert camera.height_px == pytest.approx(1500 * share, abs=1)
     # A point at the edge of the region lies at the same angle in both.
     derived, of_all = builder.derived(variables), whole_builder.derived(whole)
-    half = math.tan(math.radians(of_all["vfov_deg"]) / 2) * variables.region.height_px / 3000
+    half = math.tan(math.radians(of_all["vfov_deg"]) / 2) * variables.read_out.height_px / 3000
     assert math.tan(math.radians(derived["vfov_deg"]) / 2) == pytest.approx(half)
     assert derived["hfov_deg"] == of_all["hfov_deg"]
-    assert derived["megapixels"] == pytest.approx(4000 * variables.region.height_px * 1e-6)
+    assert derived["megapixels"] == pytest.approx(4000 * variables.read_out.height_px * 1e-6)
 
 
 def test_both_cameras_of_a_stereo_rig_have_the_region():
@@ -264,3 +264,25 @@ def test_a_lens_need_only_cover_the_region():
     assert builder.derived(variables)["image_circle_margin_mm"] < 0  # 7.75 mm across the corners
     builder, variables = monocular(focal_length_mm=None, lens=lens, roi_width=0.6, roi_height=0.6)
     assert builder.derived(variables)["image_circle_margin_mm"] == pytest.approx(5 - 0.6 * 7.75)
+
+
+@given(binning=st.integers(1, 16), simulated=st.sampled_from([1.0, 2.0, 3.5]))
+def test_a_camera_that_bins_has_fewer_larger_pixels_and_nearly_the_same_view(binning, simulated):
+    builder, variables = monocular({"binning": simulated}, sensor_binning=binning)
+    _, whole = monocular()
+    (camera,) = builder.build(variables).cameras
+    assert (camera.pixel_um, camera.binning) == (1.55, simulated * binning)
+    assert camera.simulated_binning == pytest.approx(simulated)
+    assert camera.focal_length_px == pytest.approx(3600 / (1.55 * simulated * binning))
+    assert camera.width_px == max(1, round(4000 // binning / simulated))
+    derived, of_all = builder.derived(variables), builder.derived(whole)
+    assert derived["megapixels"] == pytest.approx((4000 // binning) * (3000 // binning) * 1e-6)
+    assert derived["pixels_per_deg"] == pytest.approx(of_all["pixels_per_deg"] / binning)
+    assert 0 <= of_all["hfov_deg"] - derived["hfov_deg"] < 0.4  # less than a block of photosites is left over
+
+
+def test_the_sensor_bins_within_the_region_of_interest():
+    builder, variables = monocular(roi_height=0.5, sensor_binning=4)
+    (camera,) = builder.build(variables).cameras
+    assert (camera.width_px, camera.height_px) == (1000, 375)
+    assert camera.centre_px == (499.5, 187)

@@ -83,3 +83,26 @@ def test_too_few_pixels_to_the_degree_cover_nothing():
     rig = RingRig(RingRig.Config(binning=2)).build(ring(cameras=4, hfov_deg=90))  # 5.6 px/deg on the axis
     assert covered_share(rig.cameras, elevation_deg=10, least_px_per_deg=5) > 0.95
     assert covered_share(rig.cameras, elevation_deg=10, least_px_per_deg=12) == 0
+
+
+@pytest.mark.parametrize(
+    ("component", "given_"),
+    [
+        (RingRig, {"cameras": 3, "hfov_deg": 80.0}),
+        (FrontBackSidesRig, {"front_hfov_deg": 60.0, "other_hfov_deg": 110.0}),
+    ],
+)
+def test_the_field_of_view_is_that_of_what_is_read_out(component, given_):
+    """A smaller region behind a shorter lens: fewer pixels and watts of the rig's budget, the same angles."""
+    builder = component(component.Config())
+    whole, part = (
+        component.Variables(sensor=SENSOR, **given_, **read_out)
+        for read_out in ({}, {"roi_width": 0.5, "roi_height": 0.25, "sensor_binning": 2})
+    )
+    cameras, cropped = builder.build(whole).cameras, builder.build(part).cameras
+    assert [camera.hfov_deg for camera in cropped] == pytest.approx([camera.hfov_deg for camera in cameras])
+    assert {(camera.width_px, camera.height_px) for camera in cropped} == {(160, 60)}
+    derived, of_all = builder.derived(part), builder.derived(whole)
+    assert derived["total_megapixels"] == pytest.approx(of_all["total_megapixels"] / 32)
+    assert derived["covered_deg"] == of_all["covered_deg"]
+    assert derived["hfov_deg"] == pytest.approx(of_all["hfov_deg"])

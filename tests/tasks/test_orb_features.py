@@ -139,20 +139,21 @@ def test_frames_too_far_apart_in_time_are_no_pair():
     assert score(frames, pair_within_s=0.1) == {}
 
 
-ALL = ("features", "patch_px", "border_px", "ransac_threshold_px")
+ALL = ("features", "levels", "patch_px", "border_px", "ransac_threshold_px")
 
 
 def test_the_count_and_the_border_follow_the_binning():
     config = OrbFeatures.Config(border_px=40)
-    assert Scale.of(config, 1) == Scale(2000, 31, 40, 3.0)
-    assert Scale.of(config, 2) == Scale(1000, 31, 20, 3.0)
-    assert Scale.of(OrbFeatures.Config(), 4) == Scale(500, 31, 8, 3.0)
+    assert Scale.of(config, 1) == Scale(2000, 8, 31, 40, 3.0)
+    assert Scale.of(config, 2) == Scale(1000, 8, 31, 20, 3.0)
+    assert Scale.of(OrbFeatures.Config(), 4) == Scale(500, 8, 31, 8, 3.0)
 
 
 def test_what_follows_the_binning_can_be_chosen():
     config = OrbFeatures.Config(scale_with_binning=ALL)
-    assert Scale.of(config, 2) == Scale(1000, 16, 16, 1.5)
+    assert Scale.of(config, 2) == Scale(1000, 4, 16, 16, 1.5)
     assert Scale.of(config, 16).patch_px == LEAST_PATCH_PX
+    assert Scale.of(config, 16).levels == 1
     assert Scale.of(OrbFeatures.Config(scale_with_binning=()), 4) == Scale.of(OrbFeatures.Config(), 1)
 
 
@@ -160,6 +161,16 @@ def test_a_binned_camera_is_scored_as_its_settings_say():
     images = panning(3, noise=0.02)
     binned = score(frames_of(images, binning=2.0), features=400, border_px=32)
     assert binned == score(frames_of(images), features=200, border_px=16)
+
+
+def test_a_camera_that_bins_by_itself_is_scored_by_the_pixels_it_has():
+    images = panning(3, noise=0.02)
+    frames = frames_of(images, binning=2.0)
+    views = tuple(
+        replace(view, camera=replace(view.camera, sensor_binning=2)) for view in frames.capture.views
+    )
+    own = replace(frames, capture=replace(frames.capture, views=views))
+    assert score(own, features=400) == score(frames_of(images), features=400)
 
 
 def test_the_border_has_no_keypoints():

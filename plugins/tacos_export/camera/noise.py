@@ -13,8 +13,9 @@ from tacos_framework.values import Camera, Exposure
 
 @dataclass(frozen=True)
 class NoiseDescription:
-    """The linear camera model of EMVA 1288, one value a channel, of one photosite.
+    """The linear camera model of EMVA 1288, one value a channel, of one pixel of the image.
 
+    Electrons are those of all photosites that a pixel averages, as whoever measures the camera counts them.
     ``variance = K (signal - dark) + K^2 sigma_d^2``, before rounding adds 1/12 DN^2.
 
     Parameters
@@ -26,7 +27,7 @@ class NoiseDescription:
     temporal_dark_noise_dn
         The same in the file [DN].
     saturation_capacity_e
-        Electrons at which the file, or the photosite if it is known to be smaller, is full [e-].
+        Electrons at which the file, or the photosites if they are known to hold less, are full [e-].
     black_level_dn, white_level_dn
         Pedestal and full scale [DN].
     quantum_efficiency, dark_current_e_s
@@ -82,14 +83,15 @@ def describe_noise(sensor: Sensor, camera: Camera, exposure: Exposure) -> NoiseD
     _, variance = sensor.moments(samples, camera=camera, exposure=exposure)
     dark, bright = np.broadcast_to(variance, samples.shape).reshape(2, channels).astype(np.float64)
     gain = (bright - dark) / (levels[1] - levels[0])
-    known = camera.electrons
+    known, photosites = camera.electrons, camera.binning**2
 
     def in_electrons(value_dn: float, k: float) -> float | None:
         return _rounded(value_dn / k) if k > 0 else None
 
     full = [in_electrons(white - black, k) for k in gain]
     if known.full_well_e is not None:
-        full = [None if each is None else min(each, known.full_well_e) for each in full]
+        most = known.full_well_e * photosites
+        full = [None if each is None else min(each, most) for each in full]
     return NoiseDescription(
         system_gain_dn_per_e=tuple(map(_rounded, gain)),
         temporal_dark_noise_e=tuple(in_electrons(np.sqrt(v), k) for v, k in zip(dark, gain, strict=True)),
@@ -98,7 +100,7 @@ def describe_noise(sensor: Sensor, camera: Camera, exposure: Exposure) -> NoiseD
         black_level_dn=float(black),
         white_level_dn=float(white),
         quantum_efficiency=known.quantum_efficiency,
-        dark_current_e_s=known.dark_current_e_s,
+        dark_current_e_s=None if known.dark_current_e_s is None else known.dark_current_e_s * photosites,
         exposure=exposure,
     )
 

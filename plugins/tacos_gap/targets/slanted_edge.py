@@ -110,17 +110,22 @@ def sharp_edge(
 
 
 def edge_spread(plane: NDArray[np.floating], edge: SlantedEdge) -> tuple[NDArray[np.float64], ...]:
-    """Distances and levels of the oversampled edge spread function: (K,) [px] and (K,) from 0 to 1."""
+    """Distances and levels of the oversampled edge spread function: (K,) [px] and (K,) from 0 to 1.
+
+    The mean level of a bin is that at the mean place of its pixels, not at its middle: along an edge whose
+    slope is a fraction such as 1/8, pixels lie at a few places of each bin and no others.
+    """
     image = np.asarray(plane, np.float64)
     distance = edge.distance_px(image.shape)
     inside = np.abs(distance) < _REACH_PX
     which = np.floor((distance[inside] + _REACH_PX) * OVERSAMPLING).astype(int)
     count = np.bincount(which, minlength=int(2 * _REACH_PX * OVERSAMPLING))
-    total = np.bincount(which, image[inside], len(count))
     filled = count > 0
+    reached, found = (
+        np.bincount(which, each[inside], len(count))[filled] / count[filled] for each in (distance, image)
+    )
     places = (np.arange(len(count)) + 0.5) / OVERSAMPLING - _REACH_PX
-    levels = np.interp(places, places[filled], total[filled] / count[filled])
-    reached = places[filled]
+    levels = np.interp(places, reached, found)
     low = levels[places < max(-PLATEAU_PX, float(reached[0]) + 2)].mean()
     high = levels[places > min(PLATEAU_PX, float(reached[-1]) - 2)].mean()
     return places, (levels - low) / (high - low)

@@ -15,8 +15,9 @@ from tacos_framework.contracts.observed import Captures, structured
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
-from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
+from tacos_plugins.effects.blur import blur
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
+from tacos_plugins.effects.disc import disc_kernel
 from tacos_plugins.effects.disc_radius import disc_radius_px
 from tacos_plugins.effects.shown_by import EDGES
 
@@ -111,4 +112,4 @@ class Defocus:
             return blur_by_depth(signal, np.broadcast_to(radius, signal.shape[:3]))
         if c.radius_px == 0.0:
             return signal
-        return blur(signal, kernel_of(disc_transfer(c.radius_px), reach_px=c.radius_px))
+        return blur(signal, disc_kernel(c.radius_px))

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import ImageGeometry
-from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
+from tacos_plugins.effects.blur import blur
+from tacos_plugins.effects.disc import disc_kernel
 
 LARGEST_RADIUS_PX = 100.0
 """Wider discs are drawn at this radius [px]."""
@@ -90,8 +91,7 @@ def _composed(frame: NDArray[np.floating], radius_px: NDArray[np.floating]) -> N
     for radius, share in _layers(radius_px):
         layer = np.concatenate([frame * share[..., None], share[..., None]], axis=-1, dtype=np.float64)
         if radius:
-            kernel = kernel_of(disc_transfer(abs(radius)), reach_px=abs(radius))
-            layer = blur(layer[None], kernel)[0]
+            layer = blur(layer[None], disc_kernel(abs(radius)))[0]
         cover = layer[..., -1:]
         covered = sum((c for r, c in nearer if radius - r > _OCCLUDES_PX), start=np.zeros_like(cover))
         free = np.clip(1 - covered, 0.0, 1.0)

@@ -5,22 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import setting
 from tacos_framework.values import Rig
-from tacos_plugins.rigs.mounted_camera import (
-    SensorPart,
-    derived_optics,
-    focal_length_for_mm,
-    image_coordinates,
-)
-from tacos_plugins.rigs.several_cameras import (
-    SEVERAL_UNITS,
-    Outlook,
-    SeveralCamerasConfig,
-    covered_deg,
-    derived_together,
-    outward_rig,
-)
+from tacos_plugins.rigs import several_cameras
+from tacos_plugins.rigs.several_cameras import Outlook, SeveralCamerasConfig, SeveralCamerasVariables
 
 
 class FrontBackSidesRig:
@@ -49,7 +37,7 @@ class FrontBackSidesRig:
             90.0, help="Turn of the side cameras from straight ahead.", unit="deg", gt=0, lt=180
         )
 
-    class Variables(Settings):
+    class Variables(SeveralCamerasVariables):
         """What a recipe may design or fix."""
 
         front_hfov_deg: float = setting(
@@ -60,13 +48,9 @@ class FrontBackSidesRig:
         )
         sides: bool = setting(True, help="Whether there is a camera to either side.")
         back: bool = setting(True, help="Whether there is a camera behind.")
-        pitch_deg: float = setting(
-            0.0, help="Tilt of all cameras, positive is up.", unit="deg", ge=-90, le=90
-        )
-        sensor: SensorPart = setting(help="Image sensor of all cameras.")
 
     derived_quantities: ClassVar[Mapping[str, str]] = {
-        **SEVERAL_UNITS,
+        **several_cameras.SEVERAL_UNITS,
         "side_yaw_deg": "deg",
         "side_hfov_deg": "deg",
         "back_hfov_deg": "deg",
@@ -77,26 +61,24 @@ class FrontBackSidesRig:
 
     def build(self, variables: Variables) -> Rig:
         """The rig of these variables, the camera ahead first."""
-        return outward_rig(self._outlooks(variables), variables.sensor, variables.pitch_deg, self.config)
+        return several_cameras.outward_rig(self._outlooks(variables), variables, self.config)
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Optics of the camera ahead, and what all of them come to."""
-        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.front_hfov_deg)
-        optics = derived_optics(variables.sensor, focal_length_mm)
-        found = {**optics, **derived_together(self._outlooks(variables), variables.sensor)}
+        found = several_cameras.derived_together(self._outlooks(variables), variables.read_out)
         if variables.sides:
             found |= {"side_yaw_deg": self.config.side_yaw_deg, "side_hfov_deg": variables.other_hfov_deg}
         return found | ({"back_hfov_deg": variables.other_hfov_deg} if variables.back else {})
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images of the camera ahead depend on, which others there are, and what all have in view."""
-        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.front_hfov_deg)
+        outlooks = self._outlooks(variables)
         return {
-            **image_coordinates(variables.sensor, focal_length_mm, variables.pitch_deg),
+            **several_cameras.coordinates_of_first(outlooks, variables),
             "other_hfov_deg": variables.other_hfov_deg,
             "sides": float(variables.sides),
             "back": float(variables.back),
-            "covered_deg": covered_deg(self._outlooks(variables)),
+            "covered_deg": several_cameras.covered_deg(outlooks),
         }
 
     def _outlooks(self, variables: Variables) -> list[Outlook]:

@@ -74,7 +74,7 @@ class MonocularRig:
         """The rig of these variables."""
         camera = mounted_camera(
             "camera",
-            variables.region,
+            variables,
             _focal_length_mm(variables),
             position_m=(0.0, 0.0, self.config.height_above_eye_m),
             pitch_deg=variables.pitch_deg,
@@ -84,18 +84,18 @@ class MonocularRig:
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Fields of view and sizes of the sensor as manufactured, and how a lens fits it."""
-        optics = derived_optics(variables.region, _focal_length_mm(variables))
-        fit = {} if variables.lens is None else derived_fit(variables.lens, variables.region)
+        optics = derived_optics(variables.read_out, _focal_length_mm(variables))
+        fit = {} if variables.lens is None else derived_fit(variables.lens, variables.read_out)
         return {**optics, **fit}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images depend on; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
-        return image_coordinates(variables.region, _focal_length_mm(variables), variables.pitch_deg)
+        return image_coordinates(variables.read_out, _focal_length_mm(variables), variables.pitch_deg)
 
     def notes(self, variables: Variables) -> Iterator[str]:
         """What somebody who buys lens and sensor should know."""
         if variables.lens is not None:
-            yield from notes_on_fit(variables.lens, variables.region)
+            yield from notes_on_fit(variables.lens, variables.read_out)
 
 
 def _focal_length_mm(variables: MonocularRig.Variables) -> float:

@@ -61,14 +61,14 @@ class SensorPart(Settings):
         """Diagonal of the active area [mm]."""
         return math.hypot(self.width_mm, self.height_mm)
 
-    def read_out(self, width_share: float, height_share: float) -> SensorPart:
+    def region(self, width_share: float, height_share: float) -> SensorPart:
         """The region of interest about its middle, in whole pairs of photosites, as colour patterns need it.
 
         What lies outside is not read: the field of view shrinks with the image, pixels stay as they are.
 
         Examples
         --------
-        >>> region = SensorPart(width_px=4000, height_px=3000, pixel_um=1.55).read_out(0.5, 0.3337)
+        >>> region = SensorPart(width_px=4000, height_px=3000, pixel_um=1.55).region(0.5, 0.3337)
         >>> region.width_px, region.height_px, region.pixel_um
         (2000, 1002, 1.55)
         """
@@ -83,6 +83,22 @@ class SensorPart(Settings):
         }
         return self.model_copy(update=sizes)
 
+    def binned(self, binning: int) -> SensorPart:
+        """Its pixels where it averages blocks of photosites; what is left over at the edges is not read.
+
+        Electrons, full well and noise stay those of one photosite.
+
+        Examples
+        --------
+        >>> binned = SensorPart(width_px=4001, height_px=3000, pixel_um=1.55).binned(2)
+        >>> binned.width_px, binned.height_px, binned.pixel_um
+        (2000, 1500, 3.1)
+        """
+        if binning == 1:
+            return self
+        sizes = {name: max(1, getattr(self, name) // binning) for name in ("width_px", "height_px")}
+        return self.model_copy(update={**sizes, "pixel_um": self.pixel_um * binning})
+
     @property
     def electrons(self) -> Electrons:
         """What is known of its photosites in electrons."""
@@ -92,7 +108,7 @@ class SensorPart(Settings):
 
 
 class ReadOutVariables(Settings):
-    """A sensor, and how much of it is read out."""
+    """A sensor, and what is read out of it: how much, and in how large pixels."""
 
     sensor: SensorPart = setting(help="Image sensor: a row of a catalog, or its size and pitch.")
     roi_width: float = setting(
@@ -101,11 +117,18 @@ class ReadOutVariables(Settings):
     roi_height: float = setting(
         1.0, help="Share of the sensor's height that is read out, about its middle.", gt=0, le=1
     )
+    sensor_binning: int = setting(
+        1,
+        help="Photosites along each side that the camera averages into one pixel of its images, each read "
+        "by itself.",
+        ge=1,
+        le=16,
+    )
 
     @property
-    def region(self) -> SensorPart:
-        """What is read out: all of the sensor, or its region of interest."""
-        return self.sensor.read_out(self.roi_width, self.roi_height)
+    def read_out(self) -> SensorPart:
+        """The pixels that leave the camera: those of the region of interest, as large as they are binned."""
+        return self.sensor.region(self.roi_width, self.roi_height).binned(self.sensor_binning)
 
 
 DERIVED_UNITS = {
@@ -167,7 +190,7 @@ def focal_length_for_mm(size_mm: float, field_deg: float) -> float:
 
 
 def derived_optics(sensor: SensorPart, focal_length_mm: float) -> dict[str, float]:
-    """The quantities of :data:`DERIVED_UNITS` of one camera, for the sensor as manufactured.
+    """The quantities of :data:`DERIVED_UNITS` of one camera, for the pixels that are read out of its sensor.
 
     Pixels per degree hold at the image centre; a pinhole image has more of them towards its edges.
     """
@@ -183,7 +206,7 @@ def derived_optics(sensor: SensorPart, focal_length_mm: float) -> dict[str, floa
 
 
 def image_coordinates(sensor: SensorPart, focal_length_mm: float, pitch_deg: float) -> dict[str, float]:
-    """What images of a camera depend on, as numbers along which they change evenly.
+    """What images of a camera depend on, as numbers along which they change evenly, by the pixels read out.
 
     Angles say what is in view. Pixel counts and pitch count by their ratios: from 1 to 2 um changes noise as
     much as from 4 to 8 um.
@@ -208,7 +231,7 @@ def image_coordinates(sensor: SensorPart, focal_length_mm: float, pitch_deg: flo
 
 def mounted_camera(
     name: str,
-    sensor: SensorPart,
+    variables: ReadOutVariables,
     focal_length_mm: float,
     *,
     position_m: Sequence[float],
@@ -216,10 +239,12 @@ def mounted_camera(
     yaw_deg: float = 0.0,
     binning: float,
 ) -> Camera:
-    """A camera on the agent that simulates blocks of ``binning`` x ``binning`` photosites as one pixel.
+    """A camera on the agent that simulates blocks of ``binning`` x ``binning`` of its pixels as one.
 
     Parameters
     ----------
+    variables
+        The sensor, and what is read out of it.
     position_m
         Optical centre in the agent frame: forward, left, up [m].
     pitch_deg
@@ -231,11 +256,12 @@ def mounted_camera(
     """
     return Camera(
         name=name,
-        width_px=max(1, round(sensor.width_px / binning)),
-        height_px=max(1, round(sensor.height_px / binning)),
-        pixel_um=sensor.pixel_um,
+        width_px=max(1, round(variables.read_out.width_px / binning)),
+        height_px=max(1, round(variables.read_out.height_px / binning)),
+        pixel_um=variables.sensor.pixel_um,
         focal_length_mm=focal_length_mm,
         agent_from_camera=agent_from_camera(position_m, pitch_deg, yaw_deg),
-        binning=binning,
-        electrons=sensor.electrons,
+        binning=binning * variables.sensor_binning,
+        sensor_binning=variables.sensor_binning,
+        electrons=variables.sensor.electrons,
     )

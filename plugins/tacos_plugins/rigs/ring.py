@@ -6,22 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import setting
 from tacos_framework.values import Rig
-from tacos_plugins.rigs.mounted_camera import (
-    SensorPart,
-    derived_optics,
-    focal_length_for_mm,
-    image_coordinates,
-)
-from tacos_plugins.rigs.several_cameras import (
-    SEVERAL_UNITS,
-    Outlook,
-    SeveralCamerasConfig,
-    covered_deg,
-    derived_together,
-    outward_rig,
-)
+from tacos_plugins.rigs import several_cameras
+from tacos_plugins.rigs.several_cameras import Outlook, SeveralCamerasConfig, SeveralCamerasVariables
 
 
 class RingRig:
@@ -46,7 +34,7 @@ class RingRig:
     class Config(SeveralCamerasConfig):
         """Settings of the rig."""
 
-    class Variables(Settings):
+    class Variables(SeveralCamerasVariables):
         """What a recipe may design or fix."""
 
         cameras: int = setting(help="Number of cameras.", ge=1, le=16)
@@ -54,38 +42,35 @@ class RingRig:
         first_yaw_deg: float = setting(
             0.0, help="Turn of the first camera to the left of straight ahead.", unit="deg", ge=-180, le=180
         )
-        pitch_deg: float = setting(
-            0.0, help="Tilt of all cameras, positive is up.", unit="deg", ge=-90, le=90
-        )
-        sensor: SensorPart = setting(help="Image sensor of all cameras.")
 
-    derived_quantities: ClassVar[Mapping[str, str]] = {**SEVERAL_UNITS, "first_yaw_deg": "deg"}
+    derived_quantities: ClassVar[Mapping[str, str]] = {
+        **several_cameras.SEVERAL_UNITS,
+        "first_yaw_deg": "deg",
+    }
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
     def build(self, variables: Variables) -> Rig:
         """The rig of these variables, the first camera first."""
-        return outward_rig(_outlooks(variables), variables.sensor, variables.pitch_deg, self.config)
+        return several_cameras.outward_rig(_outlooks(variables), variables, self.config)
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Optics of one camera, and what all of them come to."""
-        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.hfov_deg)
-        optics = derived_optics(variables.sensor, focal_length_mm)
-        together = derived_together(_outlooks(variables), variables.sensor)
-        return {**optics, **together, "first_yaw_deg": variables.first_yaw_deg}
+        together = several_cameras.derived_together(_outlooks(variables), variables.read_out)
+        return {**together, "first_yaw_deg": variables.first_yaw_deg}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images of each camera depend on, how many there are, and where between two the agent looks.
 
         A ring that is turned by its spacing is the same ring, so its turn counts as an angle of that circle.
         """
-        focal_length_mm = focal_length_for_mm(variables.sensor.width_mm, variables.hfov_deg)
+        outlooks = _outlooks(variables)
         phase = math.radians(variables.first_yaw_deg * variables.cameras)
         return {
-            **image_coordinates(variables.sensor, focal_length_mm, variables.pitch_deg),
+            **several_cameras.coordinates_of_first(outlooks, variables),
             "log2_cameras": math.log2(variables.cameras),
-            "covered_deg": covered_deg(_outlooks(variables)),
+            "covered_deg": several_cameras.covered_deg(outlooks),
             "cos_turn": math.cos(phase),
             "sin_turn": math.sin(phase),
         }

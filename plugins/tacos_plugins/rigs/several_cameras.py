@@ -1,4 +1,4 @@
-"""What rigs of several cameras share: where the cameras sit, and what they cost together."""
+"""What rigs of several cameras share: their settings, where the cameras sit, and what they cost together."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Rig
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
+    ReadOutVariables,
     SensorPart,
+    derived_optics,
     focal_length_for_mm,
+    image_coordinates,
     mounted_camera,
 )
 
@@ -30,7 +33,7 @@ class SeveralCamerasConfig(Settings):
 
     binning: float = setting(
         1.0,
-        help="Simulate blocks of binning x binning photosites as one pixel, to run on a small machine.",
+        help="Simulate blocks of binning x binning pixels as one, to run on a small machine.",
         ge=1,
     )
     radius_m: float = setting(
@@ -41,6 +44,12 @@ class SeveralCamerasConfig(Settings):
     )
 
 
+class SeveralCamerasVariables(ReadOutVariables):
+    """What a recipe may design or fix of all cameras alike."""
+
+    pitch_deg: float = setting(0.0, help="Tilt of all cameras, positive is up.", unit="deg", ge=-90, le=90)
+
+
 @dataclass(frozen=True)
 class Outlook:
     """Where one camera looks: its name, its turn to the left [deg], its horizontal field of view [deg]."""
@@ -49,9 +58,13 @@ class Outlook:
     yaw_deg: float
     hfov_deg: float
 
+    def focal_length_mm(self, sensor: SensorPart) -> float:
+        """The focal length with which a sensor has this field of view [mm]."""
+        return focal_length_for_mm(sensor.width_mm, self.hfov_deg)
+
 
 def outward_rig(
-    outlooks: Iterable[Outlook], sensor: SensorPart, pitch_deg: float, config: SeveralCamerasConfig
+    outlooks: Iterable[Outlook], variables: SeveralCamerasVariables, config: SeveralCamerasConfig
 ) -> Rig:
     """Equal sensors on a circle, each looking away from its middle."""
 
@@ -63,10 +76,10 @@ def outward_rig(
         tuple(
             mounted_camera(
                 each.name,
-                sensor,
-                focal_length_for_mm(sensor.width_mm, each.hfov_deg),
+                variables,
+                each.focal_length_mm(variables.read_out),
                 position_m=position_m(each.yaw_deg),
-                pitch_deg=pitch_deg,
+                pitch_deg=variables.pitch_deg,
                 yaw_deg=each.yaw_deg,
                 binning=config.binning,
             )
@@ -76,14 +89,29 @@ def outward_rig(
 
 
 def derived_together(outlooks: Sequence[Outlook], sensor: SensorPart) -> dict[str, float]:
-    """What all cameras come to: their number, pixels and power (where it is known), and the angle in view."""
+    """Optics of the first camera, and what all come to: number, pixels, power if it is known, angle in view.
+
+    Parameters
+    ----------
+    outlooks
+        Where the cameras look, at least one.
+    sensor
+        What is read out of each.
+    """
     count = len(outlooks)
     together = {
+        **derived_optics(sensor, outlooks[0].focal_length_mm(sensor)),
         "cameras": float(count),
         "total_megapixels": count * sensor.width_px * sensor.height_px * 1e-6,
         "covered_deg": covered_deg(outlooks),
     }
     return together if sensor.power_w is None else {**together, "total_power_w": count * sensor.power_w}
+
+
+def coordinates_of_first(outlooks: Sequence[Outlook], variables: SeveralCamerasVariables) -> dict[str, float]:
+    """What images of the first camera depend on; see :func:`image_coordinates` of ``mounted_camera``."""
+    focal_length_mm = outlooks[0].focal_length_mm(variables.read_out)
+    return image_coordinates(variables.read_out, focal_length_mm, variables.pitch_deg)
 
 
 def covered_deg(outlooks: Sequence[Outlook]) -> float:

@@ -82,7 +82,7 @@ class StereoRig:
             tuple(
                 mounted_camera(
                     name,
-                    variables.region,
+                    variables,
                     _focal_length_mm(variables),
                     position_m=(0.0, left_m, self.config.height_above_eye_m),
                     pitch_deg=variables.pitch_deg,
@@ -94,12 +94,12 @@ class StereoRig:
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Fields of view and sizes of one sensor as manufactured, and the baseline."""
-        optics = derived_optics(variables.region, _focal_length_mm(variables))
+        optics = derived_optics(variables.read_out, _focal_length_mm(variables))
         return {**optics, "baseline_m": variables.baseline_m}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images of either camera depend on, and the baseline, which counts by its ratios."""
-        one = image_coordinates(variables.region, _focal_length_mm(variables), variables.pitch_deg)
+        one = image_coordinates(variables.read_out, _focal_length_mm(variables), variables.pitch_deg)
         return {"log2_baseline_m": math.log2(variables.baseline_m), **one}
 
 
@@ -107,4 +107,4 @@ def _focal_length_mm(variables: StereoRig.Variables) -> float:
     if variables.focal_length_mm is not None:
         return variables.focal_length_mm
     assert variables.hfov_deg is not None, "Variables holds exactly one of the two"
-    return focal_length_for_mm(variables.region.width_mm, variables.hfov_deg)
+    return focal_length_for_mm(variables.read_out.width_mm, variables.hfov_deg)

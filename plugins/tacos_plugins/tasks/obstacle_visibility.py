@@ -21,7 +21,8 @@ class ObstacleVisibility:
 
     An obstacle is seen when, in any frame of the same walk taken before the agent steps on it, enough of its
     pixels are visible in any camera of the rig. Visibility is that of the rendered ids, as in the paper;
-    noise does not hide an obstacle. Pixels are counted in photosites, so that binning changes nothing.
+    noise does not hide an obstacle. Pixels count as those of the camera itself, so that the simulation's
+    binning changes nothing; those of a camera that bins by itself are fewer.
 
     ``seen_ratio``
         Seen / stepped on, in 0..1; higher is better. The paper's score.
@@ -184,7 +185,7 @@ def _most_photosites(
         for found, counted in ((ids, most), (near, most_near)):
             pixels = np.bincount(found - lowest, minlength=highest - lowest + 1)
             for obstacle in obstacles:
-                photosites = float(pixels[obstacle - lowest] * view.camera.binning**2)
+                photosites = float(pixels[obstacle - lowest] * view.camera.simulated_binning**2)
                 counted[obstacle] = max(counted[obstacle], photosites)
     return most, most_near
 

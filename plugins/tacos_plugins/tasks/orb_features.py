@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
@@ -34,8 +35,8 @@ CANDIDATES = 6
 """Where features are shared out among cells, so many times as many are looked for in the whole image."""
 
 Cells = Annotated[int, Field(ge=1, le=64)]
-Scaled = Literal["features", "patch_px", "border_px", "ransac_threshold_px"]
-"""Settings that may follow the binning of the camera."""
+Scaled = Literal["features", "levels", "patch_px", "border_px", "ransac_threshold_px"]
+"""Settings that may follow the binning of the simulation."""
 
 
 class OrbFeatures:
@@ -57,11 +58,12 @@ class OrbFeatures:
 
     A pair with too few matches has no inliers; an episode without any pair has no scores.
 
-    Where each pixel averages b x b photosites (`Camera.binning`), the settings named in
-    ``scale_with_binning`` are divided by b: the features, which keeps as many of them per length of the
-    image, and the border, which leaves out the same margin of the scene. Patch and RANSAC's threshold stay:
-    what a descriptor holds, and how well a corner is placed, are matters of the pixels there are. So cameras
-    rank at reduced resolution about as at full resolution.
+    Where the simulation averages b x b of the camera's pixels (`Camera.simulated_binning`), the settings
+    named in ``scale_with_binning`` follow b. The features are divided by it, which keeps as many of them per
+    length of the image, and so is the border, which leaves out the same margin of the scene. RANSAC's
+    threshold, divided, is the same angle; undivided it lets cameras of few pixels follow more than they would
+    at full resolution. Of the levels the finest are dropped, which the binning has averaged away: the
+    coarsest stays as coarse in the scene. The patch stays: a descriptor needs pixels.
 
     With ``cells`` each of equal parts of the image gives its share of the features and no more: what is full
     or black there costs them, and is not made up for elsewhere.
@@ -105,7 +107,7 @@ class OrbFeatures:
         )
         scale_with_binning: tuple[Scaled, ...] = setting(
             ("features", "border_px"),
-            help="Settings that are divided by the camera's binning; the others hold for the image as it is.",
+            help="Settings that follow the simulation's binning; the others stay as they are.",
         )
         ransac_confidence: float = setting(
             0.99, help="Probability that RANSAC meets a sample free of outliers.", gt=0, lt=1
@@ -149,6 +151,8 @@ class Scale:
     ----------
     features
         Features kept per frame [1].
+    levels
+        Pyramid levels [1].
     patch_px, border_px
         Edge of the patch, and border without keypoints [px].
     ransac_threshold_px
@@ -156,24 +160,27 @@ class Scale:
     """
 
     features: int
+    levels: int
     patch_px: int
     border_px: int
     ransac_threshold_px: float
 
     @classmethod
     def of(cls, config: OrbFeatures.Config, binning: float) -> Scale:
-        """That of a camera whose pixels average `binning` x `binning` photosites.
+        """That of images whose pixels average `binning` x `binning` of the camera's.
 
         >>> Scale.of(OrbFeatures.Config(), binning=2)
-        Scale(features=1000, patch_px=31, border_px=16, ransac_threshold_px=3.0)
+        Scale(features=1000, levels=8, patch_px=31, border_px=16, ransac_threshold_px=3.0)
         """
 
         def scaled(name: Scaled, value: float) -> float:
             return value / binning if name in config.scale_with_binning else value
 
         border = config.patch_px if config.border_px is None else config.border_px
+        averaged = math.log(binning, config.scale_factor) if "levels" in config.scale_with_binning else 0
         return cls(
             features=max(1, round(scaled("features", config.features))),
+            levels=max(1, config.levels - round(averaged)),
             patch_px=max(LEAST_PATCH_PX, round(scaled("patch_px", config.patch_px))),
             border_px=max(1, round(scaled("border_px", border))),
             ransac_threshold_px=scaled("ransac_threshold_px", config.ransac_threshold_px),
@@ -184,7 +191,7 @@ class Scale:
         return cv2.ORB.create(
             nfeatures=self.features * (1 if config.cells == (1, 1) else CANDIDATES),
             scaleFactor=config.scale_factor,
-            nlevels=config.levels,
+            nlevels=self.levels,
             edgeThreshold=self.border_px,
             patchSize=self.patch_px,
             fastThreshold=config.fast_threshold,
@@ -211,7 +218,7 @@ class OrbScorer:
     def update(self, frames: FrameBatch) -> None:
         """Take in the next frames."""
         index = _camera_index(frames, self._config.camera)
-        scale = Scale.of(self._config, frames.capture.views[index].camera.binning)
+        scale = Scale.of(self._config, frames.capture.views[index].camera.simulated_binning)
         orb = scale.detector(self._config)
         episode = frames.episode
         for walk, time_s, image in zip(

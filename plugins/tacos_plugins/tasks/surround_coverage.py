@@ -28,8 +28,9 @@ class SurroundCoverage:
         sees it that sees it best: ``min(1, visible photosites / enough_pixels)``. Higher is better. A thing
         behind a wall, or farther than `within_m`, does not count.
 
-    Visibility is that of the rendered ids: noise hides nothing. Pixels are counted in photosites, so that
-    binning changes nothing. Any number of cameras will do, and candidates may differ in it.
+    Visibility is that of the rendered ids: noise hides nothing. Pixels count as those of the camera itself,
+    so that the simulation's binning changes nothing. Any number of cameras will do, and
+    candidates may differ in it.
     """
 
     class Config(Settings):
@@ -123,7 +124,7 @@ def covered_share(cameras: Sequence[Camera], elevation_deg: float, least_px_per_
         with np.errstate(divide="ignore", invalid="ignore"):
             x = focal_px * right / ahead + centre_x
             y = focal_px * down / ahead + centre_y
-            px_per_deg = math.radians(focal_px * camera.binning) / ahead
+            px_per_deg = math.radians(focal_px * camera.simulated_binning) / ahead
         inside = (np.abs(x + 0.5 - camera.width_px / 2) <= camera.width_px / 2) & (
             np.abs(y + 0.5 - camera.height_px / 2) <= camera.height_px / 2
         )
@@ -144,6 +145,6 @@ def directions_about_horizon(elevation_deg: float) -> NDArray[np.float64]:
 def _photosites(view: View, frame: int, objects: int, within_m: float) -> NDArray[np.float64]:
     """(objects,) how many photosites of a view show each thing; the background is none."""
     near = view.object_id[frame][view.depth_m[frame] <= within_m]
-    counts = np.bincount(near, minlength=objects).astype(np.float64) * view.camera.binning**2
+    counts = np.bincount(near, minlength=objects).astype(np.float64) * view.camera.simulated_binning**2
     counts[0] = 0.0
     return counts

@@ -24,6 +24,7 @@ from tacos_worlds.imported.place import Budget, Sources, geometry, illuminance_l
 from tacos_worlds.imported.reading import Read, read_world
 from tacos_worlds.imported.recorded import Recorded, read_recorded
 from tacos_worlds.imported.sky import Surroundings, read_surroundings
+from tacos_worlds.imported.telling import Telling
 
 if TYPE_CHECKING:
     from tacos_worlds.imported.scene import ImportedScene
@@ -77,6 +78,7 @@ def prepare(config: ImportedScene.Config) -> Place:
     """
     rules, faults = read_table(Path(config.labels).expanduser()) if config.labels else ([], [])
     sky, of_sky = _sky(config)
+    telling = Telling(Path(config.file).expanduser())
     try:
         read = read_world(
             Path(config.file).expanduser(),
@@ -91,6 +93,7 @@ def prepare(config: ImportedScene.Config) -> Place:
     faults = [*faults, *of_sky, *of_path, *_idle(config, read, rules)]
     if faults:
         raise UserError(faults)
+    telling.read(read.model.triangle_count)
     labels = [label_of(surface, rules) for surface in read.model.surfaces]
     objects, ids, classes = _objects(labels, config.obstacles)
     patches = [sound(s, read.turn, i) for s, i in zip(read.model.surfaces, ids, strict=True)]
@@ -98,12 +101,16 @@ def prepare(config: ImportedScene.Config) -> Place:
     occlusion, object_of_triangle = geometry(patches)
     agent = Agent(config.radius_m, config.height_m, config.step_m)
     floor = _floor(config, occlusion, agent)
+    telling.done("geometry and floor")
     world = _lit(config, read, patches, occlusion, objects, classes, floor, sky)
+    telling.done("light")
+    lux = illuminance_lux(world, floor)
+    telling.done("brightness")
     obstacles = tuple(i for i, thing in enumerate(objects) if i and thing.class_name in config.obstacles)
     names = sorted({surface.path[-1] for surface in read.model.surfaces})
     return Place(
         world=world,
-        lux=illuminance_lux(world, floor),
+        lux=lux,
         floor=floor,
         agent=agent,
         occlusion=occlusion,

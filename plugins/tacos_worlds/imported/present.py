@@ -34,10 +34,11 @@ def faults_of_files(file: str, labels: str, sky: str, path: str) -> Iterator[Fau
             if name == "file":
                 yield Fault("scene.imported: file", "is empty", f"a {', '.join(WORLD)} file")
             continue
-        where, target = f"scene.imported: {name}", Path(value).expanduser()
+        where, target = value, Path(value).expanduser()  # whoever gave it knows at which key
         suffix = target.suffix.lower()
         if suffixes and suffix not in suffixes:
-            yield Fault(where, f"{target} is no {', '.join(suffixes)} file", remedy=_CONVERT.get(suffix, ""))
+            what = f"is no {', '.join(suffixes)} file, which {name} names"
+            yield Fault(where, what, remedy=_CONVERT.get(suffix, ""))
         elif not target.is_file():
             what = "is not a regular file" if target.exists() else "does not exist"
-            yield Fault(where, f"{target} {what}", remedy="Check the path.")
+            yield Fault(where, f"{what}, which {name} names", remedy="Check the path.")

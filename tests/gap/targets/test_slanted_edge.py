@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.special import erf
 
@@ -31,6 +31,7 @@ def edge(angle_deg: float, sigma_px: float, shape=(120, 140)) -> np.ndarray:
     ),
     st.floats(0.5, 1.6),
 )
+@example(np.degrees(np.arctan(1 / 8)), 1.0)  # pixels lie at eight distances, and in few bins at the middle
 def test_the_response_of_a_gaussian_edge_is_gaussian(angle_deg, sigma_px):
     image = edge(angle_deg, sigma_px)
     found = find_edge(image)

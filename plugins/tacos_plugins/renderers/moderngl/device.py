@@ -64,7 +64,12 @@ class Device:
 
     def _prepare(self, world: World, texel_m: float) -> Painter:
         start = perf_counter()
-        lit = kept("light", world, texel_m, lambda: light_world(world, _indirect_lux(world), texel_m))
+
+        def light() -> BakedMesh:
+            log.info("lighting %d triangles every %g m, once for this world", world.triangle_count, texel_m)
+            return light_world(world, _indirect_lux(world), texel_m)
+
+        lit = kept("light", world, texel_m, light)
         painter = Painter(self._programs, GpuWorld(self.context, world, lit))
         if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
             around = kept("probes", world, texel_m, lambda: self._look_around(painter, world, lit))
