@@ -15,9 +15,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from renderers.tour import benchmark_camera, parse_size
 
-from tacos_framework.camera.geometry import agent_from_camera, pixel_rays
-from tacos_framework.values import Camera, Episode, Exposure, Rig, View, World
+from tacos_framework.camera.geometry import pixel_rays
+from tacos_framework.values import Episode, Exposure, Rig, View, World
 from tacos_plugins.lighting.direct import direct_irradiance
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
@@ -52,8 +53,7 @@ def main() -> None:
         MitsubaRenderer.Config(samples=arguments.samples, backend=arguments.backend, seed=1)
     )
     rasterised = ModernglRenderer(ModernglRenderer.Config())
-    width_px, height_px = arguments.size
-    rig = Rig((benchmark_camera(width_px, height_px),))
+    rig = Rig((benchmark_camera(*arguments.size, pitch_deg=-8.0),))
     errors: dict[str, list[NDArray[np.float64]]] = {}
     noise: list[NDArray[np.float64]] = []
     pictures = []
@@ -100,18 +100,6 @@ def views_of(world_seed: int, count: int) -> Iterator[Episode]:
     episode = scene.episode(rng=np.random.default_rng(world_seed), illumination_lux=100.0)
     for frame in np.linspace(0, len(episode) - 1, count + 2).astype(int)[1:-1]:
         yield episode[frame : frame + 1]
-
-
-def benchmark_camera(width_px: int, height_px: int) -> Camera:
-    """77 degrees wide, looking down a little."""
-    return Camera(
-        name="benchmark",
-        width_px=width_px,
-        height_px=height_px,
-        pixel_um=3840.0 / width_px,
-        focal_length_mm=2.4,
-        agent_from_camera=agent_from_camera((0.0, 0.0, 0.0), pitch_deg=-8.0),
-    )
 
 
 def luminance(view: View) -> NDArray[np.float64]:
@@ -228,15 +216,6 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--backend", default="scalar", help="backend of renderer.mitsuba")
     parser.add_argument("--figure", default="", help="file to draw the views into, .jpg or .png")
     return parser.parse_args()
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """(112, 84) of "112x84"."""
-    width, _, height = text.partition("x")
-    try:
-        return int(width), int(height)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form 112x84") from None
 
 
 if __name__ == "__main__":

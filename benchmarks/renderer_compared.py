@@ -18,9 +18,8 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from renderer_speed import parse_size
 from renderers import NAMES, Picture
-from renderers.tour import SCENES, make_tour
+from renderers.tour import SCENES, make_tour, parse_size
 from renderers_in_turns import RendererProcess, cpu_times
 
 _UNLIT = "light, bump, sky"

@@ -18,13 +18,12 @@ from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
 import numpy as np
-from renderers.tour import SCENES, benchmark_camera, make_tour
+from renderers.tour import SCENES, make_tour, parse_size
 from renderers_in_turns import RendererProcess, cpu_times
 
 from tacos_framework.values import Exposure, Rig
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
-from tacos_worlds.indoor.scene import IndoorScene
 
 
 def main() -> None:
@@ -76,15 +75,12 @@ def measure_against(scene: str, arguments: argparse.Namespace) -> None:
 def measure(arguments: argparse.Namespace, start_together: Barrier) -> None:
     """Prepare a world, wait for the other processes, and time frames."""
     logging.basicConfig(level=logging.INFO, format="%(message)s")
-    scene = IndoorScene(IndoorScene.Config())
-    episode = scene.episode(rng=np.random.default_rng(arguments.seed), illumination_lux=20.0)
-    width_px, height_px = arguments.size
-    rig, exposure = Rig((benchmark_camera(width_px, height_px),)), Exposure()
+    tour = make_tour("indoor", arguments.size, arguments.frames, arguments.seed)
+    episode, frames = tour.episode, tour.frames
+    rig, exposure = Rig((tour.camera,)), Exposure()
     renderer = ModernglRenderer(
         ModernglRenderer.Config(antialiasing=arguments.antialiasing, motion_samples=arguments.motion_samples)
     )
-    # Spread over the whole trip, so that all rooms count.
-    frames = np.linspace(0, len(episode) - 1, arguments.frames).astype(int)
 
     start = time.perf_counter()
     renderer.capture(episode[:1], rig=rig, exposure=exposure)
@@ -101,6 +97,7 @@ def measure(arguments: argparse.Namespace, start_together: Barrier) -> None:
 
     print(f"renderer          {describe_gl()}")
     print(f"world             {episode.world.triangle_count} triangles, {len(episode.world.lights)} lights")
+    width_px, height_px = arguments.size
     print(f"images            {width_px} x {height_px}, {len(frames)} frames of colour, depth and ids")
     print(f"preparing         {prepared_s:.1f} s")
     print(f"speed             {len(frames) / seconds:.1f} frames/s")
@@ -129,15 +126,6 @@ def checkout(text: str) -> Path:
     if not Path(text, "plugins", "tacos_plugins").is_dir():
         raise argparse.ArgumentTypeError(f"{text!r} is not a checkout of this repository")
     return Path(text)
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """(640, 480) of "640x480"."""
-    width, _, height = text.partition("x")
-    try:
-        return int(width), int(height)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form 640x480") from None
 
 
 def resident_bytes() -> int:

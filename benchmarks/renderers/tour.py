@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,15 +53,15 @@ class Tour:
         return float(np.linalg.norm(np.ptp(corners, axis=0)))
 
 
-def benchmark_camera(width_px: int, height_px: int) -> Camera:
-    """A camera of 77 degrees across that looks a little down."""
+def benchmark_camera(width_px: int, height_px: int, pitch_deg: float = -10.0) -> Camera:
+    """A camera of 77 degrees across, which looks a little down."""
     return Camera(
         name="benchmark",
         width_px=width_px,
         height_px=height_px,
         pixel_um=3840.0 / width_px,
         focal_length_mm=2.4,
-        agent_from_camera=agent_from_camera((0.0, 0.0, 0.0), pitch_deg=-10.0),
+        agent_from_camera=agent_from_camera((0.0, 0.0, 0.0), pitch_deg=pitch_deg),
     )
 
 
@@ -76,3 +77,12 @@ def make_tour(scene: str, size: tuple[int, int], frames: int, seed: int) -> Tour
     return Tour(
         scene, episode, benchmark_camera(*size), np.linspace(0, len(episode) - 1, frames).astype(np.intp)
     )
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """(640, 480) of "640x480", for a command line."""
+    width, _, height = text.partition("x")
+    try:
+        return int(width), int(height)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form 640x480") from None

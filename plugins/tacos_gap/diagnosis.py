@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
@@ -141,16 +142,16 @@ def _explained(
         problem=problem,
         attribution=attribution,
         closure_interval=_closure_interval(problem, best, seed),
-        detectable=_detectable(problem, effects, workers),
+        detectable=_detectable(problem, effects, best.z, workers),
         nuisances=_nuisances(problem, best),
     )
 
 
 def _detectable(
-    problem: Problem, effects: Mapping[str, type[Any]], workers: int
+    problem: Problem, effects: Mapping[str, type[Any]], left: NDArray[np.float64], workers: int
 ) -> dict[str, dict[str, float]]:
     with ThreadPoolExecutor(workers) as pool:
-        return detection_limits(problem, effects, pool.map)
+        return detection_limits(problem, effects, left, pool.map)
 
 
 def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:

@@ -6,7 +6,7 @@ give each frame of a still the same samples.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from tacos_framework.formation.chain import ActingEffect
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_gap.captures import RealCapture
 from tacos_gap.sensing import dark_signal, sensor_at
+from tacos_plugins.effects.mosaic import bilinear, mosaic
 
 Samples = NDArray[np.float32]
 Step = Callable[[Samples, EpisodeDraws, int], Samples]
@@ -59,14 +60,10 @@ def simulate(
         return expected[place : place + 1] - np.float32(context.black_level_dn)
 
     def acting(effect: ActingEffect) -> Step:
-        def step(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
-            known = _of_frame(context, frame)
-            return effect.on(samples, geometry=capture.geometry, context=known, draws=draws, frame=frame)
-
-        return step
+        return _step_of(effect, capture.geometry, context)
 
     steps: list[Step] = [
-        *map(acting, chain.light),
+        *_on_light(map(acting, chain.light), context.cfa),
         lambda samples, draws, frame: samples + pedestal,
         *map(acting, chain.pixel),
     ]
@@ -97,10 +94,43 @@ def lit_by(
 ) -> Samples:
     """One frame of light with effects on it, (1, H, W, C)."""
     chain = _where_known(EffectChain.of(effects, capture.geometry, capture.context))
-    for effect in chain.light:
-        known = _of_frame(capture.context, 0)
-        light = effect.on(light, geometry=capture.geometry, context=known, draws=draws, frame=0)
+    steps = [_step_of(effect, capture.geometry, capture.context) for effect in chain.light]
+    for step in _on_light(steps, capture.context.cfa):
+        light = step(light, draws, 0)
     return light
+
+
+def _step_of(effect: ActingEffect, geometry: ImageGeometry, context: ImageContext) -> Step:
+    def step(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
+        known = _of_frame(context, frame)
+        return effect.on(samples, geometry=geometry, context=known, draws=draws, frame=frame)
+
+    return step
+
+
+# mosaics --------------------------------------------------------------------------------------------------
+
+
+def _on_light(acting: Iterable[Step], cfa: str | None) -> list[Step]:
+    """Steps on light, which has all colours everywhere, also where a mosaic samples one of them.
+
+    Blur and whatever moves light would mix the colours of neighbouring photosites. Each colour is a picture
+    of one channel, as the file is. What a mosaic has sampled is kept to the bit where nothing acts.
+    """
+    steps = list(acting)
+    if cfa is None or not steps:
+        return steps
+
+    def by_colour(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
+        light = np.stack([np.asarray(bilinear(each[..., 0], cfa), np.float32) for each in samples])
+        for colour in range(light.shape[-1]):
+            plane = light[..., colour : colour + 1]
+            for step in steps:
+                plane = step(plane, draws, frame)
+            light[..., colour] = plane[..., 0]
+        return np.stack([np.asarray(mosaic(each, cfa), np.float32)[..., None] for each in light])
+
+    return [by_colour]
 
 
 # what stands still ----------------------------------------------------------------------------------------

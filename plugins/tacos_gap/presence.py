@@ -16,7 +16,8 @@ so; from the second on nothing would, whatever is left elsewhere."""
 def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> float:
     """Share of the squared gap that an effect explains in the statistics of captures where it shows.
 
-    They count by what they gain. What flats prove, scenes that nothing explains do not disprove.
+    They count by what they gain. What flats prove, scenes that nothing explains do not disprove; and where a
+    capture shows no gap, there is nothing to explain that could prove anything.
 
     Parameters
     ----------
@@ -35,6 +36,7 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
         return 0.0
     above = np.maximum(before - sizes, 1e-9)
     explained = np.clip(1 - np.maximum(after - SLACK**2 * sizes, 0.0) / above, 0.0, 1.0)
+    explained[before <= SLACK**2 * sizes] = 0.0
     return float(np.average(explained, weights=gains))
 
 

@@ -85,14 +85,42 @@ def block_test(
     return BlockTest(p_values, float(np.mean(extremes)) - _EULER * spread, spread)
 
 
+def least_significant(
+    z: NDArray[np.float64],
+    replicates: NDArray[np.float64],
+    blocks: NDArray[np.int64],
+    p_value: float,
+    slack: float = 1.0,
+) -> NDArray[np.float64]:
+    """(M,) what the squares of each block must grow by for the block by itself to be significant.
+
+    The reverse of `block_test`, whose parameters these are: at what they are then, the p-value of the
+    family is `p_value`. They grow from what they are, or from their mean where that is less: noise may be
+    smaller than the noise floor, which equivalence margins are part of.
+    """
+    test = block_test(z, replicates, blocks, slack)
+    p_of_block = np.exp(-(test.location - test.spread * np.log(-np.log1p(-p_value))))
+    floor = np.array([np.bincount(blocks, robust(each) ** 2) for each in replicates], float)
+    mean, freedom = _floor_of(floor, np.bincount(blocks))
+    critical = slack**2 * mean * fisher.isf(p_of_block, freedom, len(floor) * freedom)
+    return np.asarray(critical - np.minimum(mean, np.bincount(blocks, robust(z) ** 2)))
+
+
 def _p_values(
     own: NDArray[np.float64], floor: NDArray[np.float64], sizes: NDArray[np.signedinteger[Any]]
 ) -> NDArray[np.float64]:
-    """(M,) upper tails; degrees of freedom are at most the numbers of a block."""
+    """(M,) upper tails."""
+    mean, freedom = _floor_of(floor, sizes)
+    return np.asarray(fisher.sf(own / mean, freedom, len(floor) * freedom))
+
+
+def _floor_of(
+    floor: NDArray[np.float64], sizes: NDArray[np.signedinteger[Any]]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(M,) means and degrees of freedom of (B, M) sums of squares: at most the numbers of a block."""
     mean = np.maximum(floor.mean(axis=0), _LEAST_MEAN * sizes)
     freedom = 2 * mean**2 / np.maximum(floor.var(axis=0, ddof=1), 1e-12)
-    freedom = np.clip(freedom, _LEAST_FREEDOM, sizes)
-    return np.asarray(fisher.sf(own / mean, freedom, len(floor) * freedom))
+    return mean, np.clip(freedom, _LEAST_FREEDOM, sizes)
 
 
 def discoveries(p_values: NDArray[np.float64], rate: float) -> NDArray[np.bool_]:

@@ -7,6 +7,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
+from tacos_framework.cache import content_key
 from tacos_framework.contracts import State
 from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation
@@ -45,8 +46,10 @@ class ScoreJob:
 
     @property
     def affinity(self) -> Hashable | None:
-        """The world it begins in."""
-        first = next(iter(self.episodes), None) if self.training is None else self.training
+        """The world it begins in; where it trains, also the candidate, whose frames may be at hand."""
+        if self.training is not None:
+            return _frames(self.values, self.training)
+        first = next(iter(self.episodes), None)
         return first and first.world
 
     def run(self, simulation: Simulation) -> Evaluation:
@@ -62,15 +65,15 @@ class ScoreJob:
 
 @dataclass(frozen=True)
 class PrepareJob:
-    """Build and light the world that tasks will train in, while other workers train or score."""
+    """Render the frames that tasks will train on, while other workers train or score."""
 
     values: Mapping[str, Any]
     training: EpisodeSpec
 
     @property
     def affinity(self) -> Hashable:
-        """Its world."""
-        return self.training.world
+        """That of the training to come."""
+        return _frames(self.values, self.training)
 
     def run(self, simulation: Simulation) -> Evaluation:
         """The time it took; what fails here fails where it is needed, and is told there."""
@@ -81,8 +84,13 @@ class PrepareJob:
 
     def lost(self, reason: str) -> Evaluation:
         """Nothing was prepared."""
-        log.info("no world was prepared: %s", reason)
+        log.info("no training was prepared: %s", reason)
         return Evaluation(values=self.values)
+
+
+def _frames(values: Mapping[str, Any], training: EpisodeSpec) -> Hashable:
+    """What frames to train on follow from."""
+    return training.world, content_key(values)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation, failed_by, judged
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
-from tacos_framework.simulation.training import frames_of, train
+from tacos_framework.simulation.training import rendered_ahead, train
 from tacos_framework.values import Episode, Exposure, FrameBatch
 
 KEPT_BYTES = 2**30
@@ -54,6 +54,7 @@ class Simulation:
             most_bytes=KEPT_BYTES,
             bytes_of=lambda episode: episode.world.nbytes,
         )
+        self._ahead: dict[tuple[str, EpisodeSpec, str], Sequence[FrameBatch]] = {}
 
     def initial_states(self) -> dict[str, State]:
         """The states of the trainable tasks before the study."""
@@ -145,7 +146,8 @@ class Simulation:
         if training is not None:
             for name in self.plan.trainable:
                 learning = [contexts[key] for key in _scenarios(contexts, training)]
-                states[name], rendered = train(learning, name, states[name], training)
+                ahead = self._ahead.pop((context.key, training, name), ())
+                states[name], rendered = train(learning, name, states[name], training, ahead)
                 images += rendered
         columns: dict[str, list[Scores]] = {name: [] for name in contexts}
         for spec in episodes:
@@ -164,16 +166,13 @@ class Simulation:
         )
 
     def prepare(self, values: Mapping[str, Any], training: EpisodeSpec) -> Evaluation:
-        """Build the world of a training episode, and light it by taking a frame; the time it took."""
-        clock, graph = Clock(), self.plan.graph
+        """Render what tasks will train on, and keep it until they do; the time it took."""
+        clock = Clock()
+        self._ahead = {}  # of one candidate at a time
         contexts = self._contexts(values, self.plan.rig_variables(values), clock)
+        learning = [contexts[name] for name in _scenarios(contexts, training)]
         for task in self.plan.trainable:
-            spec = replace(training, frames=frames_of(self.plan, task))
-            scene = graph.scene_of(task)
-            for context in (contexts[name] for name in _scenarios(contexts, training)):
-                with clock.of(scene):
-                    episode = context.episode(scene, spec)
-                next(iter(context.stream(scene, episode[:1], spec, [task])))
+            self._ahead[learning[0].key, training, task] = rendered_ahead(learning, task, training)
         return Evaluation(values=values, seconds=clock.seconds)
 
     def batches(self, task: str, values: Mapping[str, Any], spec: EpisodeSpec) -> Iterator[FrameBatch]:

@@ -11,7 +11,6 @@ import numpy as np
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Budget, State
-from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
@@ -22,7 +21,11 @@ KEPT_BYTES = 512 * 2**20
 
 
 def train(
-    contexts: Sequence[EvaluationContext], task: str, state: State, spec: EpisodeSpec
+    contexts: Sequence[EvaluationContext],
+    task: str,
+    state: State,
+    spec: EpisodeSpec,
+    rendered: Sequence[FrameBatch] = (),
 ) -> tuple[State, int]:
     """Train a task on frames of a candidate.
 
@@ -36,21 +39,20 @@ def train(
         What the task has learned so far.
     spec
         The episode to learn from; its length is the task's own.
+    rendered
+        Its first batches, where they were rendered ahead (`rendered_ahead`).
 
     Returns
     -------
-    The new state, and how many images were rendered.
+    The new state, and how many images were rendered, those ahead included.
     """
     context = contexts[0]
     settings = context.plan.recipe.nodes[task].train
     if settings is None or settings.weights == "frozen":
         return state, 0
-    scene = context.plan.graph.scene_of(task)
-    spec = replace(spec, frames=frames_of(context.plan, task))
-    with context.clock.of(scene):
-        episodes = [each.episode(scene, spec) for each in contexts]
     room = KEPT_BYTES if settings.epochs > 1 else 0  # nothing is kept for a pass that never comes
-    frames = TrainingFrames(contexts, scene, episodes, spec, task, room)
+    frames = _frames_of(contexts, task, spec, room)
+    frames.begin_with(rendered)
     rng = generator(spec.seed, *spec.name, task, "fit")
     with context.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
@@ -58,10 +60,29 @@ def train(
     return learnt, frames.images
 
 
-def frames_of(plan: Plan, task: str) -> int | None:
-    """The length of the episodes a task learns from; None where the scene says it."""
-    settings = plan.recipe.nodes[task].train
-    return settings.frames if settings else None
+def rendered_ahead(
+    contexts: Sequence[EvaluationContext], task: str, spec: EpisodeSpec
+) -> Sequence[FrameBatch]:
+    """The batches a task will learn from, from the first as many as fit into `KEPT_BYTES`.
+
+    They follow from the candidate and the episode alone, not from what the task has learned until then.
+    """
+    settings = contexts[0].plan.recipe.nodes[task].train
+    if settings is None or settings.weights == "frozen":
+        return ()
+    return _frames_of(contexts, task, spec, KEPT_BYTES).until_full()
+
+
+def _frames_of(
+    contexts: Sequence[EvaluationContext], task: str, spec: EpisodeSpec, room_bytes: int
+) -> TrainingFrames:
+    """What a task learns from in an episode, whose length is the task's own."""
+    plan, clock = contexts[0].plan, contexts[0].clock
+    settings, scene = plan.recipe.nodes[task].train, plan.graph.scene_of(task)
+    spec = replace(spec, frames=settings.frames if settings else None)
+    with clock.of(scene):
+        episodes = [each.episode(scene, spec) for each in contexts]
+    return TrainingFrames(contexts, scene, episodes, spec, task, room_bytes)
 
 
 @dataclass
@@ -89,6 +110,18 @@ class TrainingFrames:
             self.images += len(batch.episode) * len(batch.images)
             self._keep(turn, batch)
             yield batch
+
+    def begin_with(self, rendered: Sequence[FrameBatch]) -> None:
+        """Take the first batches, which were rendered ahead; they count as if they had been rendered now."""
+        self._kept = list(rendered)
+        self.images += sum(len(batch.episode) * len(batch.images) for batch in rendered)
+
+    def until_full(self) -> Sequence[FrameBatch]:
+        """Render the first batches, as many as there is room for."""
+        for _ in self:
+            if self._full:
+                break
+        return self._kept
 
     def _rendered(self, begun: int) -> Iterator[tuple[int, FrameBatch]]:
         """The batches after the first `begun`, the scenarios in turn; each with its number."""

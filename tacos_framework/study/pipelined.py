@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
+from itertools import islice, zip_longest
 
 from tacos_framework.contracts import Executor
 from tacos_framework.fitness import Fitness
 from tacos_framework.simulation import Evaluation, Evaluator, PrepareJob, ScoreJob, merged_evaluation
 from tacos_framework.simulation.jobs import Job
+from tacos_framework.study.shards import by_world
 
 
 @dataclass(frozen=True)
 class _Trained:
-    """A candidate that has trained, and what scoring it will be."""
+    """A candidate that has trained, and what scoring it will be, world by world; nothing where it failed."""
 
     training: Evaluation
-    scoring: ScoreJob
+    scoring: Sequence[ScoreJob]
 
     def scored(self, beside: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
         """The whole evaluation with what was done beside the next; what was learnt stays if scoring fails."""
@@ -30,8 +31,11 @@ def score_pipelined(
     """Train and score candidates whose weights pass from one to the next.
 
     Scoring needs a candidate's weights, and so does the training of the next one, but neither needs the
-    other: an executor of two workers does both at a time, one of a single worker one after the other, with
-    the same results. A worker that has scored builds the world of the training to come.
+    other; and what a candidate trains on can be rendered before the weights are there. Where an executor
+    has several workers, one trains while another renders for the next. Candidates are scored, world by
+    world, when as many wait for it as there are workers, or nothing is left to render: in rounds of a
+    training, a rendering and one scoring of about equal length, every fourth of two workers' time would pass
+    idle. A single worker does one after the other, with the same results.
 
     Parameters
     ----------
@@ -47,30 +51,49 @@ def score_pipelined(
     The evaluation of each job. One that fails in training has no states: the next goes on from those before.
     """
     states = dict(jobs[0].states)
-    last: _Trained | None = None
-    done: list[Evaluation] = []
+    waiting: list[_Trained] = []
+    beside: list[Evaluation] = []
     for job, following in zip_longest(jobs, jobs[1:]):
         training = replace(job, states=states, episodes=(), partial=True)
-        scoring = [last.scoring] if last else []
-        together: list[Job[Evaluation]] = [training, *scoring, *_prepared(job, following, executor)]
+        ahead = list(_prepared(job, following, executor))
+        due = waiting if len(waiting) >= _workers(executor) or not ahead else []
+        together: list[Job[Evaluation]] = [training, *ahead, *_scoring(due)]
         trained, *others = executor.map(evaluate, together)
-        done += others
-        if last:
-            yield last.scored(done, fitness)
-            done = []
-        last = None
-        if trained.failed:
-            yield trained
-        else:
+        beside += others[: len(ahead)]
+        yield from _scored(due, others[len(ahead) :], beside, fitness)
+        if due:
+            waiting, beside = [], []
+        scoring: Sequence[ScoreJob] = ()
+        if not trained.failed:
             states = {**states, **trained.states}
-            last = _Trained(trained, replace(job, states=states, training=None, partial=True))
-    if last:
-        yield last.scored([*done, *executor.map(evaluate, [last.scoring])], fitness)
+            scoring = by_world(replace(job, states=states, training=None, partial=True))
+        waiting.append(_Trained(trained, scoring))
+    last = _scoring(waiting)
+    yield from _scored(waiting, list(executor.map(evaluate, last)) if last else [], beside, fitness)
+
+
+def _scoring(candidates: Sequence[_Trained]) -> list[ScoreJob]:
+    return [job for each in candidates for job in each.scoring]
+
+
+def _scored(
+    candidates: Sequence[_Trained],
+    scores: Sequence[Evaluation],
+    beside: Sequence[Evaluation],
+    fitness: Fitness,
+) -> Iterator[Evaluation]:
+    """The evaluations of candidates; the time of what was done beside them counts for the first."""
+    of_all = iter(scores)
+    for each in candidates:
+        yield each.scored([*beside, *islice(of_all, len(each.scoring))], fitness)
+        beside = ()
+
+
+def _workers(executor: Executor) -> int:
+    return int(getattr(executor, "workers", 1))
 
 
 def _prepared(job: ScoreJob, following: ScoreJob | None, executor: Executor) -> Iterator[PrepareJob]:
-    """Building the world that the next candidate trains in, where that is another and a worker is free."""
-    if getattr(executor, "workers", 1) < 2 or not (following and following.training and job.training):
-        return
-    if following.training.world != job.training.world:
+    """Rendering what the next candidate trains on, where a worker is free while this one trains."""
+    if _workers(executor) > 1 and job.training and following and following.training:
         yield PrepareJob(following.values, following.training)

@@ -33,7 +33,7 @@ def score_sharded(
     ------
     The evaluation of each job, in their order; the same for any number of workers.
     """
-    shards = [_shards(job) for job in jobs]
+    shards = [by_world(job) for job in jobs]
     results = iter(executor.map(evaluate, [shard for of_job in shards for shard in of_job]))
     for of_job in shards:
         evaluations = list(islice(results, len(of_job)))
@@ -42,8 +42,8 @@ def score_sharded(
         pass
 
 
-def _shards(job: ScoreJob) -> list[ScoreJob]:
-    """The job in runs of episodes in the same world."""
+def by_world(job: ScoreJob) -> list[ScoreJob]:
+    """The job in runs of episodes in the same world; one that trains is left whole."""
     runs = [tuple(run) for _, run in groupby(job.episodes, key=lambda spec: spec.world)]
     if job.training is not None or len(runs) < 2:
         return [job]

@@ -33,7 +33,8 @@ def test_a_world_is_made_twice_only_where_a_worker_would_idle(waiting, idle, bus
             continue
         left = [world for other, world in enumerate(waiting) if other not in given_out.values()]
         assert not (set(left) - {None}) & idle[worker], "it had something else at hand"
-        assert all(world in made_already for world in left if world is not None), "a new world waits"
+        taken = {*made_already, *(waiting[other] for other in given_out.values())}
+        assert all(world in taken for world in left if world is not None), "a new world waits"
 
 
 def test_what_another_has_is_made_anew_only_where_that_is_sooner():
@@ -47,10 +48,12 @@ def test_what_another_has_is_made_anew_only_where_that_is_sooner():
 def test_the_cost_of_making_is_what_was_seen():
     times = JobTimes()
     assert times.cost_of_making == 1
-    times.saw(12.0, made=True)
-    assert times.cost_of_making == 1
-    times.saw(2.0, made=False)
-    times.saw(4.0, made=False)
+    times.saw(40.0, made="first")
+    times.saw(2.0, made="nothing")
+    times.saw(4.0, made="nothing")
+    assert times.cost_of_making == 1  # what another has made may be kept where all can read it
+    for seconds in (40.0, 12.0, 15.0):  # the first waited for another worker, which was still making it
+        times.saw(seconds, made="again")
     assert times.cost_of_making == pytest.approx(4)
 
 

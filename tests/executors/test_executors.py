@@ -143,8 +143,8 @@ def test_without_a_limit_a_hanging_job_is_given_up_by_what_others_took(monkeypat
 def test_the_time_jobs_may_take_follows_from_the_longest_and_is_tenfold_for_a_second_try():
     times = affinity.JobTimes()
     assert times.generous_s(1) == float("inf")
-    times.saw(3.0, made=True)
-    times.saw(1.0, made=False)
+    times.saw(3.0, made="first")
+    times.saw(1.0, made="nothing")
     assert times.generous_s(1) == 20 * 3.0 + 60
     assert times.generous_s(2) == 10 * times.generous_s(1)
 

@@ -12,7 +12,9 @@ from tacos_framework.settings import Settings, setting
 from tacos_gap.attribution import COMPLEXITY_PENALTY
 from tacos_gap.detectable import detection_limits
 from tacos_gap.evidence import Label
-from tacos_gap.problem import Problem
+from tacos_gap.problem import ROBUST_SCALE, Problem, robust
+from tacos_gap.significance import block_test, least_significant
+from tacos_gap.unknown import SLACK, block_index
 
 COUNT = 400
 
@@ -64,11 +66,25 @@ def problem() -> Problem:
 
 @pytest.mark.parametrize("cls", [Slope, Scatter])
 def test_the_limit_is_where_gain_and_change_reach_what_is_asked(problem, cls):
-    limit = detection_limits(problem, {"slope": cls})["slope"]["slope"]
+    limit = detection_limits(problem, {"slope": cls}, problem.null)["slope"]["slope"]
     by_gain = np.sqrt(2 * COMPLEXITY_PENALTY / (problem.weight * 2 * COUNT))
     by_change = 0.5  # the root of the least mean square that matters
-    assert limit == pytest.approx(max(by_gain, by_change) ** (1 / cls.power), rel=1e-3)
+    needed = least_significant(problem.null, problem.null_replicates, block_index(problem), 0.05, SLACK)
+    significant = np.sqrt(needed.min() / COUNT)  # of either capture
+    assert limit == pytest.approx(max(by_gain, by_change, significant) ** (1 / cls.power), rel=0.03)
+
+
+def test_squares_grown_by_what_is_needed_are_just_significant(problem):
+    """The reverse of the test, by the test itself: a block at its limit has the p-value asked for."""
+    blocks = block_index(problem)
+    quiet = 0.1 * problem.null  # equivalence margins make noise smaller than its floor
+    needed = least_significant(quiet, problem.null_replicates, blocks, 0.05, SLACK)
+    squares = np.sum(robust(quiet[blocks == 0]) ** 2) + needed[0]
+    each = ROBUST_SCALE * np.sinh(np.sqrt(squares / COUNT) / ROBUST_SCALE)  # its robust square is the mean
+    grown = np.where(blocks == 0, each, quiet)
+    found = block_test(grown, problem.null_replicates, blocks, SLACK).family_p_value()
+    assert found == pytest.approx(0.05, rel=0.1)
 
 
 def test_what_shows_nowhere_has_no_limit(problem):
-    assert detection_limits(problem, {"idle": Idle}) == {}
+    assert detection_limits(problem, {"idle": Idle}, problem.null) == {}

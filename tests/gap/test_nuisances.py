@@ -18,7 +18,7 @@ from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.findings import Diagnosis
-from tacos_gap.formation import simulate
+from tacos_gap.formation import lit_by, simulate
 from tacos_gap.nuisances import Freedom, Marginal, disturbed, freedoms_of, registered, stated
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, placed
 from tests.gap.taken import patchwork
@@ -240,3 +240,58 @@ def test_an_effect_of_a_nuisances_shape_is_still_found(effects, name, settings, 
     assert found.causes[0].effect == name
     for parameter, value in settings.items():
         assert found.causes[0].parameters[parameter].value == pytest.approx(value, rel=0.1)
+
+
+# mosaics --------------------------------------------------------------------------------------------------
+
+FILTERS = np.array([[0.5, 1.0], [0.3, 0.5]])  # what each photosite of a GRBG mosaic sees of white light
+
+
+def mosaic_capture(dx_px: float = 0.0, dy_px: float = 0.0) -> RealCapture:
+    """Waves under colour filters, moved by their formula: nothing is interpolated."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH].astype(float)
+    x, y = x - dx_px, y - dy_px
+    waves = 0.5 + 0.2 * np.sin(0.13 * x + 0.05 * y) + 0.2 * np.cos(0.11 * y - 0.07 * x)
+    image = 160 * waves * np.tile(FILTERS, (HEIGHT // 2, WIDTH // 2))
+    plain = capture("bracket", "bracket", BLACK_DN + image, frames=1)
+    return replace(plain, context=replace(plain.context, cfa="GRBG"))
+
+
+def test_the_pose_of_a_mosaic_is_read_off_what_it_shows():
+    (seen,) = taken([mosaic_capture()], [mosaic_capture(0.6, -0.4)])
+    found = stated(freedoms_of(seen), registered(seen, freedoms_of(seen)))
+    assert found["shift_px"] == pytest.approx([0.6, -0.4], abs=0.05)
+
+
+def test_a_mosaic_moves_colour_by_colour():
+    dx_px, dy_px = 0.625, -0.4375  # OpenCV interpolates at 32nds of a pixel, here of a colour's plane
+    still, gone = mosaic_capture(), mosaic_capture(dx_px, dy_px)
+    names = ("shift_x_px", "shift_y_px", "rotation_deg", "scale")
+    found = disturbed(still, [Freedom(name, 1.0) for name in names], np.array([dx_px, dy_px, 0.0, 0.0]))
+    assert found.expected_dn is not None
+    assert gone.expected_dn is not None
+    inside = (0, slice(8, -8), slice(8, -8))
+    assert found.expected_dn[inside] == pytest.approx(gone.expected_dn[inside], abs=0.25)
+
+
+def test_blur_mixes_no_colours_of_a_mosaic(effects):
+    blurred = mosaic_capture()
+    still = replace(blurred, expected_dn=np.full_like(blurred.expected_dn, BLACK_DN))
+    even = np.tile(160 * FILTERS, (HEIGHT // 2, WIDTH // 2)).astype(np.float32)[None, ..., None]
+    disc = [placed("defocus", effects["defocus"], radius_px=3.0)]
+    assert lit_by(still, disc, even, EpisodeDraws(0, ())) == pytest.approx(even, rel=1e-5)
+
+
+@pytest.mark.parametrize(("dy_px", "is_news"), [(0.4, False), (4.0, True)])
+def test_the_pose_of_a_mosaic_is_free_within_its_prior_alone(dy_px, is_news):
+    (seen,) = taken([mosaic_capture()], [mosaic_capture(0.0, dy_px)])
+    z = ImageEvidence(seen, seed=1, replicates=6).renuisanced(()).residual(())
+    assert (float(np.sqrt(np.mean(z**2))) > 3) == is_news
+
+
+def test_only_what_may_be_made_of_other_exposures_has_noise_beyond_a_frames():
+    free = {
+        kind: [f.sigma for f in freedoms_of(replace(scenes()[0], kind=kind)) if f.name == "noise_share"]
+        for kind in ("bracket", "scene", "flat")
+    }
+    assert free == {"bracket": [1.0], "scene": [0.35], "flat": []}

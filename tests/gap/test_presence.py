@@ -56,3 +56,9 @@ def test_what_leaves_much_where_it_shows_is_in_doubt(problem):
 
 def test_an_effect_that_explains_nothing_is_shown_by_nothing(problem):
     assert share_explained(problem, problem.null, problem.null) == 0.0
+
+
+def test_small_gains_where_there_is_no_gap_prove_nothing(problem):
+    in_flats = np.array([label.kind == "flat" for label in problem.labels])
+    noisier = problem.null * np.where(in_flats, 1.05, 1.0)
+    assert share_explained(problem, problem.null, noisier) == 0.0

@@ -57,6 +57,15 @@ def test_white_of_6504_k_has_equal_channels_and_luminance_one() -> None:
     assert white_at(3000)[0] > 1.5 > 0.4 > white_at(3000)[2]
 
 
+@pytest.mark.parametrize("temperature_k", [1667, 2222, 2223, 3999, 4000, 7000, 7001, 25000])
+def test_white_is_that_of_colour_science(temperature_k: float) -> None:
+    colour = pytest.importorskip("colour")
+    method = "CIE Illuminant D Series" if temperature_k >= 4000 else "Kang 2002"
+    xy = colour.CCT_to_xy(temperature_k, method=method)
+    linear = np.maximum(colour.XYZ_to_RGB(colour.xy_to_XYZ(xy), "sRGB"), 0.0)
+    assert white_at(temperature_k) == pytest.approx(linear / photopic(linear), rel=1e-12)
+
+
 def test_colour_temperature_out_of_range_says_the_range() -> None:
     with pytest.raises(ValueError, match="from 1667 to 25000 K, not 900"):
         white_at(900)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import wraps
 
 import pytest
+from toy_plugin import ToyRenderer
 from toy_study import LEARNER, merged, toy_recipe
 
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
@@ -63,6 +65,7 @@ def test_a_candidate_is_scored_while_the_next_one_trains(toys):
     assert executor.rounds == [["training"], both, both, both, ["scoring"]]
 
 
+@pytest.mark.parametrize("workers", [1, 2])
 @pytest.mark.parametrize(
     ("sections", "trains"),
     [
@@ -70,10 +73,11 @@ def test_a_candidate_is_scored_while_the_next_one_trains(toys):
         ({"nodes": {"width": {"fail_above_deg": 100}}}, True),  # trained on, then refused by a scorer
     ],
 )
-def test_pipelined_scoring_goes_on_after_a_candidate_that_fails(toys, sections, trains):
+def test_pipelined_scoring_goes_on_after_a_candidate_that_fails(toys, sections, trains, workers):
     evaluate = Evaluator(toy_recipe(**merged(LEARNER, sections)), toys)
     fitness = evaluate.simulation.plan.fitness
-    first, failed, third, _ = score_pipelined(jobs_of(evaluate), fitness, Recorder(), evaluate)
+    executor = TwoWorkers() if workers == 2 else Recorder()
+    first, failed, third, _ = score_pipelined(jobs_of(evaluate), fitness, executor, evaluate)
     assert failed.failed
     assert failed.fitness is None
     assert bool(failed.states) is trains
@@ -91,15 +95,47 @@ class TwoWorkers(Recorder):
         return map(evaluate, jobs)
 
 
-def test_a_free_worker_builds_the_world_to_come_with_the_same_results(toys):
+def test_a_free_worker_renders_for_the_training_to_come_with_the_same_results(toys):
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), TwoWorkers()
     worlds = [EpisodeSpec(3, ("train", 0, i)) for i in (0, 1, 1, 2)]
     jobs = [replace(job, training=world) for job, world in zip(jobs_of(evaluate), worlds, strict=True)]
     fitness = evaluate.simulation.plan.fitness
     pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
     assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
-    prepared = ["PrepareJob" in names for names in executor.rounds]
-    assert prepared == [True, False, True, False, False]  # candidates 1 and 2 share a world
+    train, ahead, score = "ScoreJob", "PrepareJob", "ScoreJob"
+    assert executor.rounds == [
+        [train, ahead],
+        [train, ahead],  # the first candidate waits until there are two to score
+        [train, ahead, score, score],
+        [train, score],
+        [score],
+    ]
+
+
+def test_what_is_rendered_ahead_is_not_rendered_again(toys, monkeypatch):
+    rendered, capture = [], ToyRenderer.capture
+
+    @wraps(capture)
+    def counted(self, episode, **how):
+        rendered.append(len(episode))
+        return capture(self, episode, **how)
+
+    monkeypatch.setattr(ToyRenderer, "capture", counted)
+    evaluate = Evaluator(toy_recipe(**LEARNER), toys)
+    fitness = evaluate.simulation.plan.fitness
+    pipelined = list(score_pipelined(jobs_of(evaluate), fitness, TwoWorkers(), evaluate))
+    assert sum(rendered) == sum(evaluation.images for evaluation in pipelined)
+
+
+def test_a_candidate_is_scored_in_each_world_by_itself(toys):
+    evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
+    episodes = tuple(EpisodeSpec(3, ("design", 0, i)) for i in range(3))
+    jobs = [replace(job, episodes=episodes) for job in jobs_of(evaluate)[:2]]
+    fitness = evaluate.simulation.plan.fitness
+    pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
+    scoring = ["scoring"] * 3
+    assert executor.rounds == [["training"], ["training", *scoring], scoring]
+    assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
 
 
 def test_what_cannot_be_prepared_is_told_where_it_is_needed(toys, caplog):

@@ -9,7 +9,7 @@ from toy_study import toy_recipe
 
 from tacos_framework.errors import ContractBroken
 from tacos_framework.plugins.executing import GuardedExecutor
-from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
+from tacos_framework.simulation import EpisodeSpec, Evaluator, PrepareJob, ScoreJob
 from tacos_framework.study.shards import score_sharded
 from tacos_framework.testing.fingerprint import fingerprint
 
@@ -64,7 +64,7 @@ def test_a_camera_that_trains_is_left_whole(toys):
     job = replace(camera(1.0), training=training)
     list(score_sharded([job], evaluate.simulation.plan.fitness, executor, evaluate))
     assert executor.jobs == [job]
-    assert job.affinity == training.world
+    assert job.affinity == PrepareJob(job.values, training).affinity != replace(job, values={}).affinity
 
 
 class Generous(Counting):

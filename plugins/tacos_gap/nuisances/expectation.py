@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
 from tacos_gap.nuisances.freedom import LIGHT_TERMS, POSE_TERMS, Freedom
+from tacos_gap.nuisances.mosaic import in_plane, of_each_plane
 
 
 def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> RealCapture:
@@ -30,12 +31,13 @@ def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.
     value = {(f.name, f.channel): float(n * f.sigma) for f, n in zip(freedoms, nu, strict=True)}
     black = np.float32(capture.context.black_level_dn)
     signal = capture.expected_dn - black
+    mosaic = capture.context.cfa is not None
     if any(value.get((name, None)) for name in POSE_TERMS):
         dx, dy, rotation_deg, scale = (value[name, None] for name in POSE_TERMS)
         matrix = similarity(capture.geometry.centre_px, dx, dy, rotation_deg, scale)
-        signal = np.stack([_warped(frame, matrix) for frame in signal])
+        signal = np.stack([_moved(frame, matrix, mosaic) for frame in signal])
     if blur_px2 := value.get(("blur_px2", None)):
-        signal = np.stack([_blurred(frame, blur_px2) for frame in signal])
+        signal = np.stack([_defocused(frame, blur_px2, mosaic) for frame in signal])
     if light := _light(value, signal.shape[1:]):
         for factor in light:
             signal = signal * factor
@@ -50,6 +52,18 @@ def similarity(
     linear = (1 + scale) * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     centre = np.asarray(centre_px, float)
     return np.column_stack([linear, centre - linear @ centre + (dx_px, dy_px)])
+
+
+def _moved(frame: NDArray[np.float32], matrix: NDArray[np.float64], mosaic: bool) -> NDArray[np.float32]:
+    if not mosaic:
+        return _warped(frame, matrix)
+    return of_each_plane(frame, lambda plane, origin: _warped(plane, in_plane(matrix, origin)))
+
+
+def _defocused(frame: NDArray[np.float32], variance_px2: float, mosaic: bool) -> NDArray[np.float32]:
+    if not mosaic:
+        return _blurred(frame, variance_px2)
+    return of_each_plane(frame, lambda plane, _: _blurred(plane, variance_px2 / 4))
 
 
 def _warped(frame: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[np.float32]:

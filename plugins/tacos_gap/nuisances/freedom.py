@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
+from tacos_gap.nuisances.mosaic import cell_means
 
 SHIFT_PX = 0.5
 """Standard deviation of a shift: where a camera stands is known to about a pixel [px]."""
@@ -30,6 +31,10 @@ BLUR_PX2 = 0.03
 NOISE_SHARE = 0.35
 """Of the variance of noise that an expectation holds although none is stated, over that of a frame: means of
 few frames and paths are taken for exact."""
+
+NOISE_SHARE_OF_BRACKET = 1.0
+"""The same of a series of exposures, whose expectation is commonly scaled from its other exposures: that of
+the longest holds more noise than a frame."""
 
 UNEVENNESS = 0.5
 """Slopes of the light over the image, over ``level_uncertainty``."""
@@ -85,16 +90,19 @@ def freedoms_of(capture: RealCapture) -> tuple[Freedom, ...]:
         found += [Freedom("rotation_deg", ROTATION_DEG), Freedom("scale", SCALE)]
         found += [Freedom("blur_px2", BLUR_PX2)]
         if not capture.expected_frames:
-            found += [Freedom("noise_share", NOISE_SHARE)]
+            share = NOISE_SHARE_OF_BRACKET if capture.kind == "bracket" else NOISE_SHARE
+            found += [Freedom("noise_share", share)]
     return tuple(found)
 
 
 def _is_registrable(capture: RealCapture) -> bool:
-    """Whether it shows something to register; a mosaic's neighbours are other colours."""
-    if not capture.is_structured or capture.context.cfa:
+    """Whether it shows something to register."""
+    if not capture.is_structured:
         return False
     assert capture.expected_dn is not None
     seen = capture.expected_dn[0][capture.valid]
+    if capture.context.cfa:  # its colours differ in an even picture, too
+        seen = cell_means(capture.expected_dn[0, ..., 0])[cell_means(capture.valid) == 1][:, None]
     full = capture.context.white_level_dn - capture.context.black_level_dn
     return bool(seen.size and np.ptp(seen.mean(axis=-1)) > LEAST_STRUCTURE * full)
 

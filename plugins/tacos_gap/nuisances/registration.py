@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
 from tacos_gap.nuisances.freedom import Freedom
+from tacos_gap.nuisances.mosaic import cell_means, of_pixels
 
 ITERATIONS = 40
 PRECISION = 1e-5
@@ -58,11 +59,15 @@ def _aligned(capture: RealCapture) -> NDArray[np.float64] | None:
     assert capture.expected_dn is not None
     one = len(capture.expected_dn) == 1
     black = np.float32(capture.context.black_level_dn)
+    mosaic = capture.context.cfa is not None
     expected = capture.expected_dn[0].mean(axis=-1) - black
     real = (capture.real_dn.mean(axis=0) if one else capture.real_dn[0]).mean(axis=-1) - black
     full = np.float32(capture.context.white_level_dn) - black
-    pair = [np.ascontiguousarray(np.clip(image / full, 0, 1), np.float32) for image in (expected, real)]
     mask = capture.valid.astype(np.uint8)
+    if mosaic:  # both clip at white, else the brighter colours would be other pictures
+        expected, real = (cell_means(np.minimum(image, full)) for image in (expected, real))
+        mask = (cell_means(mask) == 1).astype(np.uint8)
+    pair = [np.ascontiguousarray(np.clip(image / full, 0, 1), np.float32) for image in (expected, real)]
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, ITERATIONS, PRECISION)
     start = np.eye(2, 3, dtype=np.float32)
     try:
@@ -73,4 +78,5 @@ def _aligned(capture: RealCapture) -> NDArray[np.float64] | None:
         return None
     if not (np.isfinite(matrix).all() and correlation > LEAST_CORRELATION):
         return None
-    return np.asarray(matrix, np.float64)
+    found = np.asarray(matrix, np.float64)
+    return of_pixels(found) if mosaic else found

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.formation import lit_by
+from tacos_gap.nuisances.mosaic import cell_means
 from tacos_gap.pictures.overlay import laid_over
 from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS
 
@@ -45,16 +46,20 @@ def tile_squares(
     one = len(capture.expected_dn) == 1
     real = (capture.real_dn.mean(axis=0) if one else capture.real_dn[0]).mean(axis=-1) - black
     light = capture.expected_dn[:1] - black
-    middle = _middle(capture.valid.shape)
+    valid = capture.valid
+    if mosaic := capture.context.cfa is not None:
+        real, valid = cell_means(real), cell_means(valid) == 1
+    middle = _middle(valid.shape)
     overlays = []
     for effects in hypotheses:
         lit = np.clip(lit_by(capture, effects, light, EpisodeDraws(0, ("picture", capture.id))), 0, full)
-        shown = np.ascontiguousarray(lit[0][middle].mean(axis=-1), np.float32)
+        shown = lit[0].mean(axis=-1)
+        shown = np.ascontiguousarray((cell_means(shown) if mosaic else shown)[middle], np.float32)
         overlay = laid_over(shown, real[middle])
         if overlay is None:
             return None
         overlays.append(overlay)
-    inside = np.logical_and.reduce([capture.valid[middle], *(each.inside for each in overlays)])
+    inside = np.logical_and.reduce([valid[middle], *(each.inside for each in overlays)])
     if not inside.any():
         return None
     tile = _tiles(inside.shape)[inside]

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Collection, Hashable, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal
 
 Affinity = Hashable | None
+
+Making = Literal["nothing", "first", "again"]
+"""What a worker makes for a job: nothing, something no worker has, or something another has."""
 
 MOST_TIMES_LONGER, GRACE_S = 20, 60.0
 """A job that takes so many times the longest seen, and so much more [s], hangs."""
@@ -20,36 +23,49 @@ def affinity_of(job: Any) -> Affinity:
     return found
 
 
+def making(needs: Affinity, at_hand: Collection[Affinity], anywhere: Collection[Affinity]) -> Making:
+    """What a worker has to make for a job, by what it has at hand, and what any worker has.
+
+    Examples
+    --------
+    >>> making("attic", at_hand={"cellar"}, anywhere={"attic", "cellar"})
+    'again'
+    """
+    return "nothing" if needs in at_hand else "again" if needs in anywhere else "first"
+
+
 @dataclass
 class JobTimes:
-    """What jobs took whose needs were at hand, and those for which they had to be made."""
+    """What jobs took, by what was made for them: what another worker has may be kept where it is read."""
 
-    _total_s: dict[bool, float] = field(default_factory=lambda: {False: 0.0, True: 0.0})
-    _count: dict[bool, int] = field(default_factory=lambda: {False: 0, True: 0})
+    _at_hand_s: float = 0.0
+    _at_hand: int = 0
+    _again_s: float = math.inf  # the least: others waited until the worker that had it first had made it
     _longest_s: float = 0.0
 
-    def saw(self, seconds: float, *, made: bool) -> None:
+    def saw(self, seconds: float, *, made: Making) -> None:
         """A job took so long [s]."""
-        self._total_s[made] += seconds
-        self._count[made] += 1
         self._longest_s = max(self._longest_s, seconds)
+        if made == "nothing":
+            self._at_hand_s, self._at_hand = self._at_hand_s + seconds, self._at_hand + 1
+        elif made == "again":
+            self._again_s = min(self._again_s, seconds)
 
     def generous_s(self, attempt: int) -> float:
         """A time that no job takes unless it hangs, and ten times that for a second attempt [s].
 
         Without limit until a job is done: nothing is known then.
         """
-        if not any(self._count.values()):
+        if not self._longest_s:
             return math.inf
         return (MOST_TIMES_LONGER * self._longest_s + GRACE_S) * 10 ** (attempt - 1)
 
     @property
     def cost_of_making(self) -> float:
-        """How many jobs could be done in the time of one for which everything is made anew; 1 if unknown."""
-        if not all(self._count.values()) or not self._total_s[False]:
+        """How many jobs could be done in the time of one that makes again what another has; 1 if unknown."""
+        if not self._at_hand_s or math.isinf(self._again_s):
             return 1.0
-        at_hand_s, made_s = (self._total_s[made] / self._count[made] for made in (False, True))
-        return max(1.0, made_s / at_hand_s)
+        return max(1.0, self._again_s * self._at_hand / self._at_hand_s)
 
 
 def assigned(

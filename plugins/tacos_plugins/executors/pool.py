@@ -9,7 +9,7 @@ import os
 import signal
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
@@ -18,7 +18,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from tacos_plugins.executors import worker
-from tacos_plugins.executors.affinity import Affinity, JobTimes, affinity_of, assigned
+from tacos_plugins.executors.affinity import Affinity, JobTimes, Making, affinity_of, assigned, making
 from tacos_plugins.executors.outcomes import Lost
 
 log = logging.getLogger(__name__)
@@ -73,21 +73,22 @@ class _Worker:
         self.task: _Task | None = None
         self.jobs_done = 0
         self.at_hand: set[Affinity] = set()
-        self.makes, self.began_s = False, 0.0
+        self.makes: Making = "nothing"
+        self.began_s = 0.0
 
     @property
     def idle(self) -> bool:
         return self.ready and self.task is None
 
-    def begin(self, task: _Task, job: Any) -> bool:
-        """Send a job; False when the worker is dead already."""
+    def begin(self, task: _Task, job: Any, anywhere: Collection[Affinity]) -> bool:
+        """Send a job, told what any worker has; False when the worker is dead already."""
         message = bytes(ForkingPickler.dumps(job))
         try:
             self.channel.send_bytes(message)
         except (BrokenPipeError, ConnectionResetError):
             return False
         self.task = task
-        self.makes, self.began_s = affinity_of(job) not in self.at_hand, time.monotonic()
+        self.makes, self.began_s = making(affinity_of(job), self.at_hand, anywhere), time.monotonic()
         self.at_hand.add(affinity_of(job))
         return True
 
@@ -186,8 +187,9 @@ class Pool:
         wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
         busy = {each for other in self._workers if not other.idle for each in other.at_hand}
         given = assigned(wanted, [each.at_hand for each in idle], busy, self._times.cost_of_making)
+        anywhere = busy.union(*(each.at_hand for each in idle))
         for number, task in [(number, waiting[place]) for number, place in given.items()]:
-            if idle[number].begin(task, jobs[task.index]):
+            if idle[number].begin(task, jobs[task.index], anywhere):
                 waiting.remove(task)
         starting = sum(not each.ready for each in self._workers)
         for _ in range(min(self._most - len(self._workers), len(waiting) - starting)):

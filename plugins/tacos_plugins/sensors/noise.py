@@ -148,6 +148,8 @@ def add_noise(
     rng
         Draws the key of this frame's numbers; they then follow from the places of the samples.
     """
+    from tacos_plugins.sensors.sample_loops import add_scaled
+
     if not out.flags.c_contiguous:
         raise ValueError("noise can be written into a contiguous array only")
     channels = samples_dn.shape[-1]
@@ -158,13 +160,7 @@ def add_noise(
     without_signal = thermal - photon * np.float32(black_level_dn)
     expected, noisy = samples_dn.reshape(-1), out.reshape(-1)
     normal = NormalNumbers(rng)
-    scratch = np.empty(len(photon), np.float32)
     for start in range(0, len(expected), len(photon)):
-        block = expected[start : start + len(photon)]
-        drawn, variance = noisy[start : start + len(photon)], scratch[: len(block)]
+        block, drawn = expected[start : start + len(photon)], noisy[start : start + len(photon)]
         normal.fill(drawn)
-        np.multiply(block, photon[: len(block)], out=variance)
-        variance += without_signal[: len(block)]
-        np.maximum(variance, thermal[: len(block)], out=variance)  # below black it has the noise of black
-        drawn *= np.sqrt(variance, out=variance)
-        drawn += block
+        add_scaled(block, photon, without_signal, thermal, drawn)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from tacos_plugins.executors.affinity import Affinity, JobTimes, affinity_of, assigned
+from tacos_plugins.executors.affinity import Affinity, JobTimes, Making, affinity_of, assigned, making
 from tacos_plugins.executors.on_ray.actor import EvaluatorActor
 from tacos_plugins.executors.on_ray.cluster import Cluster, Needs
 from tacos_plugins.executors.outcomes import Lost
@@ -45,7 +45,7 @@ class _Member:
     task: _Task | None = None
     deadline: float = float("inf")
     at_hand: set[Affinity] = field(default_factory=set)
-    makes: bool = False
+    makes: Making = "nothing"
     began_s: float = 0.0
 
 
@@ -137,11 +137,12 @@ class ActorPool:
         wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
         busy = {each for other in self._members if other not in idle for each in other.at_hand}
         given = assigned(wanted, [each.at_hand for each in idle], busy, self._times.cost_of_making)
+        anywhere = busy.union(*(each.at_hand for each in idle))
         for each, task in [(idle[number], waiting[place]) for number, place in given.items()]:
             waiting.remove(task)
             each.task = task
             needs = affinity_of(jobs[task.index])
-            each.makes, each.began_s = needs not in each.at_hand, time.monotonic()
+            each.makes, each.began_s = making(needs, each.at_hand, anywhere), time.monotonic()
             each.at_hand.add(needs)
             each.owes = each.actor.answer.remote(bytes(ForkingPickler.dumps(jobs[task.index])))
             each.deadline = float("inf") if self._job_s is None else each.began_s + self._job_s

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.compiled import compiled
+from tacos_plugins.compiled import compiled
 
 # Places around a pixel centre, in half pixels, and their weights in the mean.
 _PLACES = np.array([(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx])
@@ -120,7 +120,7 @@ def seeing_several(surface: NDArray[np.int32], first_row: int) -> tuple[NDArray[
     for index in range(count):
         y, x = pixel[index] // width, pixel[index] % width
         for place in range(8):
-            dy, dx = _PLACES[place]
+            dy, dx = _PLACES[place, 0], _PLACES[place, 1]
             wanted[index, place] = surface[2 * y + 1 + dy, 2 * x + 1 + dx]
     return pixel[:count] + np.int32(first_row * width), wanted
 
@@ -135,7 +135,7 @@ def _sources(
     for index in range(len(pixel)):
         y, x = pixel[index] // width, pixel[index] % width
         for place in range(8):
-            dy, dx = _PLACES[place]
+            dy, dx = _PLACES[place, 0], _PLACES[place, 1]
             number = np.float32(wanted[index, place])
             found = _sees(seen, y, x, number)
             row, column = y, x
@@ -172,4 +172,5 @@ def _blend(colour: NDArray[np.float32], pixel: NDArray[np.int32], source: NDArra
                 total += _WEIGHTS[place] * colour[source[index, place], channel]
             mean[index, channel] = total
     for index in range(len(pixel)):
-        colour[pixel[index]] = mean[index]
+        for channel in range(3):
+            colour[pixel[index], channel] = mean[index, channel]
