@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
+
+from pydantic import BaseModel
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.results.checksums import (
@@ -19,12 +21,14 @@ from tacos_framework.results.checksums import (
 )
 from tacos_framework.results.reading import MANIFEST, file_of_run
 from tacos_framework.results.results import CHECKPOINT, RECIPE
+from tacos_framework.study.journal import JOURNAL
+from tacos_framework.study.run_files import JournalLine, KeptCheckpoint, mistyped
 
 MEANINGS: Mapping[str, str] = {
     RECIPE: "The run cannot go on; what came out stands.",
     MANIFEST: "Nothing tells whether code and files are still those it was begun with, so it cannot go on.",
     CHECKPOINT: "The run cannot go on; what came out stands.",
-    "journal.jsonl": "The run cannot go on; without this file, it goes on from the checkpoint.",
+    JOURNAL: "The run cannot go on; without this file, it goes on from the checkpoint.",
     "generations.jsonl": "The run cannot go on, and a report would lack generations.",
     "products.jsonl": "The run cannot go on.",
     "result.json": "Do not rely on it; --resume writes it anew from the checkpoint.",
@@ -83,7 +87,7 @@ def _checks(folder: Path) -> Iterator[FileCheck]:
     whole: dict[str, Callable[[bytes], Any]] = {
         RECIPE: checked_text,
         MANIFEST: checked_json,
-        CHECKPOINT: checked_json,
+        CHECKPOINT: _checkpoint,
         "result.json": checked_json,
     }
     for name, parse in whole.items():
@@ -94,10 +98,10 @@ def _checks(folder: Path) -> Iterator[FileCheck]:
     ends = checkpoint.get("lines", {})
     lines = {path.name for path in folder.glob("*.jsonl")} | set(ends)
     for name in sorted(lines):
-        check, found[name] = _check(folder, name, partial(_reaching, end=ends.get(name)))
+        check, found[name] = _check(folder, name, partial(_reaching, name=name, end=ends.get(name)))
         torn = found[name] is not None and found[name].torn
         yield FileCheck(name, check.damage, "its last line was cut short" if torn else "")
-    journal = found.get("journal.jsonl") or Lines()
+    journal = found.get(JOURNAL) or Lines()
     of_weights = [*checkpoint.get("weights", {}).values()]
     of_weights += [file for line in journal.values for file in line["weights"].values()]
     recorded = {f"weights/{name}.safetensors": wanted for name, wanted in of_weights}
@@ -110,13 +114,29 @@ def _checks(folder: Path) -> Iterator[FileCheck]:
 
 def _check(folder: Path, name: str, parse: Callable[[bytes], Any]) -> tuple[FileCheck, Any]:
     try:
+        if not (folder / name).resolve().is_relative_to(folder.resolve()):
+            raise Damaged("it is named there and leads out of the folder")
         return FileCheck(name), parse(file_of_run(folder / name))
     except Damaged as error:
         return FileCheck(name, str(error)), None
 
 
-def _reaching(data: bytes, end: Mapping[str, Any] | None) -> Lines:
+def _checkpoint(data: bytes) -> dict[str, Any]:
+    checkpoint = checked_json(data)
+    _check_type(KeptCheckpoint, [checkpoint])
+    return checkpoint
+
+
+def _check_type(kind: type[BaseModel], values: Iterable[Mapping[str, Any]]) -> None:
+    """A checksum that fits is no proof that a run wrote a file."""
+    if what := mistyped(kind, values):
+        raise Damaged(what)
+
+
+def _reaching(data: bytes, name: str, end: Mapping[str, Any] | None) -> Lines:
     lines = checked_lines(data)
+    if name == JOURNAL:
+        _check_type(JournalLine, lines.values)
     if end is not None:
         lines.check_reaches(end)
     return lines

@@ -32,7 +32,7 @@ def exit_status(command: Callable[[], int]) -> int:
 
     Whatever is printed meanwhile, by commands of plugins too, holds no control characters.
     """
-    from tacos_framework.plugins.importing import end_without_left_threads
+    from tacos_framework.plugins.import_traces import end_without_left_threads
 
     status: int | str | None = FAILED
     try:

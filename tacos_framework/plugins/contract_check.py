@@ -95,7 +95,11 @@ def _score_misfits(cls: type[Any]) -> Iterator[str]:
     if not _are_texts(scores, tuple) or not scores:
         yield f"{name}.scores is {scores!r}, not a tuple of names such as ('inliers',)"
         return
-    for score in getattr(cls, "lower_is_better", ()):
+    lower = getattr(cls, "lower_is_better", ())
+    if not _are_texts(lower, tuple, list, set, frozenset):
+        yield f"{name}.lower_is_better is {lower!r}, not a set of names such as {{'error_px'}}"
+        lower = ()
+    for score in lower:
         if score not in scores:
             meant = did_you_mean(str(score), scores)
             yield f"{name}.lower_is_better has {score!r}, which is no score of it. {meant}"

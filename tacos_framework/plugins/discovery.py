@@ -11,8 +11,8 @@ from typing import Any
 from tacos_framework.components import CONTRACT_VERSION, Component
 from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.plugins.failures import PluginFailure, PluginFailures, in_words
-from tacos_framework.plugins.importing import WITHOUT_VARIABLE, imported, say_what_ended_the_last_start
+from tacos_framework.plugins.failures import WITHOUT_VARIABLE, PluginFailure, PluginFailures, in_words
+from tacos_framework.plugins.importing import imported, say_what_ended_the_last_start
 from tacos_framework.plugins.offers import GROUP, HookedPlugin, Offers
 from tacos_framework.plugins.registry import Registered, Registry
 

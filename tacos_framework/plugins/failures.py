@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +13,9 @@ from types import FrameType
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
+
+WITHOUT_VARIABLE = "TACOS_WITHOUT"
+"""Environment variable: distributions or entry points to leave out, ``name,name``."""
 
 
 @dataclass(frozen=True)
@@ -116,3 +120,8 @@ def in_words(error: BaseException) -> str:
     """The type of an error and what it says."""
     text = str(error)
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def say(warning: str) -> None:
+    """Warn the user at once, as what comes next may never come."""
+    print(f"warning: {warning}", file=sys.stderr, flush=True)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tacos_framework.cache import content_key
 from tacos_framework.environment import package_versions
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.files.trees import checksums_below
 from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.plan import ConfiguredComponent, Plan
@@ -65,7 +66,10 @@ def _code_of_all(modules: Iterable[str]) -> dict[str, dict[str, str]]:
 @cache
 def _code_of(package: str) -> dict[str, str]:
     """Checksums of a package's files by their names; read once, as this process keeps what it imported."""
-    spec = importlib.util.find_spec(package) if package != "__main__" else None
+    try:
+        spec = importlib.util.find_spec(package) if package != "__main__" else None
+    except ValueError:  # a module that was made, not imported
+        spec = None
     if spec is None:
         return {}
     if not spec.submodule_search_locations:
@@ -98,8 +102,16 @@ def _files(settings: Mapping[str, Settings]) -> Iterator[tuple[str, str]]:
     for place, config in settings.items():
         for name, value in paths_in(config):
             for path in _meant(value):
-                for file, checksum in checksums_below(path).items():
+                for file, checksum in _readable_checksums(path, f"{place}.{name}").items():
                     yield f"{place}.{name}: {file}", checksum
+
+
+def _readable_checksums(path: Path, where: str) -> Mapping[str, str]:
+    try:
+        return checksums_below(path)
+    except OSError as error:
+        what = f"{error.filename or path} cannot be read: {error.strerror}"
+        raise UserError(Fault(where, what, "files that may be read")) from error
 
 
 def _meant(value: str) -> Iterable[Path]:

@@ -27,11 +27,7 @@ from tacos_framework.results.checksums import (
     line_with_checksum,
     lines_with_checksums,
 )
-from tacos_framework.results.reading import (
-    checked_file,
-    damage,
-    read_recorded,
-)
+from tacos_framework.results.reading import checked_file, damage, read_recorded
 from tacos_framework.results.writing import append_to_file, logging_to, replace_file
 
 log = logging.getLogger(__name__)
@@ -214,9 +210,10 @@ class RunFolder:
     def keep_weights(self, names: Iterable[str]) -> None:
         """Remove states under ``weights/`` that no checkpoint needs any more."""
         kept = {f"{name}.safetensors" for name in names}
-        for path in (self.folder / "weights").glob("*.safetensors"):
-            if path.name not in kept:
-                path.unlink()
+        with self.writing():
+            for path in (self.folder / "weights").glob("*.safetensors"):
+                if path.name not in kept:
+                    path.unlink(missing_ok=True)
 
     def write_sample(self, name: str, image: NDArray[np.uint8]) -> str:
         """Write an (H, W, 3) uint8 RGB picture to ``samples/NAME.png``; returns its relative path."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import limits
+from tacos_framework.files.limits import MB
 from tacos_framework.files.regular import NotAFile, open_regular
 from tacos_framework.results.checksums import (
     Damaged,
@@ -24,17 +27,34 @@ MANIFEST = "manifest.json"
 """The file that says what a run was started with; runs of versions that wrote no checksums have none."""
 
 
+_LIMITS = {
+    "checkpoint.json": "lines_mb",  # grows with the study, as logs do
+    ".json": "json_mb",
+    ".jsonl": "lines_mb",
+    ".yaml": "text_mb",
+    ".safetensors": "weights_mb",
+    ".png": "image_mb",
+}
+"""The one of `tacos_framework.files.limits.Limits` for a file's size, by its name or how that ends."""
+
+
 def file_of_run(path: Path) -> bytes:
     """The bytes of a file of a run.
 
     Raises
     ------
     Damaged
-        When it is not there, is no regular file or cannot be read.
+        When it is not there, is no regular file, cannot be read or is too large.
     """
+    limit = _LIMITS.get(path.name, _LIMITS.get(path.suffix, "text_mb"))
+    most = limits().bytes_of(limit)
     try:
         with open_regular(path) as file:
-            return file.read()
+            size_bytes = os.fstat(file.fileno()).st_size
+            if size_bytes > most:
+                remedy = limits().remedy(limit, size_bytes / MB)
+                raise Damaged(f"it has {size_bytes} bytes, where {most} are read. {remedy}")
+            return file.read(most)
     except NotAFile as error:
         raise Damaged(f"it is {error.strerror}") from error
     except OSError as error:

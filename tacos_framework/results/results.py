@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.results.checksums import (
@@ -24,12 +23,15 @@ from tacos_framework.results.reading import (
     read_run_text,
 )
 from tacos_framework.results.writing import PARTIAL
+from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_framework.settings.yaml_writer import to_yaml
 
 FORMAT = 4
 """Format of ``checkpoint.json``; another one cannot be resumed."""
 
 RECIPE, CHECKPOINT, LOG = "recipe.yaml", "checkpoint.json", "log.txt"
+
+_ANOTHER = "Name another folder with --out."
 
 
 def _as_it_is(recipe: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -62,27 +64,16 @@ class Results(RunFolder):
         UserError
             When something is there already, or the folder cannot be written.
         """
-        results = cls(folder)
-        with results.writing(remedy="Name another folder with --out."):
-            results.folder.mkdir(parents=True, exist_ok=True)
-            results._hold()
-            taken = not results._empty()
-            if not taken:
-                results._write_recipe(recipe)
-        if taken:
-            results.close()
+        with _closed_on_error(cls(folder)) as results:
+            with results.writing(remedy=_ANOTHER):
+                results.folder.mkdir(parents=True, exist_ok=True)
+                results._hold()
+                if results._empty():
+                    results._write_recipe(recipe)
+                    return results
             resumable = (results.folder / CHECKPOINT).exists()
-            raise UserError(
-                Fault(
-                    str(folder),
-                    "the results folder is not empty",
-                    "a new folder",
-                    "Go on with it by --resume, or name another with --out."
-                    if resumable
-                    else "Name another folder with --out.",
-                )
-            )
-        return results
+            remedy = "Go on with it by --resume, or name another with --out." if resumable else _ANOTHER
+            raise UserError(Fault(str(folder), "the results folder is not empty", "a new folder", remedy))
 
     @classmethod
     def resume(
@@ -107,13 +98,8 @@ class Results(RunFolder):
         UserError
             When there is no run there, it is one of another recipe, or its files are damaged.
         """
-        results = cls(folder)
-        try:
-            state = results._checkpoint_of(recipe, comparable)
-        except UserError:
-            results.close()
-            raise
-        return results, state
+        with _closed_on_error(cls(folder)) as results:
+            return results, results._checkpoint_of(recipe, comparable)
 
     def _checkpoint_of(
         self,
@@ -204,13 +190,25 @@ def read_recipe(folder: Path) -> dict[str, Any]:
         When it cannot be read, or is not as the run left it.
     """
     path = folder / RECIPE
+    text = read_run_text(path)
     try:
-        recipe = yaml.safe_load(read_run_text(path))
-    except (yaml.YAMLError, RecursionError) as error:
-        raise UserError(damage(path, f"it is no YAML: {error}")) from error
+        recipe = read_yaml(text, RECIPE, aliases=True).data
+    except UserError as error:
+        first = error.faults[0]
+        raise UserError(damage(path, f"{first.where}: {first.what}")) from error
     if not isinstance(recipe, dict):
         raise UserError(damage(path, "it is no recipe"))
     return recipe
+
+
+@contextmanager
+def _closed_on_error(results: Results) -> Iterator[Results]:
+    """Let others in again where a run could not begin, whatever kept it."""
+    try:
+        yield results
+    except BaseException:
+        results.close()
+        raise
 
 
 def _earlier_format(path: Path) -> Fault | None:

@@ -140,10 +140,16 @@ def check_type(path: Path, kind: type[Type], values: Iterable[Mapping[str, Any]]
     UserError
         With the first thing in it that is of another type.
     """
+    if what := mistyped(kind, values):
+        raise UserError(damage(path, what))
+
+
+def mistyped(kind: type[Type], values: Iterable[Mapping[str, Any]]) -> str | None:
+    """The first thing in what a file of a run holds that is of another type; None where there is none."""
     for number, value in enumerate(values, 1):
         try:
             kind.model_validate(value)
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
-            place = ".".join(map(str, first["loc"]))
-            raise UserError(damage(path, f"entry {number}, {place}: {first['msg']}")) from error
+            return f"entry {number}, {'.'.join(map(str, first['loc']))}: {first['msg']}"
+    return None

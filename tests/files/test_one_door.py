@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 
 import pytest
-
-from tacos_framework.files import Limits
 
 ROOT = Path(__file__).parents[2]
 READING = {
@@ -88,9 +84,3 @@ def test_no_module_reads_files_by_itself():
 def test_every_exception_is_needed(allowed):
     paths = [path for path in sources() if path.relative_to(ROOT).as_posix().startswith(allowed)]
     assert any(any(readings(ast.parse(path.read_text("utf-8")))) for path in paths)
-
-
-def test_the_page_lists_every_limit():
-    page = (ROOT / "docs" / "explanation" / "threat_model.md").read_text("utf-8")
-    rows = re.findall(r"^\| `(\w+_\w+)` \| (\d+) \|", page, re.MULTILINE)
-    assert {name: float(value) for name, value in rows} == asdict(Limits())

@@ -13,7 +13,8 @@ from pathlib import Path
 import atheris
 
 with atheris.instrument_imports(include=["tacos_framework", "yaml"]):
-    from tests.fuzz.readers import READERS, read_or_refuse
+    from tests.fuzz.reader import read_or_refuse
+    from tests.fuzz.readers import READERS
 
 
 def main() -> None:
@@ -24,7 +25,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         corpus = Path(folder) / "corpus"
         corpus.mkdir()
-        (corpus / "example").write_bytes(reader.example.encode())
+        (corpus / "example").write_bytes(reader.example())
         atheris.Setup([*sys.argv, str(corpus)], lambda content: read_or_refuse(reader, content, Path(folder)))
         atheris.Fuzz()
 

@@ -146,6 +146,12 @@ def test_limits_are_said_and_can_be_changed(tmp_path, monkeypatch):
     assert "a number above 0" in fault_of(limits, "text_mb=much")
 
 
+def test_what_a_decoder_refuses_under_a_raised_limit_is_a_fault(tmp_path, monkeypatch):
+    monkeypatch.setenv("TACOS_LIMITS", "image_mb=100000")
+    (tmp_path / "huge.png").write_bytes(png_of(60_000, 60_000))  # OpenCV has a limit of its own
+    assert "huge.png is damaged: " in fault_of(read_samples, tmp_path / "huge.png")
+
+
 def test_models_may_not_name_files_elsewhere(tmp_path):
     from tacos_worlds.mesh_files import read_mesh_file
 

@@ -165,6 +165,11 @@ def test_an_effect_needs_on_array_or_source():
         ),
         (
             "task",
+            {"lower_is_better": True},
+            "Mine.lower_is_better is True, not a set of names such as {'error_px'}",
+        ),
+        (
+            "task",
             {"lower_is_better": frozenset({"inlier"})},
             "Mine.lower_is_better has 'inlier', which is no score of it. Did you mean 'inliers'?",
         ),

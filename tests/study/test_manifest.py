@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import types
 
 import pytest
 from toy_study import comparable, run, toy_recipe
@@ -81,3 +82,8 @@ def test_code_is_that_of_the_packages_in_use(of_toys):
     assert not any("__pycache__" in name for files in of_toys.code.values() for name in files)
     assert sys.version.startswith(of_toys.python)
     assert to_yaml(of_toys.model_dump(mode="json"))
+
+
+def test_a_module_that_was_made_by_hand_has_no_files(monkeypatch):
+    monkeypatch.setitem(sys.modules, "zz_made", types.ModuleType("zz_made"))
+    assert dependencies._code_of("zz_made") == {}

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import multiprocessing
+import os
 import resource
 import shutil
 import signal
@@ -161,3 +163,23 @@ def test_a_last_line_cut_short_is_left_out(tmp_path):
             file.write('{"n": 2')
         assert results.read_lines("lines.jsonl") == [{"n": 1}]
         assert json.dumps(results.read_lines("none.jsonl")) == "[]"
+
+
+def test_a_folder_that_could_not_be_begun_is_let_go_of(tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr("tacos_framework.results.folder.replace_file", full_disk)
+        with pytest.raises(UserError, match="cannot be written"):
+            Results.create(tmp_path, RECIPE)
+    Results.create(tmp_path, RECIPE).close()  # there is room again
+
+
+def full_disk(path, data):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_file_of_a_run_that_would_take_the_memory_is_refused(tmp_path):
+    Results.create(tmp_path, RECIPE).close()
+    with (tmp_path / "checkpoint.json").open("wb") as file:
+        file.truncate(10**12)  # of holes
+    with pytest.raises(UserError, match=r"1000000000000 bytes, where 400000000 are read.*TACOS_LIMITS=lines"):
+        Results.resume(tmp_path, RECIPE)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -66,13 +68,14 @@ def read_array(path: Path, where: str, within: Path | None = None) -> NDArray[An
     return array.astype(np.uint8) if array.dtype == np.bool_ else array
 
 
-def open_raw(path: Path, where: str, within: Path | None = None) -> Any:
-    """A camera's RAW file, its header read and its size known; a context manager of rawpy.
+@contextmanager
+def opened_raw(path: Path, where: str, within: Path | None = None) -> Iterator[Any]:
+    """A camera's RAW file as rawpy has it, its size known; it may be read inside alone.
 
     Raises
     ------
     UserError
-        When rawpy is not installed, or the file cannot be read or is too large.
+        When rawpy is not installed, or the file is too large, or LibRaw cannot read it, now or inside.
     """
     try:
         import rawpy
@@ -82,24 +85,18 @@ def open_raw(path: Path, where: str, within: Path | None = None) -> Any:
         ) from None
     content = read_bytes(path, "image_mb", where=where, within=within)
     try:
-        raw = rawpy.imread(BytesIO(content))
+        with rawpy.imread(BytesIO(content)) as raw:
+            size_bytes = raw.sizes.raw_width * raw.sizes.raw_height * _RAW_BYTES
+            if size_bytes > limits().bytes_of("image_mb"):
+                raise UserError(too_large(where, f"the mosaic of {path.name}", size_bytes, "image_mb"))
+            yield raw
     except (rawpy.LibRawError, OSError) as error:
         raise UserError(Fault(where, f"{path.name} is no RAW file that can be read: {error}")) from error
-    size_bytes = raw.sizes.raw_width * raw.sizes.raw_height * _RAW_BYTES
-    if size_bytes > limits().bytes_of("image_mb"):
-        raw.close()
-        raise UserError(too_large(where, f"the mosaic of {path.name}", size_bytes, "image_mb"))
-    return raw
 
 
 def _read_raw(path: Path, where: str, within: Path | None) -> NDArray[Any]:
-    with open_raw(path, where, within) as raw:
-        import rawpy
-
-        try:
-            mosaic = raw.raw_image_visible
-            if mosaic is None:  # RGB in a RAW container
-                raise UserError(Fault(where, f"{path.name} holds no mosaic", "samples of single pixels"))
-            return np.array(mosaic)
-        except (rawpy.LibRawError, OSError) as error:
-            raise UserError(Fault(where, f"{path.name} is no RAW file that can be read: {error}")) from error
+    with opened_raw(path, where, within) as raw:
+        mosaic = raw.raw_image_visible
+        if mosaic is None:  # RGB in a RAW container
+            raise UserError(Fault(where, f"{path.name} holds no mosaic", "samples of single pixels"))
+        return np.array(mosaic)

@@ -13,7 +13,7 @@ from typing import Any
 from tacos_files.images import UNREADABLE
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes
-from tacos_gap.captures.images import RAW_SUFFIXES, open_raw
+from tacos_gap.captures.images import RAW_SUFFIXES, opened_raw
 
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})
 PICTURE_SUFFIXES = LOSSY_SUFFIXES | RAW_SUFFIXES | {".png", ".tif", ".tiff", ".npy"}
@@ -151,16 +151,13 @@ def _text(value: Any) -> str:
 
 
 def _of_raw(path: Path) -> dict[str, Any]:
-    with open_raw(path, str(path)) as raw:
+    with opened_raw(path, str(path)) as raw:
         other = getattr(raw, "other", None)  # since rawpy 0.22; EXIF says the same of most cameras
-        letters = raw.color_desc.decode("ascii", "replace")
-        pattern = None if raw.raw_pattern is None else raw.raw_pattern.ravel().tolist()
-        filters = "".join(letters[k] for k in pattern) if pattern and len(pattern) == 4 else None
         said = {
             "raw": True,
             "black_level_dn": float(sum(raw.black_level_per_channel) / len(raw.black_level_per_channel)),
             "white_level_dn": float(raw.white_level),
-            "cfa": filters if filters in ("RGGB", "BGGR", "GRBG", "GBRG") else None,
+            "cfa": _bayer_pattern(raw),
         }
         for key, name, scale in (
             ("exposure_ms", "shutter_speed", 1e3),
@@ -171,3 +168,16 @@ def _of_raw(path: Path) -> dict[str, Any]:
             if value := _number(getattr(other, name, None)):
                 said[key] = value * scale
         return said
+
+
+def _bayer_pattern(raw: Any) -> str | None:
+    """The filters of a RAW file's mosaic from its corner on; None for other mosaics, or none."""
+    try:
+        pattern = raw.raw_pattern
+    except NotImplementedError:  # filters that rawpy has no name for
+        return None
+    if pattern is None or pattern.shape != (2, 2):
+        return None
+    letters = raw.color_desc.decode("ascii", "replace")
+    filters = "".join(letters[k] for k in pattern.ravel().tolist())
+    return filters if filters in ("RGGB", "BGGR", "GRBG", "GBRG") else None

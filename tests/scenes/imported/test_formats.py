@@ -131,6 +131,18 @@ def test_one_path_in_three_formats_is_one_path(tmp_path: Path) -> None:
         assert found.poses[:, :3, 3] == pytest.approx(places, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    "rotation",
+    ["1 0 0 {} 0 11 0 {} 0 0 1 {}", "1 0 0 {} 0 0 0 {} 0 0 1 {}", "-1 0 0 {} 0 1 0 {} 0 0 1 {}"],
+    ids=["scaled", "flat", "mirrored"],
+)
+def test_a_matrix_that_is_no_rotation_is_named(tmp_path: Path, rotation: str) -> None:
+    file = tmp_path / "poses.txt"
+    file.write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" + rotation.format(1, 2, 3), encoding="utf-8")
+    with pytest.raises(Damaged, match="pose 2 has a matrix that is no rotation"):
+        read_poses(file)
+
+
 def test_a_camera_that_looks_level_is_an_agent_that_looks_level(tmp_path: Path) -> None:
     # In glTF's axes: y up, the camera at 1.6 m looking along -z, its own y axis down.
     file = tmp_path / "poses.txt"

@@ -26,6 +26,9 @@ KITTI_RATE_HZ = 10.0
 AGENT_FROM_OPTICAL = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """Axes of an optical frame (x right, y down, z ahead) in those of an agent (x ahead, y left, z up)."""
 
+_ROTATION_TOLERANCE = 0.01
+"""Files have six digits or more; what is further from a rotation than this is damaged, or mirrored [1]."""
+
 
 @dataclass(frozen=True, eq=False)
 class RecordedPath:
@@ -75,6 +78,7 @@ def read_poses(file: Path) -> RecordedPath:
     if table.shape[1] == 12 and not commas:
         poses = np.tile(np.eye(4), (len(table), 1, 1))
         poses[:, :3] = table.reshape(-1, 3, 4)
+        _check_rotations(poses[:, :3, :3])
         return RecordedPath(np.arange(len(table)) / KITTI_RATE_HZ, poses, "kitti")
     if table.shape[1] >= 8 and commas:
         return _timed(table[:, 0] * 1e-9, table[:, 1:4], table[:, [5, 6, 7, 4]], "euroc")
@@ -83,6 +87,13 @@ def read_poses(file: Path) -> RecordedPath:
     raise Damaged(
         f"its lines have {table.shape[1]} numbers: TUM has 8, EuRoC 8 or more with commas, KITTI 12"
     )
+
+
+def _check_rotations(matrices: NDArray[np.float64]) -> None:
+    bounded = np.clip(matrices, -2.0, 2.0)  # what is beyond is no rotation either way, and may not overflow
+    off = np.abs(np.swapaxes(bounded, 1, 2) @ bounded - np.eye(3)).max(axis=(1, 2)) > _ROTATION_TOLERANCE
+    if len(wrong := np.flatnonzero(off | (np.linalg.det(bounded) < 0))):
+        raise Damaged(f"pose {wrong[0] + 1} has a matrix that is no rotation")
 
 
 def _timed(
