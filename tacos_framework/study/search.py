@@ -217,7 +217,7 @@ class Search(SearchState):
 
         The best of many noisy scores is too good to be true (the winner's curse), and scores of different
         episodes, or of weights that have learnt meanwhile, do not even compare. Nothing is scored where
-        there is nothing to choose between.
+        there is nothing to choose between. An optimizer that models noise may choose by all it has seen.
 
         Returns
         -------
@@ -240,8 +240,17 @@ class Search(SearchState):
         self.images += sum(evaluation.images for evaluation in finalists)
         self.finalists = finalists
         if scored := [e for e in finalists if e.fitness is not None]:
-            self.best = max(scored, key=fitness_of)
+            self.best = self._best_of(scored)
         return finalists
+
+    def _best_of(self, finalists: Sequence[Evaluation]) -> Evaluation:
+        """The one the optimizer chooses, else that of highest fitness."""
+        if self.optimizer is None or self.space is None:
+            return max(finalists, key=fitness_of)
+        free = [{name: e.values[name] for name in self.space.names} for e in finalists]
+        asked = [Asked(self.space.decode(self.space.encode(values))) for values in free]
+        place = self.optimizer.choose([told_of(a, e) for a, e in zip(asked, finalists, strict=True)])
+        return max(finalists, key=fitness_of) if place is None else finalists[place]
 
     def most_promising(self, count: int) -> list[Mapping[str, Any]]:
         """Values of the candidates the optimizer recommends, else of those with the best mean fitness."""
