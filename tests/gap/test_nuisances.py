@@ -19,7 +19,15 @@ from tacos_gap.diagnosis import diagnose
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.findings import Diagnosis
 from tacos_gap.formation import lit_by, simulate
-from tacos_gap.nuisances import Freedom, Marginal, disturbed, freedoms_of, registered, stated
+from tacos_gap.nuisances import (
+    Freedom,
+    Marginal,
+    disturbed,
+    freedoms_of,
+    registered,
+    stated,
+    with_noise_of_expectation,
+)
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, placed
 from tests.gap.taken import patchwork
 
@@ -200,6 +208,22 @@ def test_noise_of_the_expectation_is_nobodys_pattern(said):
 
 
 # the diagnosis --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("level_dn", [254.0, 260.0, 400.0])
+def test_noise_of_the_expectation_ends_where_files_do(level_dn):
+    """Real frames with it are as those of a noisier light that white cuts off, and not noisy white."""
+    share = 1.0
+    before = capture("bright", "scene", level_dn, frames=1)
+    sigma = float(np.sqrt(before.noise.variance_dn2(np.float32(level_dn - BLACK_DN))[0]))
+    rng = np.random.default_rng(2)
+    light = level_dn + sigma * rng.normal(size=before.real_dn.shape)
+    real = np.clip(light, 0, 255).astype(np.float32)
+    found = with_noise_of_expectation(replace(before, real_dn=real), np.random.default_rng(3), share)
+    wanted = np.clip(light + np.sqrt(share) * sigma * rng.normal(size=light.shape), 0, 255)
+    assert found is not None
+    assert found.mean() == pytest.approx(wanted.mean(), abs=0.1)
+    assert found.std() == pytest.approx(wanted.std(), abs=0.1)
 
 
 def test_misregistration_drowns_no_vignetting_that_flats_prove(effects):
