@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
-from tacos_gap.statistics.block import expected_signal, mean_signal
+from tacos_gap.captures.mean_of_files import averaged_expectation, noise_of_average
+from tacos_gap.statistics.block import expected_signal
 from tacos_gap.statistics.line_means import over_image
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
@@ -29,8 +30,9 @@ EVEN_DN = 2.0
 EXTREMES = 8.0
 """Standard deviations between the extremes of a Gaussian, of some 20,000 independent values."""
 
-AVERAGED = 9
-"""Side of the window in which a noisy expectation is averaged before it is put into bins [px]."""
+NOISY_EDGE = 1.7
+"""Gradient that the noise of such an average reaches in one pixel of a million, over its deviation: averages
+two pixels apart differ by two thirds of it only, as their windows overlap."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,8 +181,7 @@ def rings(capture: RealCapture) -> Bins:
 def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = None) -> Bins:
     """Bins of the expected level; one bin where the capture is even.
 
-    Of a noisy expectation neighbours are averaged first: pixels that are chosen by their noise are not as
-    bright as it says (regression to the mean).
+    Of a noisy expectation neighbours are averaged first, see `averaged_expectation`.
 
     `flat` restricts them to pixels where it holds.
     """
@@ -190,8 +191,8 @@ def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = 
         level = capture.expected_dn.mean(axis=0)[..., channel]
         noise_dn = 0.0
         if capture.expected_frames:
-            level = _averaged(level, capture)
-            noise_dn = _noise_of_average(capture, channel)
+            level = averaged_expectation(capture)[..., channel]
+            noise_dn = float(noise_of_average(capture)[channel])
         use = capture.valid if flat is None else capture.valid & flat
         inside = level[use]
         if not inside.size:
@@ -204,28 +205,6 @@ def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = 
         return _compact(np.where(use, index, -1), at)
 
     return _kept(capture, ("levels", channel, flat is None), make)
-
-
-def _averaged(level: NDArray[np.float32], capture: RealCapture) -> NDArray[np.float32]:
-    """(H, W) mean of the pixels of a window that count; of a mosaic, of those of the same colour."""
-    import cv2
-
-    step = 2 if capture.context.cfa else 1
-    kernel = np.zeros((step * (AVERAGED - 1) + 1,) * 2, np.float32)
-    kernel[::step, ::step] = 1
-    counted = capture.valid.astype(np.float32)
-    total, count = (
-        cv2.filter2D(each, cv2.CV_32F, kernel, borderType=cv2.BORDER_REFLECT_101)
-        for each in (np.asarray(level * counted, np.float32), counted)
-    )
-    return np.asarray(total / np.maximum(count, 1), np.float32)
-
-
-def _noise_of_average(capture: RealCapture, channel: int) -> float:
-    """Standard deviation of the noise that is left in `_averaged` at the middle level [DN]."""
-    signal = mean_signal(capture).astype(np.float32)
-    variance = np.broadcast_to(capture.noise.variance_dn2(signal), signal.shape)[channel]
-    return float(np.sqrt(variance / capture.expected_frames)) / AVERAGED
 
 
 LEAST_SIDE_PX = 16
@@ -255,7 +234,11 @@ def _without_edges(capture: RealCapture) -> NDArray[np.bool_]:
 
     assert capture.expected_dn is not None
     level = capture.expected_dn.mean(axis=0).max(axis=-1)
+    noise_dn = 0.0
+    if capture.expected_frames:
+        level = averaged_expectation(capture).max(axis=-1)
+        noise_dn = float(noise_of_average(capture).max())
     range_of = np.maximum(np.ptp(level), 1.0)
     gy, gx = np.gradient(level)
-    edgy = np.hypot(gx, gy) > 0.01 * range_of + 0.25
+    edgy = np.hypot(gx, gy) > 0.01 * range_of + 0.25 + NOISY_EDGE * noise_dn
     return ~cv2.dilate(edgy.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(bool)
