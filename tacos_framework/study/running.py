@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -83,4 +82,3 @@ def _report(folder: Path, plugins: Plugins) -> None:
     for failure in plugins.offers.write_reports(folder)[1]:
         warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
         log.warning("%s", warning, exc_info=failure.error)
-        print(f"warning: {warning}", file=sys.stderr)

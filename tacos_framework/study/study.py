@@ -163,9 +163,9 @@ class Study:
         for node, seconds in evaluation.seconds.items():
             self._seconds_by_node[node] = self._seconds_by_node.get(node, 0.0) + seconds
         if evaluation.failed and not evaluation.cached:
-            log.info("failed: %s: %s", dict(evaluation.values), evaluation.failed)
-            if evaluation.raised is not None:
-                log.error("%s", evaluation.raised.traceback)
+            where = f"\n{evaluation.raised.traceback}" if evaluation.raised else ""
+            level = logging.ERROR if where else logging.INFO
+            log.log(level, "failed: %s: %s%s", dict(evaluation.values), evaluation.failed, where)
             self._observers.tell(
                 "tacos_candidate_failed", candidate=evaluation.values, reason=evaluation.failed
             )
