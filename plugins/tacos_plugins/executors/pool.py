@@ -6,20 +6,19 @@ import atexit
 import logging
 import multiprocessing
 import os
-import signal
 import time
 from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnContext, SpawnProcess
+from multiprocessing.connection import wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from tacos_plugins.executors import worker
-from tacos_plugins.executors.affinity import Affinity, JobTimes, Making, affinity_of, assigned, making
-from tacos_plugins.executors.outcomes import Lost
+from tacos_plugins.executors.affinity import JobTimes, affinity_of, assigned
+from tacos_plugins.executors.outcomes import Lost, Task
+from tacos_plugins.executors.worker_process import WorkerProcess
 
 log = logging.getLogger(__name__)
 
@@ -50,73 +49,6 @@ class Limits:
     jobs: int | None = None
 
 
-@dataclass(frozen=True)
-class _Task:
-    """One job on its way."""
-
-    round: int
-    index: int
-    attempt: int = 1
-
-
-class _Worker:
-    """A worker process as its parent sees it."""
-
-    def __init__(self, context: SpawnContext, payload: bytes, lifeline: Connection, threads: int) -> None:
-        self.channel, theirs = context.Pipe()
-        self.process: SpawnProcess = context.Process(
-            target=worker.serve, args=(payload, theirs, lifeline, threads), name="tacos-worker"
-        )
-        self.process.start()
-        theirs.close()  # so that the channel breaks when the worker dies
-        self.ready = False
-        self.task: _Task | None = None
-        self.jobs_done = 0
-        self.at_hand: set[Affinity] = set()
-        self.makes: Making = "nothing"
-        self.began_s = 0.0
-
-    @property
-    def idle(self) -> bool:
-        return self.ready and self.task is None
-
-    def begin(self, task: _Task, job: Any, anywhere: Collection[Affinity]) -> bool:
-        """Send a job, told what any worker has; False when the worker is dead already."""
-        message = bytes(ForkingPickler.dumps(job))
-        try:
-            self.channel.send_bytes(message)
-        except (BrokenPipeError, ConnectionResetError):
-            return False
-        self.task = task
-        self.makes, self.began_s = making(affinity_of(job), self.at_hand, anywhere), time.monotonic()
-        self.at_hand.add(affinity_of(job))
-        return True
-
-    def answer(self) -> bytes | None:
-        """What it has sent, if anything.
-
-        Raises
-        ------
-        EOFError, ConnectionResetError
-            When it is dead.
-        """
-        if self.channel.poll():
-            return self.channel.recv_bytes()
-        if not self.process.is_alive() and not self.channel.poll():
-            raise EOFError
-        return None
-
-    def how_it_ended(self) -> str:
-        """How the process ended, in words."""
-        self.process.join()
-        code = self.process.exitcode or 0
-        if code >= 0:
-            return f"its worker process ended with status {code}"
-        name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-        out_of_memory = " (most often because memory ran out)" if -code == signal.SIGKILL else ""
-        return f"its worker process was ended by {name}{out_of_memory}"
-
-
 class Pool:
     """Worker processes that hold one function.
 
@@ -145,7 +77,8 @@ class Pool:
         self._context = multiprocessing.get_context("spawn")
         self._worker_end, self._lifeline = self._context.Pipe(duplex=False)
         atexit.register(self._lifeline.close)  # ahead of multiprocessing's own, which would wait for workers
-        self._workers: list[_Worker] = []
+        self._workers: list[WorkerProcess] = []
+        self._started = 0
         self._times = JobTimes()
         self._round = self._failed_starts = 0
         self._closed = False
@@ -159,7 +92,7 @@ class Pool:
             When the pool is closed meanwhile, or a worker ends before it is ready for its first job.
         """
         self._round += 1  # what workers still do for a round that was left early is dropped when it comes
-        waiting = deque(_Task(self._round, index) for index in range(len(jobs)))
+        waiting = deque(Task(self._round, index) for index in range(len(jobs)))
         done: dict[int, worker.Answer | Lost] = {}
         for index in range(len(jobs)):
             while index not in done:
@@ -177,11 +110,12 @@ class Pool:
             each.process.kill()
         for each in self._workers:
             each.process.join()
+            each.log.close()
         self._worker_end.close()
 
     # ------------------------------------------------------------------------------------------------------
 
-    def _hand_out(self, jobs: Sequence[Any], waiting: deque[_Task]) -> None:
+    def _hand_out(self, jobs: Sequence[Any], waiting: deque[Task]) -> None:
         """Give waiting tasks to idle workers, and start workers where too few are there."""
         idle = [each for each in self._workers if each.idle]
         wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
@@ -193,10 +127,13 @@ class Pool:
                 waiting.remove(task)
         starting = sum(not each.ready for each in self._workers)
         for _ in range(min(self._most - len(self._workers), len(waiting) - starting)):
+            self._started += 1
             with _environment(self._environment):
-                self._workers.append(_Worker(self._context, self.payload, self._worker_end, self._threads))
+                self._workers.append(
+                    WorkerProcess(self._started, self._context, self.payload, self._worker_end, self._threads)
+                )
 
-    def _collect(self, waiting: deque[_Task], done: dict[int, worker.Answer | Lost]) -> None:
+    def _collect(self, waiting: deque[Task], done: dict[int, worker.Answer | Lost]) -> None:
         """Wait until something happens, and see to it."""
         soonest = min(self._deadline(each) for each in self._workers)
         patience = None if soonest == float("inf") else max(0.0, soonest - time.monotonic())
@@ -220,13 +157,13 @@ class Pool:
                     how += ", far longer than any before it (timeout_s says how long it may)"
                 self._replace(each, how, waiting, done)
 
-    def _deadline(self, each: _Worker) -> float:
+    def _deadline(self, each: WorkerProcess) -> float:
         """When a worker counts as hung; the first jobs are given all the time they need."""
         if each.task is None:
             return float("inf")
         return each.began_s + (self._limits.job_s or self._times.generous_s(each.task.attempt))
 
-    def _take(self, each: _Worker, message: bytes, done: dict[int, worker.Answer | Lost]) -> None:
+    def _take(self, each: WorkerProcess, message: bytes, done: dict[int, worker.Answer | Lost]) -> None:
         """Keep an answer, and let its worker go where that has come to its limits."""
         task, each.task = each.task, None
         each.ready = True
@@ -248,10 +185,11 @@ class Pool:
             self._workers.remove(each)
 
     def _replace(
-        self, each: _Worker, how: str, waiting: deque[_Task], done: dict[int, worker.Answer | Lost]
+        self, each: WorkerProcess, how: str, waiting: deque[Task], done: dict[int, worker.Answer | Lost]
     ) -> None:
         """Forget a worker that is lost; try its job again, or give it up."""
         self._workers.remove(each)
+        each.log.close()
         if not each.ready:
             self._failed_starts += 1
             if (each.process.exitcode or 0) < 0 and self._failed_starts <= MOST_FAILED_STARTS:

@@ -14,7 +14,7 @@ from typing import Any
 from tacos_plugins.executors.affinity import Affinity, JobTimes, Making, affinity_of, assigned, making
 from tacos_plugins.executors.on_ray.actor import EvaluatorActor
 from tacos_plugins.executors.on_ray.cluster import Cluster, Needs
-from tacos_plugins.executors.outcomes import Lost
+from tacos_plugins.executors.outcomes import Lost, Task
 from tacos_plugins.executors.worker import Answer
 
 log = logging.getLogger(__name__)
@@ -26,15 +26,6 @@ STARTS = 3
 """Workers in a row that end before they are ready, after which the reason is not a lost node."""
 
 
-@dataclass(frozen=True)
-class _Task:
-    """One job on its way."""
-
-    round: int
-    index: int
-    attempt: int = 1
-
-
 @dataclass(eq=False)
 class _Member:
     """An actor, and the one answer it owes: that it has started, or that to a job."""
@@ -42,7 +33,7 @@ class _Member:
     actor: Any
     owes: Any
     ready: bool = False
-    task: _Task | None = None
+    task: Task | None = None
     deadline: float = float("inf")
     at_hand: set[Affinity] = field(default_factory=set)
     makes: Making = "nothing"
@@ -113,7 +104,7 @@ class ActorPool:
             When the pool is closed meanwhile, or workers end before they are ready for a first job.
         """
         self._round += 1  # what is still done for a round that was left early is dropped when it comes
-        waiting = deque(_Task(self._round, index) for index in range(len(jobs)))
+        waiting = deque(Task(self._round, index) for index in range(len(jobs)))
         done: dict[int, Answer | Lost] = {}
         for index in range(len(jobs)):
             while index not in done:
@@ -131,7 +122,7 @@ class ActorPool:
 
     # ------------------------------------------------------------------------------------------------------
 
-    def _hand_out(self, jobs: Sequence[Any], waiting: deque[_Task]) -> None:
+    def _hand_out(self, jobs: Sequence[Any], waiting: deque[Task]) -> None:
         """Give waiting tasks to idle workers, and ask for workers where too few are there."""
         idle = [each for each in self._members if each.ready and each.owes is None]
         wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
@@ -151,7 +142,7 @@ class ActorPool:
             actor = self._actor_class.remote(self._payload_ref, self._threads)
             self._members.append(_Member(actor, actor.ready.remote()))
 
-    def _collect(self, waiting: deque[_Task], done: dict[int, Answer | Lost]) -> None:
+    def _collect(self, waiting: deque[Task], done: dict[int, Answer | Lost]) -> None:
         """Wait until something happens, and see to it."""
         owed = [each.owes for each in self._members if each.owes is not None]
         soonest = min((each.deadline for each in self._members), default=float("inf"))
@@ -168,7 +159,7 @@ class ActorPool:
                 self._ray.kill(each.actor)
                 self._replace(each, f"it took longer than {self._job_s:g} s", waiting, done)
 
-    def _take(self, each: _Member, waiting: deque[_Task], done: dict[int, Answer | Lost]) -> None:
+    def _take(self, each: _Member, waiting: deque[Task], done: dict[int, Answer | Lost]) -> None:
         """Keep what a worker sent, or learn that it is lost."""
         try:
             message = self._ray.get(each.owes)
@@ -185,9 +176,7 @@ class ActorPool:
         if task.round == self._round:
             done[task.index] = ForkingPickler.loads(message)
 
-    def _replace(
-        self, each: _Member, how: str, waiting: deque[_Task], done: dict[int, Answer | Lost]
-    ) -> None:
+    def _replace(self, each: _Member, how: str, waiting: deque[Task], done: dict[int, Answer | Lost]) -> None:
         """Forget a worker that is lost; try its job again, or give it up."""
         self._members.remove(each)
         self._ray.kill(each.actor)  # where only the connection to it was lost
