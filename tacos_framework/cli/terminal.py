@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from typing import Any, TextIO
 
 from tacos_framework.errors import printable
-from tacos_framework.results.log import heard_by
 
 
 class PrintableStream:
@@ -56,6 +55,8 @@ def terminal_errors() -> TextIO:
 @contextmanager
 def log_on_terminal(packages: Iterable[str]) -> Iterator[None]:
     """What these packages note in their log meanwhile is said on standard error too."""
+    from tacos_framework.results.log import heard_by
+
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(logging.Formatter("%(message)s"))
     with heard_by(handler, packages):
