@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tacos_framework.contracts import Executor
-from tacos_framework.fitness import Fitness
 from tacos_framework.recipe import RaceSettings
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
 from tacos_framework.study.racing import Race
@@ -16,7 +15,6 @@ def score_in_a_race(
     jobs: Mapping[str, ScoreJob],
     rivals: Mapping[str, Evaluation],
     rules: RaceSettings,
-    fitness: Fitness,
     executor: Executor,
     evaluate: Evaluator,
 ) -> list[Evaluation]:
@@ -30,15 +28,15 @@ def score_in_a_race(
         Candidates known from before that have seen these very blocks, all of them.
     rules
         When a candidate is dropped.
-    fitness
-        The weighted sum of scores.
+    executor, evaluate
+        Run the jobs.
 
     Returns
     -------
     One evaluation for each job, in their order. One that was dropped has its scores on the blocks it saw,
     says so in `Evaluation.dropped`, and has the fitness that `Race.fitness_of_dropped` gives.
     """
-    race = Race(fitness, rules.standard_errors, rules.min_blocks)
+    race = Race(evaluate.plan.fitness, rules.standard_errors, rules.min_blocks)
     for key, rival in rivals.items():
         race.saw(key, rival.blocks)
     found: dict[str, list[Evaluation]] = {key: [] for key in jobs}

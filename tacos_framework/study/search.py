@@ -194,14 +194,14 @@ class Search(SearchState):
         states = dict(self.states)
         if self.training and self.weights_mode == "shared":
             evaluations = []
-            for evaluation in score_pipelined(jobs, self.plan.fitness, executor, evaluate):
+            for evaluation in score_pipelined(jobs, executor, evaluate):
                 states.update(evaluation.states)
                 evaluations.append(evaluation)
                 on_evaluated(evaluation)
             return evaluations, states
         leader = self.best if self.comparable else None
         evaluations, fresh = evaluate_each_once(
-            jobs, Known(self.cache, leader), self.plan, executor, evaluate, on_evaluated
+            jobs, Known(self.cache, leader), executor, evaluate, on_evaluated
         )
         if self.repeatable:  # otherwise no later generation can ask the same again
             known = {key: e for key, e in fresh.items() if e.raised is None}  # a defect may be mended
@@ -233,7 +233,7 @@ class Search(SearchState):
         episodes = self._episodes("final", study.final_episodes or study.episodes)
         jobs = [ScoreJob(values, episodes, self.states) for values in wanted]
         finalists = []
-        for found in score_sharded(jobs, self.plan.fitness, executor, evaluate):
+        for found in score_sharded(jobs, executor, evaluate):
             finalists.append(replace(found, episode_numbers=tuple(range(len(episodes)))))
             on_evaluated(finalists[-1])
         self.evaluations += sum(not evaluation.broken for evaluation in finalists)

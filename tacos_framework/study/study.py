@@ -229,7 +229,7 @@ class Study:
         seed, states = self.plan.recipe.seed, self.searches[0].states
         specs = tuple(EpisodeSpec(seed, ("analysis", i)) for i in range(episodes))
         jobs = [ScoreJob(dict(values), specs, states) for values in cameras]
-        found = list(score_sharded(jobs, self.plan.fitness, self._executor, self._evaluate)) if jobs else []
+        found = list(score_sharded(jobs, self._executor, self._evaluate)) if jobs else []
         for evaluation in found:
             self._count(evaluation)
         self._scored_again += found
