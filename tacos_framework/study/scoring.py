@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tacos_framework.contracts import Executor
-from tacos_framework.recipe import RaceSettings
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.recipe import RaceSettings, Recipe
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
 from tacos_framework.study.racing import Race
 
@@ -82,3 +83,23 @@ def _outcomes(
         else e
         for key, e in whole.items()
     ]
+
+
+def refuse_race_of_parts(recipe: Recipe, optimizer: str, numbers: Sequence[int]) -> None:
+    """Refuse a recipe with a race whose optimizer has a candidate scored on some of the episodes only.
+
+    Raises
+    ------
+    UserError
+        Where the recipe has a race.
+    """
+    if recipe.study.race is None:
+        return
+    fault = Fault(
+        recipe.where(("study", "race")),
+        f"candidates cannot race: {optimizer} asks for one to be scored on episodes "
+        f"{', '.join(map(str, numbers))} only",
+        "an optimizer that has all candidates scored on all episodes",
+        "Take study.race out, or set the optimizer to score candidates on all episodes.",
+    )
+    raise UserError(fault)
