@@ -13,15 +13,6 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
-class Task:
-    """One job on its way."""
-
-    round: int
-    index: int
-    attempt: int = 1
-
-
-@dataclass(frozen=True)
 class Lost:
     """A job without an outcome: its worker died or hung, each time it was tried."""
 

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import signal
-import time
-from collections.abc import Collection
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext, SpawnProcess
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from tacos_plugins.executors import worker
-from tacos_plugins.executors.affinity import Affinity, Making, affinity_of, making
-from tacos_plugins.executors.outcomes import Task
+from tacos_plugins.executors.job_pool import PoolWorker
 from tacos_plugins.executors.worker_logs import WorkerLog, explicit_levels
 
 
-class WorkerProcess:
+class WorkerProcess(PoolWorker):
     """A process that evaluates one job at a time.
 
     Parameters
@@ -36,6 +33,7 @@ class WorkerProcess:
     def __init__(
         self, number: int, context: SpawnContext, payload: bytes, lifeline: Connection, threads: int
     ) -> None:
+        super().__init__()
         self.channel, theirs = context.Pipe()
         logs, their_logs = context.Pipe(duplex=False)
         self.process: SpawnProcess = context.Process(
@@ -47,27 +45,15 @@ class WorkerProcess:
         theirs.close()  # so that the channel breaks when the worker dies
         their_logs.close()
         self.log = WorkerLog(logs, f"worker {number}")
-        self.ready = False
-        self.task: Task | None = None
         self.jobs_done = 0
-        self.at_hand: set[Affinity] = set()
-        self.makes: Making = "nothing"
-        self.began_s = 0.0
 
-    @property
-    def idle(self) -> bool:
-        return self.ready and self.task is None
-
-    def begin(self, task: Task, job: Any, anywhere: Collection[Affinity]) -> bool:
-        """Send a job, told what any worker has; False when the worker is dead already."""
+    def send(self, job: Any) -> bool:
+        """Send a job; False when the worker is dead already."""
         message = bytes(ForkingPickler.dumps(job))
         try:
             self.channel.send_bytes(message)
         except (BrokenPipeError, ConnectionResetError):
             return False
-        self.task = task
-        self.makes, self.began_s = making(affinity_of(job), self.at_hand, anywhere), time.monotonic()
-        self.at_hand.add(affinity_of(job))
         return True
 
     def answer(self) -> bytes | None:
