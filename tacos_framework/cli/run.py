@@ -72,6 +72,11 @@ def parser() -> argparse.ArgumentParser:
         "--explain", action="store_true", help="show the resolved graph and settings, then stop"
     )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.add_argument(
+        "--verbose",
+        action="store_true",
+        help="all that is logged, not warnings alone; with --check every doubt about every part",
+    )
     return parser
 
 
@@ -92,7 +97,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(arguments: argparse.Namespace, command: str) -> int:
     from tacos_framework.plan import Plan
-    from tacos_framework.plan.notes import notes_on_catalogs, notes_on_constraints
     from tacos_framework.plugins import Plugins
     from tacos_framework.recipe import Recipe
 
@@ -115,8 +119,11 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
         print(explanation())
     if arguments.check:
         print(f"{arguments.recipe}: no faults.")
-        for note in (*notes_on_catalogs(plan), *notes_on_constraints(plan)) if isinstance(plan, Plan) else ():
-            print(f"note: {note}")
+        if isinstance(plan, Plan):
+            from tacos_framework.cli.remarks import remarks
+
+            for line in remarks(plan, verbose=arguments.verbose):
+                print(line)
     if arguments.check or arguments.explain:
         return DONE
 
@@ -125,7 +132,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
     from tacos_framework.study import BROKEN_OFF, DEFECT
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
-    with progress_for(quiet=arguments.quiet) as progress, ended_by_sigterm():
+    with progress_for(quiet=arguments.quiet, verbose=arguments.verbose) as progress, ended_by_sigterm():
         result = run(
             plan,
             out=out,
