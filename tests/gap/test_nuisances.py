@@ -241,7 +241,11 @@ def test_a_fixed_pattern_shows_beside_means_of_two_files(by_the_files, effects):
     real = few_frames(by_the_files, 2, [placed("prnu", effects["prnu"], sigma=0.03)])
     (cause,) = run(real, effects).causes
     assert cause.effect == "prnu"
-    assert cause.parameters["sigma"].value == pytest.approx(0.03, rel=0.1)
+    sigma = cause.parameters["sigma"]
+    assert sigma.value == pytest.approx(0.03, rel=0.1)
+    assert sigma.interval is not None
+    luck_of_maps = 1.64 * 0.03 / np.sqrt(WIDTH * HEIGHT)
+    assert sigma.interval[1] - sigma.value > luck_of_maps
 
 
 @pytest.mark.parametrize("level_dn", [254.0, 260.0, 400.0])
