@@ -148,7 +148,7 @@ def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     )
 
 
-def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     """As `with_fitness`; it has failed where its episodes do not give every score the fitness takes."""
     try:
         return with_fitness(evaluation, fitness)
@@ -217,4 +217,4 @@ def merged_evaluation(partials: Sequence[Evaluation], fitness: Fitness) -> Evalu
         for name in dict.fromkeys(name for partial in partials for name in partial.scenario_episodes)
     }
     whole = replace(partials[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds)
-    return judged(whole, fitness)
+    return with_fitness(whole, fitness)
