@@ -31,9 +31,9 @@ class Hyperparameters:
     Parameters
     ----------
     length_scales
-        One for each coordinate, in ranges of the coordinate.
+        One for each coordinate [ranges of the coordinate].
     signal
-        What points have of their own, whatever the scene.
+        What points have of their own, whatever the scene [standard deviations].
     episode
         What a scene adds to all points alike.
     interaction
