@@ -102,17 +102,7 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
 
     plugins = Plugins.discover()
     recipe, faults = _read(arguments, plugins)
-    extend = _extend(arguments, faults)
-    resume = arguments.resume or bool(arguments.extend)
-    if resume and arguments.out is None:
-        option = "--resume" if arguments.resume else "--extend"
-        faults.append(Fault(option, "which run is not said", "", "Name its folder with --out."))
-    elif arguments.extend and not isinstance(recipe, Recipe):
-        faults.append(Fault("--extend", "only studies can be extended", "", "Leave it out."))
-    elif resume and isinstance(recipe, Recipe) and not faults:
-        from tacos_framework.study.extending import for_resuming
-
-        recipe = for_resuming(recipe, arguments.out, plugins, extend)
+    recipe, extend = _to_go_on_with(arguments, recipe, plugins, faults)
     planned = _plan_study if isinstance(recipe, Recipe) else _plan_procedure
     plan, explanation = planned(recipe, plugins, faults)
     if arguments.explain:
@@ -124,20 +114,51 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
 
             for line in remarks(plan, verbose=arguments.verbose):
                 print(line)
-    if arguments.check or arguments.explain:
-        return DONE
+    return (
+        DONE if arguments.check or arguments.explain else _run_plan(arguments, plan, plugins, extend, command)
+    )
 
+
+def _to_go_on_with(
+    arguments: argparse.Namespace, recipe: Recipe | ProcedureRecipe, plugins: Plugins, faults: list[Fault]
+) -> tuple[Recipe | ProcedureRecipe, dict[str, int]]:
+    """The recipe, as long as a run to go on with was extended to already; and by how much to raise that."""
+    from tacos_framework.recipe import Recipe
+
+    extend = _extend(arguments, faults)
+    if not (arguments.resume or arguments.extend):
+        return recipe, extend
+    if arguments.out is None:
+        option = "--resume" if arguments.resume else "--extend"
+        faults.append(Fault(option, "which run is not said", "", "Name its folder with --out."))
+    elif arguments.extend and not isinstance(recipe, Recipe):
+        faults.append(Fault("--extend", "only studies can be extended", "", "Leave it out."))
+    elif isinstance(recipe, Recipe) and not faults:
+        from tacos_framework.study.extending import for_resuming
+
+        recipe = for_resuming(recipe, arguments.out, plugins, extend)
+    return recipe, extend
+
+
+def _run_plan(
+    arguments: argparse.Namespace,
+    plan: Plan | ProcedurePlan,
+    plugins: Plugins,
+    extend: Mapping[str, int],
+    command: str,
+) -> int:
     from tacos_framework.cli.bar import progress_for
     from tacos_framework.runner import run
     from tacos_framework.study import BROKEN_OFF, DEFECT
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
-    with progress_for(quiet=arguments.quiet, verbose=arguments.verbose) as progress, ended_by_sigterm():
+    progress_shown = progress_for(quiet=arguments.quiet, verbose=arguments.verbose)
+    with progress_shown as progress, ended_by_sigterm():
         result = run(
             plan,
             out=out,
             plugins=plugins,
-            resume=resume,
+            resume=arguments.resume or bool(arguments.extend),
             extend=extend,
             accept_changes=arguments.accept_changes,
             progress=progress,

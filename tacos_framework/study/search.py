@@ -9,7 +9,7 @@ from typing import Any
 from tacos_framework.contracts import Asked, Executor, State
 from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
-from tacos_framework.study.asking import GuardedOptimizer, not_evaluated, told_of
+from tacos_framework.study.asking import GuardedOptimizer, not_evaluated, result_of
 from tacos_framework.study.episodes import scored_episodes, training_episode
 from tacos_framework.study.evaluating import Known, evaluate_each_once, job_keys
 from tacos_framework.study.failing import MOST_ALIKE, KeepsFailing, limit_of
@@ -100,8 +100,8 @@ class Search(SearchState):
         numbers = [self._numbers(each) for each in done] or [self._numbers(None)] * len(jobs)
         evaluations = [replace(e, episode_numbers=n) for e, n in zip(found, numbers, strict=True)]
         if self.optimizer:
-            told = [told_of(a, e) for a, e in zip(done, evaluations, strict=True)]
-            self.optimizer.tell([*told, *(not_evaluated(each, self._spent) for each in left_out)])
+            results = [result_of(a, e) for a, e in zip(done, evaluations, strict=True)]
+            self.optimizer.tell([*results, *(not_evaluated(each, self._spent) for each in left_out)])
         self.partly_scored |= any(len(n) < self._episode_count for n in numbers)
         self.remember(evaluations)
         self.states = states

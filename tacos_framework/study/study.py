@@ -1,4 +1,4 @@
-"""The study: design a camera, search what off-the-shelf cameras leave free, judge all on unseen scenes."""
+"""The study: design a camera, search what off-the-shelf cameras leave free, test all on unseen scenes."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class Study:
     # running ----------------------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Search, then judge; each step checkpointed."""
+        """Search, then test; each step checkpointed."""
         log.info("%s", self._command or self.plan.recipe.name)
         for name, value in self._environment["findings"].items():
             log.info("%s: %s", name, value)
@@ -102,7 +102,7 @@ class Study:
         for search in self.searches:
             self._search(search)
         self._train_best()
-        self._judge()
+        self._test_on_unseen_scenes()
         self._analyse()
         self._checkpoint(now=True)
 
@@ -171,7 +171,7 @@ class Study:
         else:
             self.results.append_line(PRODUCTS, {"product": search.name, **line})
 
-    def _judge(self) -> None:
+    def _test_on_unseen_scenes(self) -> None:
         """Score every camera on the test scenes, and take sample frames there."""
         jobs = {s.name: ScoreJob(s.best.values, (), s.states) for s in self.searches if s.best is not None}
         if self._test is None or not jobs:
