@@ -74,7 +74,7 @@ class Evaluated:
     candidate
         As it was asked.
     fitness
-        Higher is better; None when it failed or breaks a constraint.
+        Higher is better [weighted sum of scores]; None when it failed or breaks a constraint.
     failed
         Why, in a sentence.
     episodes

@@ -183,7 +183,7 @@ class GuardedOptimizer:
         raise ContractBroken(f"{self._part.origin}: {given}; expected {expected}")
 
 
-def told_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
+def result_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
     """What an optimizer is told of a candidate."""
     episodes = evaluation.scores_by_episode
     return Evaluated(
