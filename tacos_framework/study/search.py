@@ -248,7 +248,7 @@ class Search(SearchState):
             return max(finalists, key=fitness_of)
         free = [{name: e.values[name] for name in self.space.names} for e in finalists]
         asked = [Asked(self.space.decode(self.space.encode(values))) for values in free]
-        place = self.optimizer.choose([told_of(a, e) for a, e in zip(asked, finalists, strict=True)])
+        place = self.optimizer.choose([result_of(a, e) for a, e in zip(asked, finalists, strict=True)])
         return max(finalists, key=fitness_of) if place is None else finalists[place]
 
     def most_promising(self, count: int) -> list[Mapping[str, Any]]:

@@ -221,7 +221,6 @@ class OptimizerConformance(ComponentConformance):
                 "it asks for others once it recommends"
             )
 
-
     def test_of_finalists_it_chooses_one_that_is_there(self) -> None:
         optimizer = self.make()
         if not callable(getattr(optimizer, "choose", None)):

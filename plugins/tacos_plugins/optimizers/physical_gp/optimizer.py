@@ -172,12 +172,13 @@ class PhysicalGp:
     def choose(self, finalists: Sequence[Evaluated]) -> int:
         """The finalist of highest mean fitness, by all trials and by how the finalists did on fresh scenes.
 
-        A few scenes tell less of a camera than all its neighbours do; the model weighs both.
+        A few scenes tell less of a camera than all its neighbours do; the model weighs both. The first where
+        all are equal.
         """
         fresh = [Trial.of(result, self._rounds, scenes="final ") for result in finalists]
         grey_box = self._model(fresh).grey_box
         if grey_box.degenerate is not None:
-            return int(np.argmax([trial.fitness for trial in fresh]))
+            return 0
         where = [self._pool.coordinates(trial.genes) for trial in fresh]
         return int(np.argmax(grey_box.posterior(where).mean))
 
