@@ -58,7 +58,7 @@ def main() -> None:
         return executor.map(evaluate, [WithoutAffinity(job) for job in jobs])  # type: ignore[list-item]
 
     def now(executor: ProcessExecutor, evaluate: Evaluator) -> Iterator[Evaluation]:
-        return score_sharded(jobs, plan.fitness, executor, evaluate)  # type: ignore[arg-type]
+        return score_sharded(jobs, executor, evaluate)  # type: ignore[arg-type]
 
     with TemporaryDirectory() as folder:
         found = []

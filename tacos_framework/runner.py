@@ -14,7 +14,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import Plan
 from tacos_framework.plan.procedure import ProcedurePlan, plan_procedure
 from tacos_framework.plugins import Plugins, calling
-from tacos_framework.plugins.executing import GuardedExecutor
+from tacos_framework.plugins.executing import executor_of_run
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
 from tacos_framework.results import Results
@@ -112,42 +112,29 @@ def _run_procedure(
         procedure = plan.cls(plan.config)
     data = plan.as_data()
     results = Results.resume(out, data)[0] if resume else Results.create(out, data)
-    evaluates = (
-        GuardedExecutor.of_host(executor)
-        if executor
-        else GuardedExecutor(
-            plan.executor_cls(plan.executor_config),
-            plan.executor,
-            plugins.distribution_of(plan.executor),
-        )
+    supplied = {"out": out, "seed": recipe.seed, "plugins": plugins, "progress": progress, "resume": resume}
+    evaluating = executor_of_run(
+        executor,
+        lambda: plan.executor_cls(plan.executor_config),
+        plan.executor,
+        plugins.distribution_of(plan.executor),
     )
-    supplied = {
-        "out": out,
-        "seed": recipe.seed,
-        "plugins": plugins,
-        "executor": evaluates,
-        "progress": progress,
-        "resume": resume,
-    }
     began = time.monotonic()
     with results, results.logging({"tacos_framework", plan.cls.__module__.partition(".")[0]}):
         now = manifest_of_procedure(plan, plugins)
         manifest = settle_manifest(results, now, accept_changes=accept_changes, begun=resume)
-        try:
+        with evaluating as evaluates:
+            supplied["executor"] = evaluates
             asked = {name: value for name, value in supplied.items() if name in plan.asks_for}
             with calling(recipe.use, distribution, "run"):
                 found: Mapping[str, Any] = procedure.run(**asked)
-        finally:
-            if executor is None:
-                evaluates.close()
-        workers = getattr(evaluates, "workers", 1)
         result = {
             "tacos": __version__,
             "name": recipe.name or recipe.use,
             "procedure": recipe.use,
             "seed": recipe.seed,
             "seconds": round(time.monotonic() - began, 3),
-            "environment": describe_environment(workers, plugins.offers.findings()),
+            "environment": describe_environment(evaluates.workers, plugins.offers.findings()),
             "command": command,
             **({"accepted": manifest.accepted} if manifest.accepted else {}),
             **found,

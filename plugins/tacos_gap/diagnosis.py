@@ -16,6 +16,7 @@ from tacos_gap.attribution import Attribution, ForwardSelection
 from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
+from tacos_gap.captures.mean_of_files import without_clipped_expectation
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
 from tacos_gap.closure import closure, closures_of, negative_control
@@ -202,6 +203,9 @@ def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
         capture = with_sharp_edges(capture)
     if (reason := nothing_seen(capture)) is not None:
         return reason
+    capture = without_clipped_expectation(capture)
+    if not capture.valid.any():
+        return f"{capture.id}: white has cut off the files that its expectation is a mean of; it is left out."
     return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 

@@ -1,9 +1,9 @@
 """How well the captures settle the parameters of an explanation.
 
-Three things move an estimate: the noise of the captures and of the simulations they are compared with,
-which the hypothesis' own replicates show; formulas that are not quite the camera's, which show where
+Three things move an estimate above all: the noise of the captures and of the simulations they are compared
+with, which the hypothesis' own replicates show; formulas that are not quite the camera's, which show where
 captures, or statistics of a capture, disagree by more than noise; and what little of a formula's error no
-capture shows. Their variances add.
+capture shows. Their variances add, and that of maps: each sensor, real or simulated, is one draw of them.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from tacos_gap.evidence import ImageEvidence
 from tacos_gap.fit import Fitted, jacobian_at
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
 from tacos_gap.problem import Hypothesis, Problem, robust, robust_derivative
@@ -59,7 +60,7 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
     spreads = [spread_between(groups, fitted.z, jacobian) for groups in (captures, statistics)]
     excess, freedom = _larger_excess(spreads, noise)
     unseen = unseen_variance(fitted.z - problem.null, statistics, jacobian)
-    variance = noise + excess + unseen
+    variance = noise + excess + unseen + map_variance(problem, hypothesis) / steps**2
     own = np.maximum(noise**2 / (replicates - 1) + excess**2 / freedom, 1e-300)
     quantile = stdtrit(np.clip((noise + excess) ** 2 / own, FEWEST, 1e6), 0.5 + confidence / 2)
     return np.asarray((quantile * np.sqrt(variance) * steps)[_kept(fitted.hypothesis, hypothesis)])
@@ -119,6 +120,25 @@ def unseen_variance(
     estimator, _ = _estimator(jacobian)
     moves = np.array([estimator[:, block] @ change[block] for block in blocks])
     return np.asarray(UNSEEN**2 * (moves**2).sum(axis=0))
+
+
+def map_variance(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64]:
+    """(P,) variance of spreads by the luck of their maps, which all captures of a sensor share.
+
+    The standard deviation of n normal numbers varies by the share 1 / sqrt(2 n); the camera's map and the
+    simulated one do so both. Spreads over columns have as many numbers as there are columns.
+    """
+    shapes = [e.capture.valid.shape for e in problem.evidence if isinstance(e, ImageEvidence)]
+    if not shapes:
+        return np.zeros(sum(len(term.free) for term in hypothesis))
+    rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1])
+    variance = []
+    for term in hypothesis:
+        has_map = "map_seed" in term.cls.Config.model_fields
+        for name, value in zip(term.free, term.theta, strict=True):
+            count = columns if name.startswith("column_") else rows * columns
+            variance.append(value**2 / count if has_map else 0.0)
+    return np.array(variance)
 
 
 def _larger_excess(

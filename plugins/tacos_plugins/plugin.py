@@ -12,18 +12,9 @@ from tacos_plugins.authoring import commands as authoring
 from tacos_plugins.kept_worlds import commands as kept_worlds
 
 RIGS = {
-    "monocular": (
-        "monocular:MonocularRig",
-        "One camera, pitched up or down, with a sensor from a catalog.",
-    ),
-    "stereo": (
-        "stereo:StereoRig",
-        "Two parallel cameras a baseline apart.",
-    ),
-    "ring": (
-        "ring:RingRig",
-        "Equal cameras evenly around the agent, as many as are wanted.",
-    ),
+    "monocular": ("monocular:MonocularRig", "One camera, pitched up or down, with a sensor from a catalog."),
+    "stereo": ("stereo:StereoRig", "Two parallel cameras a baseline apart."),
+    "ring": ("ring:RingRig", "Equal cameras evenly around the agent, as many as are wanted."),
     "front-back-sides": (
         "front_back_sides:FrontBackSidesRig",
         "A camera ahead, and others behind and to the sides where they are wanted.",
@@ -76,14 +67,8 @@ EFFECTS = {
         "defocus:Defocus",
         "Light spread over a disc: everywhere alike, or by focus, f-number and depth.",
     ),
-    "lens-blur": (
-        "lens_blur:LensBlur",
-        "A Gaussian that grows over the field, diffraction, or both.",
-    ),
-    "veiling-glare": (
-        "veiling_glare:VeilingGlare",
-        "A share of the light strays over the image.",
-    ),
+    "lens-blur": ("lens_blur:LensBlur", "A Gaussian that grows over the field, diffraction, or both."),
+    "veiling-glare": ("veiling_glare:VeilingGlare", "A share of the light strays over the image."),
     "vignetting": (
         "vignetting:Vignetting",
         "Light that falls off towards the corners: an even polynomial of the radius.",
@@ -96,14 +81,8 @@ EFFECTS = {
         "motion_blur:MotionBlur",
         "Light smeared along a straight line while the shutter is open.",
     ),
-    "exposure-error": (
-        "exposure_error:ExposureError",
-        "More or less light than the exposure settings say.",
-    ),
-    "flicker": (
-        "flicker:Flicker",
-        "Lamps on alternating current: a wave of light over the rows.",
-    ),
+    "exposure-error": ("exposure_error:ExposureError", "More or less light than the exposure settings say."),
+    "flicker": ("flicker:Flicker", "Lamps on alternating current: a wave of light over the rows."),
     "auto-exposure": (
         "auto_exposure:AutoExposure",
         "Metering: exposes to a target mean or evens out changes, within limits, with a lag.",
@@ -112,14 +91,8 @@ EFFECTS = {
         "conversion_gain_error:ConversionGainError",
         "Another slope of the photon-transfer curve: more or fewer electrons per digital number.",
     ),
-    "prnu": (
-        "prnu:Prnu",
-        "Photosites that respond more or less than others, a pattern fixed to the sensor.",
-    ),
-    "dsnu": (
-        "dsnu:Dsnu",
-        "Photosites and columns with offsets of their own, a pattern fixed to the sensor.",
-    ),
+    "prnu": ("prnu:Prnu", "Photosites that respond more or less than others, a pattern fixed to the sensor."),
+    "dsnu": ("dsnu:Dsnu", "Photosites and columns with offsets of their own, a pattern fixed to the sensor."),
     "defect-lines": (
         "defect_lines:DefectLines",
         "Single rows and columns that are offset or dead, in every frame.",
@@ -132,26 +105,14 @@ EFFECTS = {
         "saturation:Saturation",
         "Noisy samples cut off at a level below full scale: the full well.",
     ),
-    "crosstalk": (
-        "crosstalk:Crosstalk",
-        "Noisy samples shared with the eight neighbours; correlates noise.",
-    ),
+    "crosstalk": ("crosstalk:Crosstalk", "Noisy samples shared with the eight neighbours; correlates noise."),
     "nonlinearity": (
         "nonlinearity:Nonlinearity",
         "A response that bends: a polynomial of the signal over full scale.",
     ),
-    "read-noise": (
-        "read_noise:ReadNoise",
-        "Further noise in the dark, Gaussian or with heavier tails.",
-    ),
-    "row-noise": (
-        "row_noise:RowNoise",
-        "Rows and columns that jump from frame to frame.",
-    ),
-    "black-level": (
-        "black_level:BlackLevel",
-        "A pedestal other than the simulator believes.",
-    ),
+    "read-noise": ("read_noise:ReadNoise", "Further noise in the dark, Gaussian or with heavier tails."),
+    "row-noise": ("row_noise:RowNoise", "Rows and columns that jump from frame to frame."),
+    "black-level": ("black_level:BlackLevel", "A pedestal other than the simulator believes."),
     "quantisation": (
         "quantisation:Quantisation",
         "A converter with coarser steps than the file, or one that rounds down.",
@@ -160,10 +121,7 @@ EFFECTS = {
         "lens_shading_correction:LensShadingCorrection",
         "Corners lifted after the noise: a gain map of the radius.",
     ),
-    "white-balance": (
-        "white_balance:WhiteBalance",
-        "Gains on red and blue.",
-    ),
+    "white-balance": ("white_balance:WhiteBalance", "Gains on red and blue."),
     "auto-white-balance": (
         "auto_white_balance:AutoWhiteBalance",
         "Gains on red and blue that are still settling as an episode begins.",
@@ -172,33 +130,18 @@ EFFECTS = {
         "colour_matrix:ColourMatrix",
         "Colours mixed from one another; correlates the noise of channels.",
     ),
-    "demosaic": (
-        "demosaic:Demosaic",
-        "Colour sampled through a Bayer mosaic and reconstructed.",
-    ),
-    "denoise": (
-        "denoise:Denoise",
-        "Adaptive Wiener filter: flat parts lose their noise, edges stay.",
-    ),
-    "sharpening": (
-        "sharpening:Sharpening",
-        "Unsharp mask: overdrawn edges and stronger noise.",
-    ),
+    "demosaic": ("demosaic:Demosaic", "Colour sampled through a Bayer mosaic and reconstructed."),
+    "denoise": ("denoise:Denoise", "Adaptive Wiener filter: flat parts lose their noise, edges stay."),
+    "sharpening": ("sharpening:Sharpening", "Unsharp mask: overdrawn edges and stronger noise."),
     "tone-curve": (
         "tone_curve:ToneCurve",
         "A curve between signal and code: a power, or monotone through knots.",
     ),
-    "jpeg": (
-        "jpeg:Jpeg",
-        "Frames coded as JPEG and decoded.",
-    ),
+    "jpeg": ("jpeg:Jpeg", "Frames coded as JPEG and decoded."),
 }
 
 SENSORS = {
-    "affine-noise": (
-        "affine_noise:AffineNoise",
-        "Photon and thermal noise, scaled by gain and pixel area.",
-    ),
+    "affine-noise": ("affine_noise:AffineNoise", "Photon and thermal noise, scaled by gain and pixel area."),
     "emva": (
         "emva:Emva",
         "Electrons as in EMVA 1288: quantum efficiency, full well, read and dark noise, system gain.",
@@ -229,10 +172,7 @@ TASKS = {
         "surround_coverage:SurroundCoverage",
         "What all cameras of a rig have in view around the agent: directions, and things well seen.",
     ),
-    "sgbm": (
-        "sgbm:Sgbm",
-        "Depth from stereo by OpenCV's semi-global matcher, untrained.",
-    ),
+    "sgbm": ("sgbm:Sgbm", "Depth from stereo by OpenCV's semi-global matcher, untrained."),
     "psmnet": (
         "psmnet.task:PsmnetDepth",
         "Depth from stereo by the network PSMNet, trained with the cameras.",
@@ -256,14 +196,8 @@ OPTIMIZERS = {
         "physical_gp.optimizer:PhysicalGp",
         "Gaussian processes of the scores along physical coordinates: few images for a good camera.",
     ),
-    "random": (
-        "random_search:RandomSearch",
-        "Independent uniform draws: the baseline any search must beat.",
-    ),
-    "sobol": (
-        "sobol:Sobol",
-        "Scrambled Sobol points: covers the space more evenly than random draws.",
-    ),
+    "random": ("random_search:RandomSearch", "Independent uniform draws: the baseline any search must beat."),
+    "sobol": ("sobol:Sobol", "Scrambled Sobol points: covers the space more evenly than random draws."),
     "cma-es": (
         "cma_es:CmaEs",
         "Covariance matrix adaptation with restarts, on snapped candidates.",
@@ -282,14 +216,8 @@ OPTIMIZERS = {
 }
 
 EXECUTORS = {
-    "local": (
-        "local:LocalExecutor",
-        "Evaluates candidates one after another in this process.",
-    ),
-    "process": (
-        "process:ProcessExecutor",
-        "Evaluates candidates in spawned processes, one GL context each.",
-    ),
+    "local": ("local:LocalExecutor", "Evaluates candidates one after another in this process."),
+    "process": ("process:ProcessExecutor", "Evaluates candidates in spawned processes, one GL context each."),
     "ray": (
         "on_ray.executor:RayExecutor",
         "Evaluates candidates on a Ray cluster, of this machine or of many, with shares of GPUs.",

@@ -19,23 +19,22 @@ def load_ipython_extension(ipython: Any) -> None:
 
 def camera_html(camera: Camera) -> str:
     """The field of view of a camera from above, and its figures."""
+    return f"<figure>{_field_of_view(camera)}<figcaption>{camera._repr_html_()}</figcaption></figure>"
+
+
+def rig_html(rig: Rig) -> str:
+    """The fields of view of a rig's cameras, and their figures side by side."""
+    drawn = "".join(map(_field_of_view, rig.cameras))
+    return f"<figure>{drawn}<figcaption>{rig._repr_html_()}</figcaption></figure>"
+
+
+def _field_of_view(camera: Camera) -> str:
     half = math.radians(camera.hfov_deg) / 2
     x, y = _REACH * math.sin(half), _REACH * math.cos(half)
     apex = _REACH + _EDGE
     rim = f"l {-x:.1f} {-y:.1f} A {_REACH} {_REACH} 0 0 1 {apex + x:.1f} {apex - y:.1f}"
     wedge = f"M {apex:.1f} {apex:.1f} {rim} Z"
-    svg = (
+    return (
         f'<svg width="{2 * apex:.0f}" height="{apex + _EDGE:.0f}" role="img" aria-label="field of view">'
         f'<path d="{wedge}" fill="#0072b2" fill-opacity="0.2" stroke="#0072b2"/></svg>'
     )
-    said = (
-        f"{camera.name}: {camera.width_px} x {camera.height_px} pixels of "
-        f"{camera.pixel_um * camera.binning:g} um, {camera.focal_length_mm:.3g} mm, "
-        f"{camera.hfov_deg:.1f} x {camera.vfov_deg:.1f} deg"
-    )
-    return f"<figure>{svg}<figcaption>{said}</figcaption></figure>"
-
-
-def rig_html(rig: Rig) -> str:
-    """The cameras of a rig, one below the other."""
-    return "".join(map(camera_html, rig.cameras))

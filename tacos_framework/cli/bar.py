@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,6 +18,7 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bars
 
+from tacos_framework.cli import pace
 from tacos_framework.cli.pace import Logged, Pace
 from tacos_framework.cli.terminal import terminal_errors
 from tacos_framework.errors import printable
@@ -28,11 +30,30 @@ LONGEST_SILENCE_S = 20.0
 
 
 @contextmanager
-def progress_for(*, quiet: bool) -> Iterator[Progress]:
-    """A live bar on a terminal, lines elsewhere, nothing when quiet; the run's log hears in any case."""
+def progress_for(*, quiet: bool, verbose: bool = False) -> Iterator[Progress]:
+    """What is said on standard error during a run: how far it is, and what is logged meanwhile.
+
+    Parameters
+    ----------
+    quiet
+        No progress, but warnings. Otherwise it is a live bar on a terminal, and lines elsewhere.
+    verbose
+        All that is logged, not warnings alone; tracebacks in full.
+    """
     console = Console(file=terminal_errors())
+    lines = _LogLines(console, verbose=verbose)
+    logging.root.addHandler(lines)
+    try:
+        with _shown_on(console, quiet=quiet) as shown:
+            yield Logged(shown)
+    finally:
+        logging.root.removeHandler(lines)
+
+
+@contextmanager
+def _shown_on(console: Console, *, quiet: bool) -> Iterator[Progress]:
     if quiet:
-        yield Logged(Silent())
+        yield Silent()
     elif console.is_terminal:
         with Bars(
             TextColumn("{task.description:<28}"),
@@ -44,9 +65,32 @@ def progress_for(*, quiet: bool) -> Iterator[Progress]:
             TimeRemainingColumn(),
             console=console,
         ) as bars:
-            yield Logged(_Live(bars))
+            yield _Live(bars)
     else:
-        yield Logged(_Lines(console))
+        yield _Lines(console)
+
+
+class _LogLines(logging.Handler):
+    """Log lines on the console that draws the bars, so that they come above them and never into them.
+
+    Parameters
+    ----------
+    console
+        Where they go.
+    verbose
+        All lines in full; otherwise of warnings and errors the first, as ``log.txt`` has the others.
+    """
+
+    def __init__(self, console: Console, *, verbose: bool):
+        super().__init__(logging.INFO if verbose else logging.WARNING)
+        self._console = console
+        self._verbose = verbose
+        self.addFilter(lambda record: record.name != pace.__name__)  # the bars say the same
+
+    def emit(self, record: logging.LogRecord) -> None:
+        text = self.format(record) if self._verbose else record.getMessage().partition("\n")[0]
+        level = "" if record.levelno < logging.WARNING else f"{record.levelname.lower()}: "
+        self._console.print(printable(f"{level}{text}"), markup=False, highlight=False, soft_wrap=True)
 
 
 class _Live:

@@ -51,12 +51,12 @@ class Pace:
         """What is done, and, once something is, how long the rest takes at the mean pace so far."""
         if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
             return f"{self.title}: {self.done} done"
-        told = f"{self.title}: {self.done} of {self.total} done"
+        so_far = f"{self.title}: {self.done} of {self.total} done"
         left = self.total - self.done
         if not self.done or left <= 0:
-            return told
+            return so_far
         left_s = (self._clock() - self._began_s) / self.done * left
-        return f"{told}, about {timedelta(seconds=round(left_s))} left"
+        return f"{so_far}, about {timedelta(seconds=round(left_s))} left"
 
 
 class Logged:

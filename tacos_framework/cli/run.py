@@ -72,6 +72,11 @@ def parser() -> argparse.ArgumentParser:
         "--explain", action="store_true", help="show the resolved graph and settings, then stop"
     )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.add_argument(
+        "--verbose",
+        action="store_true",
+        help="all that is logged, not warnings alone; with --check every doubt about every part",
+    )
     return parser
 
 
@@ -92,45 +97,68 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(arguments: argparse.Namespace, command: str) -> int:
     from tacos_framework.plan import Plan
-    from tacos_framework.plan.notes import notes_on_catalogs, notes_on_constraints
     from tacos_framework.plugins import Plugins
     from tacos_framework.recipe import Recipe
 
     plugins = Plugins.discover()
     recipe, faults = _read(arguments, plugins)
-    extend = _extend(arguments, faults)
-    resume = arguments.resume or bool(arguments.extend)
-    if resume and arguments.out is None:
-        option = "--resume" if arguments.resume else "--extend"
-        faults.append(Fault(option, "which run is not said", "", "Name its folder with --out."))
-    elif arguments.extend and not isinstance(recipe, Recipe):
-        faults.append(Fault("--extend", "only studies can be extended", "", "Leave it out."))
-    elif resume and isinstance(recipe, Recipe) and not faults:
-        from tacos_framework.study.extending import for_resuming
-
-        recipe = for_resuming(recipe, arguments.out, plugins, extend)
+    recipe, extend = _to_go_on_with(arguments, recipe, plugins, faults)
     planned = _plan_study if isinstance(recipe, Recipe) else _plan_procedure
     plan, explanation = planned(recipe, plugins, faults)
     if arguments.explain:
         print(explanation())
     if arguments.check:
         print(f"{arguments.recipe}: no faults.")
-        for note in (*notes_on_catalogs(plan), *notes_on_constraints(plan)) if isinstance(plan, Plan) else ():
-            print(f"note: {note}")
-    if arguments.check or arguments.explain:
-        return DONE
+        if isinstance(plan, Plan):
+            from tacos_framework.cli.remarks import remarks
 
+            for line in remarks(plan, verbose=arguments.verbose):
+                print(line)
+    return (
+        DONE if arguments.check or arguments.explain else _run_plan(arguments, plan, plugins, extend, command)
+    )
+
+
+def _to_go_on_with(
+    arguments: argparse.Namespace, recipe: Recipe | ProcedureRecipe, plugins: Plugins, faults: list[Fault]
+) -> tuple[Recipe | ProcedureRecipe, dict[str, int]]:
+    """The recipe, as long as a run to go on with was extended to already; and by how much to raise that."""
+    from tacos_framework.recipe import Recipe
+
+    extend = _extend(arguments, faults)
+    if not (arguments.resume or arguments.extend):
+        return recipe, extend
+    if arguments.out is None:
+        option = "--resume" if arguments.resume else "--extend"
+        faults.append(Fault(option, "which run is not said", "", "Name its folder with --out."))
+    elif arguments.extend and not isinstance(recipe, Recipe):
+        faults.append(Fault("--extend", "only studies can be extended", "", "Leave it out."))
+    elif isinstance(recipe, Recipe) and not faults:
+        from tacos_framework.study.extending import for_resuming
+
+        recipe = for_resuming(recipe, arguments.out, plugins, extend)
+    return recipe, extend
+
+
+def _run_plan(
+    arguments: argparse.Namespace,
+    plan: Plan | ProcedurePlan,
+    plugins: Plugins,
+    extend: Mapping[str, int],
+    command: str,
+) -> int:
     from tacos_framework.cli.bar import progress_for
     from tacos_framework.runner import run
     from tacos_framework.study import BROKEN_OFF, DEFECT
 
     out = arguments.out or Path("runs") / f"{Path(arguments.recipe).stem}-{datetime.now():%Y%m%d-%H%M%S}"
-    with progress_for(quiet=arguments.quiet) as progress, ended_by_sigterm():
+    progress_shown = progress_for(quiet=arguments.quiet, verbose=arguments.verbose)
+    with progress_shown as progress, ended_by_sigterm():
         result = run(
             plan,
             out=out,
             plugins=plugins,
-            resume=resume,
+            resume=arguments.resume or bool(arguments.extend),
             extend=extend,
             accept_changes=arguments.accept_changes,
             progress=progress,

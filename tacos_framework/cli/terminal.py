@@ -55,16 +55,9 @@ def terminal_errors() -> TextIO:
 @contextmanager
 def log_on_terminal(packages: Iterable[str]) -> Iterator[None]:
     """What these packages note in their log meanwhile is said on standard error too."""
+    from tacos_framework.results.log import heard_by
+
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(logging.Formatter("%(message)s"))
-    loggers = [logging.getLogger(name) for name in sorted(set(packages))]
-    before = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.addHandler(handler)
-        logger.setLevel(logging.INFO)
-    try:
+    with heard_by(handler, packages):
         yield
-    finally:
-        for logger, level in zip(loggers, before, strict=True):
-            logger.removeHandler(handler)
-            logger.setLevel(level)

@@ -74,7 +74,7 @@ class Evaluated:
     candidate
         As it was asked.
     fitness
-        Higher is better; None when it failed or breaks a constraint.
+        Higher is better [weighted sum of scores]; None when it failed or breaks a constraint.
     failed
         Why, in a sentence.
     episodes
@@ -108,6 +108,9 @@ class Optimizer(Protocol):
     ``recommend(count) -> list[Candidate]``
         The candidates it thinks best, the best first; the study scores them once more on fresh episodes.
         Without it, those of highest mean fitness are.
+    ``choose(finalists) -> int``
+        The place, among those candidates as they were `Evaluated` on fresh episodes, of the best one. Their
+        numbers of episodes name other scenes than those of `tell`. Without it, that of highest fitness is.
     ``budget: ClassVar[str]``
         The setting (a whole number) that says how long it goes on, where `restore` of a state from before
         goes on with a larger one as if it had been that large from the start: such studies can be extended.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from tacos_framework.plan.feasibility import derived_of, infeasible
@@ -26,23 +27,59 @@ def notes_on_constraints(plan: Plan) -> Iterator[str]:
 
 
 def notes_on_catalogs(plan: Plan) -> Iterator[str]:
-    """On parts that cannot be chosen, as a number is unknown, and on those that can but are in doubt."""
-    for variable in plan.space.variables:
-        if not isinstance(variable, CatalogChoice):
-            continue
+    """On parts that cannot be chosen, as a number is unknown."""
+    for variable in _catalog_choices(plan):
         if left_out := [part.name for part in variable.left_out]:
             columns = ", ".join(variable.design_columns)
             yield (
                 f"Parts that cannot be chosen, since a number is unknown in {columns}: "
                 f"{_first_of(left_out)} ({variable.catalog.name})."
             )
-        if doubted := [f"{part.name}: {doubt}" for part in variable.rows for doubt in part.doubts]:
-            yield f"Doubts about parts of {variable.catalog.name}: {_first_of(doubted, '; ')}"
 
 
-def _first_of(items: Sequence[str], joined_by: str = ", ") -> str:
+@dataclass(frozen=True)
+class DoubtedParts:
+    """What is in doubt about the parts of one catalog that can be chosen.
+
+    Parameters
+    ----------
+    catalog
+        Its name.
+    parts
+        How many parts can be chosen.
+    by_doubt
+        Each doubt once, with the names of the parts it is about; those of many parts first.
+    """
+
+    catalog: str
+    parts: int
+    by_doubt: Mapping[str, tuple[str, ...]]
+
+    @property
+    def doubted(self) -> int:
+        """How many parts are in doubt."""
+        return len({name for names in self.by_doubt.values() for name in names})
+
+
+def doubted_parts(plan: Plan) -> Iterator[DoubtedParts]:
+    """Of each catalog a study chooses from, the doubts about its parts, where there are any."""
+    for variable in _catalog_choices(plan):
+        found: dict[str, tuple[str, ...]] = {}
+        for part in variable.rows:
+            for doubt in part.doubts:
+                found[doubt] = (*found.get(doubt, ()), part.name)
+        if found:
+            many_first = dict(sorted(found.items(), key=lambda item: -len(item[1])))
+            yield DoubtedParts(variable.catalog.name, len(variable.rows), many_first)
+
+
+def _catalog_choices(plan: Plan) -> Iterator[CatalogChoice]:
+    return (each for each in plan.space.variables if isinstance(each, CatalogChoice))
+
+
+def _first_of(items: Sequence[str]) -> str:
     more = f" and {len(items) - NAMED} more" if len(items) > NAMED else ""
-    return f"{joined_by.join(items[:NAMED])}{more}"
+    return f"{', '.join(items[:NAMED])}{more}"
 
 
 def inadmissible(plan: Plan) -> dict[str, str]:
@@ -53,11 +90,10 @@ def inadmissible(plan: Plan) -> dict[str, str]:
 
 def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
     """Sentences on one camera: doubts about its parts, and what its rig says of it."""
-    for variable in plan.space.variables:
-        if isinstance(variable, CatalogChoice):
-            name = values.get(variable.name, {}).get("name")
-            for row in variable.rows:
-                yield from (f"{row.name}: {doubt}" for doubt in row.doubts if row.name == name)
+    for variable in _catalog_choices(plan):
+        name = values.get(variable.name, {}).get("name")
+        for row in variable.rows:
+            yield from (f"{row.name}: {doubt}" for doubt in row.doubts if row.name == name)
     notes = getattr(plan.rig.instance, "notes", None)
     if callable(notes):
         try:
@@ -73,9 +109,7 @@ def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:
     Only where other parts of the same catalog have it: a rig without a lens has no image circle.
     """
     middle = plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
-    for variable in plan.space.variables:
-        if not isinstance(variable, CatalogChoice):
-            continue
+    for variable in _catalog_choices(plan):
         candidates = [{**middle, variable.name: row.as_dict()} for row in variable.rows]
         unknown = [plan.unknown(each, derived_of(plan, each) or {}) for each in candidates]
         for constraint in plan.constraints:

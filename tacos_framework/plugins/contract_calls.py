@@ -185,7 +185,7 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
     "rig": (Call("coordinates", ("variables",)),),
     "sensor": (Call("lacks", ("rig",)),),
     "task": (Call("lacks", ("rig",)), Call("untrained")),
-    "optimizer": (Call("recommend", ("count",)),),
+    "optimizer": (Call("recommend", ("count",)), Call("choose", ("finalists",))),
     "procedure": (Call("check", (), ("seed", "plugins"), asked_for=True),),
 }
 """How those members are called that a component may have."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
 from typing import Any, ClassVar, Generic, TypeVar
@@ -158,3 +159,26 @@ class GuardedExecutor:
         except Exception as error:
             blame(error, self._culprit)
             raise
+
+
+@contextmanager
+def executor_of_run(
+    host: JobRunner | None, make: Callable[[], JobRunner], use: str, distribution: str | None
+) -> Iterator[GuardedExecutor]:
+    """The executor of a host, which stays open, or else that of a recipe, made here and closed at the end.
+
+    Parameters
+    ----------
+    host
+        An executor that stands for the recipe's; None for none.
+    make, use, distribution
+        Makes the recipe's; the component it is, and where that comes from.
+    """
+    if host is not None:
+        yield GuardedExecutor.of_host(host)
+        return
+    own = GuardedExecutor(make(), use, distribution)
+    try:
+        yield own
+    finally:
+        own.close()

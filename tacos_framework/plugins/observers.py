@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -83,7 +82,6 @@ class Observers:
             "the study goes on without it"
         )
         log.warning("%s", warning, exc_info=error)
-        print(f"warning: {warning}", file=sys.stderr)
 
 
 def _plain_keys(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from pydantic import create_model
@@ -13,6 +12,7 @@ from tacos_framework.errors import Fault
 from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.recipe.recipe import FORMAT, Recipe
 from tacos_framework.recipe.sections import Use
+from tacos_framework.recipe.written import Written
 from tacos_framework.settings import Settings, check
 from tacos_framework.settings.yaml_document import Document
 
@@ -27,7 +27,7 @@ _Heading: type[Settings] = create_model("_Heading", __base__=Settings, **_SHARED
 
 
 @dataclass(frozen=True)
-class ProcedureRecipe:
+class ProcedureRecipe(Written):
     """What to run: a procedure and its settings.
 
     Parameters
@@ -54,19 +54,10 @@ class ProcedureRecipe:
     notes: tuple[str, ...] = ()
     document: Document | None = None
 
-    def without_echoes(self, faults: Sequence[Fault]) -> list[Fault]:
-        """Without the faults of values that the text's reader has refused already."""
-        return list(faults) if self.document is None else self.document.without_echoes(faults)
-
-    def where(self, path: Sequence[str | int]) -> str:
-        """File, line and column of a key; its dotted name for a recipe built in Python."""
-        if self.document is not None:
-            return self.document.where(tuple(path))
-        return ".".join(map(str, ("recipe", *path)))
-
-    def folder_of(self, path: Sequence[str | int]) -> Path | None:
-        """The folder that a relative path at a key starts from; None for the working folder."""
-        return self.document.folder_of(path) if self.document is not None else None
+    @property
+    def text(self) -> Document | None:
+        """See `Written`."""
+        return self.document
 
     def as_data(self) -> dict[str, Any]:
         """The recipe as plain data."""

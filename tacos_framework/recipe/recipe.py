@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import ConfigDict, PrivateAttr, model_validator
 
-from tacos_framework.errors import Fault
 from tacos_framework.recipe.effect_names import effect_names
 from tacos_framework.recipe.notes import quoting
 from tacos_framework.recipe.sections import (
@@ -27,6 +24,7 @@ from tacos_framework.recipe.sections import (
     Variable,
     Weighted,
 )
+from tacos_framework.recipe.written import Written
 from tacos_framework.settings import Settings, setting
 from tacos_framework.settings.yaml_document import Document
 
@@ -34,7 +32,7 @@ FORMAT = 1
 """The recipe format this version reads (``tacos: 1``)."""
 
 
-class Recipe(Settings):
+class Recipe(Written, Settings):
     """What to design, how to simulate it, and what to score it by.
 
     Built from YAML by `load_recipe` or in Python with keyword arguments; both are equal in power.
@@ -113,19 +111,10 @@ class Recipe(Settings):
         written = self._document.data.get(section) if self._document is not None else None
         return tuple(written if isinstance(written, dict) else getattr(self, section))
 
-    def without_echoes(self, faults: Sequence[Fault]) -> list[Fault]:
-        """Without the faults of values that the text's reader has refused already."""
-        return list(faults) if self._document is None else self._document.without_echoes(faults)
-
-    def where(self, path: Sequence[str | int]) -> str:
-        """File, line and column of a key; its dotted name for a recipe built in Python."""
-        if self._document is not None:
-            return self._document.where(tuple(path))
-        return ".".join(map(str, ("recipe", *path)))
-
-    def folder_of(self, path: Sequence[str | int]) -> Path | None:
-        """The folder that a relative path at a key starts from; None for the working folder."""
-        return self._document.folder_of(path) if self._document is not None else None
+    @property
+    def text(self) -> Document | None:
+        """See `Written`."""
+        return self._document
 
     def as_data(self) -> dict[str, Any]:
         """The recipe as plain data, every default filled in; `parse_recipe` of it gives an equal recipe."""

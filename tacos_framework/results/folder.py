@@ -27,8 +27,9 @@ from tacos_framework.results.checksums import (
     line_with_checksum,
     lines_with_checksums,
 )
+from tacos_framework.results.log import LogFile, logging_to
 from tacos_framework.results.reading import checked_file, damage, read_recorded
-from tacos_framework.results.writing import append_to_file, logging_to, replace_file
+from tacos_framework.results.writing import append_to_file, replace_file
 
 log = logging.getLogger(__name__)
 
@@ -101,7 +102,8 @@ class RunFolder:
     def logging(self, packages: Iterable[str]) -> AbstractContextManager[None]:
         """Write the log of these packages to ``log.txt`` meanwhile."""
         with self.writing():
-            return logging_to(self.folder / "log.txt", packages)
+            file = LogFile(self.folder / "log.txt")
+        return logging_to(file, packages)
 
     # files ------------------------------------------------------------------------------------------------
 

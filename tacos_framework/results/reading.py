@@ -93,12 +93,7 @@ def read_run_json(path: Path) -> dict[str, Any]:
     UserError
         When it cannot be read, or is not as the run left it.
     """
-    earlier = not (path.parent / MANIFEST).exists()
-
-    def parse(data: bytes) -> dict[str, Any]:
-        return json_object(data) if earlier and b'\n "checksum": "' not in data else checked_json(data)
-
-    return checked_file(path, parse)
+    return _read_run_file(path, b'\n "checksum": "', checked_json, json_object)
 
 
 def read_run_lines(path: Path) -> Lines:
@@ -109,16 +104,9 @@ def read_run_lines(path: Path) -> Lines:
     UserError
         When it cannot be read, or is not as the run left it.
     """
-    if not path.exists():
-        return Lines()
-    earlier = not (path.parent / MANIFEST).exists()
-
-    def parse(data: bytes) -> Lines:
-        if not earlier or b'"checksum": "' in data:
-            return checked_lines(data)
-        return _unchecked_lines(data)
-
-    return checked_file(path, parse)
+    return (
+        _read_run_file(path, b'"checksum": "', checked_lines, _unchecked_lines) if path.exists() else Lines()
+    )
 
 
 def read_run_text(path: Path) -> str:
@@ -129,12 +117,17 @@ def read_run_text(path: Path) -> str:
     UserError
         When it cannot be read, or is not as the run left it.
     """
+    return _read_run_file(path, b"# checksum: ", checked_text, lambda data: data.decode(errors="replace"))
+
+
+def _read_run_file(
+    path: Path, mark: bytes, checked: Callable[[bytes], Content], unchecked: Callable[[bytes], Content]
+) -> Content:
+    """What a file holds; only a run of before there were manifests may lack the mark of a checksum."""
     earlier = not (path.parent / MANIFEST).exists()
 
-    def parse(data: bytes) -> str:
-        return (
-            data.decode(errors="replace") if earlier and b"# checksum: " not in data else checked_text(data)
-        )
+    def parse(data: bytes) -> Content:
+        return unchecked(data) if earlier and mark not in data else checked(data)
 
     return checked_file(path, parse)
 

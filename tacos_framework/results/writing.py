@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import errno
-import logging
 import os
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 PARTIAL = ".partial"
@@ -46,27 +43,3 @@ def to_disk(descriptor: int) -> None:
     except OSError as error:
         if error.errno != errno.EINVAL:  # file systems that cannot, for folders
             raise
-
-
-@contextmanager
-def logging_to(path: Path, packages: Iterable[str]) -> Iterator[None]:
-    """Write the log of these packages to a file meanwhile."""
-    handler = _LogFile(path, encoding="utf-8")
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
-    loggers = [logging.getLogger(name) for name in sorted(set(packages))]
-    for logger in loggers:
-        logger.addHandler(handler)
-        logger.setLevel(logging.INFO)
-    try:
-        yield
-    finally:
-        for logger in loggers:
-            logger.removeHandler(handler)
-        handler.close()
-
-
-class _LogFile(logging.FileHandler):
-    """A log that goes quiet where it cannot be written; the run says what is wrong, and the log need not."""
-
-    def handleError(self, record: logging.LogRecord) -> None:
-        """Drop the line."""

@@ -137,7 +137,7 @@ def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
         When no episode reports a score that the fitness takes.
     """
     if evaluation.scenario_episodes:
-        return _judged_in_scenarios(evaluation, fitness)
+        return _with_fitness_in_scenarios(evaluation, fitness)
     scores = mean_scores(evaluation.episodes)
     return replace(
         evaluation,
@@ -148,7 +148,7 @@ def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     )
 
 
-def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+def with_fitness_or_failed(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     """As `with_fitness`; it has failed where its episodes do not give every score the fitness takes."""
     try:
         return with_fitness(evaluation, fitness)
@@ -156,7 +156,7 @@ def judged(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
         return replace(evaluation, failed=str(error))
 
 
-def _judged_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
+def _with_fitness_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     """Scores are weighted means over the scenarios; fitness and terms too, or they are those of the worst."""
     columns = {
         name: tuple(_episode_with_fitness(episode, fitness) for episode in episodes)
@@ -217,4 +217,4 @@ def merged_evaluation(partials: Sequence[Evaluation], fitness: Fitness) -> Evalu
         for name in dict.fromkeys(name for partial in partials for name in partial.scenario_episodes)
     }
     whole = replace(partials[0], episodes=episodes, scenario_episodes=columns, images=images, seconds=seconds)
-    return judged(whole, fitness)
+    return with_fitness_or_failed(whole, fitness)

@@ -42,6 +42,11 @@ class Evaluator:
         return job.lost(reason)
 
     @property
+    def plan(self) -> Plan:
+        """What is simulated, checked."""
+        return self._plan or self.simulation.plan
+
+    @property
     def simulation(self) -> Simulation:
         """The simulation of this process."""
         if self._simulation is None:

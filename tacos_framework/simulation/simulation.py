@@ -20,7 +20,7 @@ from tacos_framework.settings import Settings
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
-from tacos_framework.simulation.evaluation import Evaluation, failed_by, judged
+from tacos_framework.simulation.evaluation import Evaluation, failed_by, with_fitness_or_failed
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import rendered_ahead, train
@@ -112,7 +112,7 @@ class Simulation:
                     return replace(evaluation, failed=said, broken=amounts)
                 contexts = self._contexts(values, variables, clock)
                 scored = self._scored(evaluation, contexts, episodes, states, training)
-                return scored if partial else judged(scored, self.plan.fitness)
+                return scored if partial else with_fitness_or_failed(scored, self.plan.fitness)
             except CandidateFailed as error:
                 return replace(evaluation, failed=str(error), seconds=clock.seconds)
             except (Exception, SystemExit) as error:

@@ -107,6 +107,19 @@ class GuardedOptimizer:
                 self._check(candidate, "recommend()", name)
             return list(dict.fromkeys(given))
 
+    def choose(self, finalists: Sequence[Evaluated]) -> int | None:
+        """The place of the finalist it thinks best; None where it has no say in that."""
+        if not callable(getattr(self._optimizer, "choose", None)):
+            return None
+        with self._part.calling("choose"):
+            place = self._optimizer.choose(finalists)
+            if not _is_one_of(place, len(finalists)):
+                self._refuse(
+                    f"choose() gives {_short(place)} for {len(finalists)} finalists",
+                    f"the place of one, from 0 to {len(finalists) - 1}",
+                )
+            return int(place)
+
     def stop(self) -> str | None:
         """Why there is nothing more to ask; None to go on."""
         with self._part.calling("stop"):
@@ -170,7 +183,7 @@ class GuardedOptimizer:
         raise ContractBroken(f"{self._part.origin}: {given}; expected {expected}")
 
 
-def told_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
+def result_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
     """What an optimizer is told of a candidate."""
     episodes = evaluation.scores_by_episode
     return Evaluated(

@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass, replace
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Executor
-from tacos_framework.plan import Plan
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, state_key
 from tacos_framework.study.scoring import score_in_a_race
 from tacos_framework.study.shards import score_sharded
@@ -43,7 +42,6 @@ def _key(job: ScoreJob, weights: str) -> str:
 def evaluate_each_once(
     wanted: Sequence[ScoreJob],
     known: Known,
-    plan: Plan,
     executor: Executor,
     evaluate: Evaluator,
     on_evaluated: Callable[[Evaluation], None],
@@ -57,7 +55,7 @@ def evaluate_each_once(
     keys = job_keys(wanted)
     jobs = {key: job for key, job in zip(keys, wanted, strict=True) if key not in known.cache}
     fresh: dict[str, Evaluation] = {}
-    for key, evaluation in zip(jobs, _scored(jobs, keys, known, plan, executor, evaluate), strict=True):
+    for key, evaluation in zip(jobs, _scored(jobs, keys, known, executor, evaluate), strict=True):
         fresh[key] = evaluation
         on_evaluated(evaluation)
     evaluations, given = [], set()
@@ -76,16 +74,15 @@ def _scored(
     jobs: Mapping[str, ScoreJob],
     keys: Sequence[str],
     known: Known,
-    plan: Plan,
     executor: Executor,
     evaluate: Evaluator,
 ) -> Iterable[Evaluation]:
     """The evaluations of jobs, by a race where the recipe asks for one."""
-    rules = plan.recipe.study.race
+    rules = evaluate.plan.recipe.study.race
     if rules is None:
-        return score_sharded(list(jobs.values()), plan.fitness, executor, evaluate)
+        return score_sharded(list(jobs.values()), executor, evaluate)
     others = {key: known.cache[key] for key in keys if key in known.cache}
     if known.leader is not None:
         others["best"] = known.leader
     rivals = {key: e for key, e in others.items() if e.fitness is not None and e.dropped is None}
-    return score_in_a_race(jobs, rivals, rules, plan.fitness, executor, evaluate)
+    return score_in_a_race(jobs, rivals, rules, executor, evaluate)

@@ -26,7 +26,7 @@ class _Trained:
 
 
 def score_pipelined(
-    jobs: Sequence[ScoreJob], fitness: Fitness, executor: Executor, evaluate: Evaluator
+    jobs: Sequence[ScoreJob], executor: Executor, evaluate: Evaluator
 ) -> Iterator[Evaluation]:
     """Train and score candidates whose weights pass from one to the next.
 
@@ -41,8 +41,6 @@ def score_pipelined(
     ----------
     jobs
         Training on and scoring each candidate, in their order; where the first begins stands in its states.
-    fitness
-        The weighted sum of scores.
     executor, evaluate
         Run the jobs.
 
@@ -50,7 +48,7 @@ def score_pipelined(
     ------
     The evaluation of each job. One that fails in training has no states: the next goes on from those before.
     """
-    states = dict(jobs[0].states)
+    states, fitness = dict(jobs[0].states), evaluate.plan.fitness
     waiting: list[_Trained] = []
     beside: list[Evaluation] = []
     for job, following in zip_longest(jobs, jobs[1:]):

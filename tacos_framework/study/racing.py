@@ -102,9 +102,9 @@ class Behind:
     rival
         The other.
     difference
-        Mean difference of the fitness, its own minus the rival's.
+        Mean difference, its own minus the rival's [fitness].
     standard_error
-        Standard error of that mean.
+        Standard error of that mean [fitness].
     blocks
         How many blocks were compared.
     """

@@ -1,7 +1,8 @@
-"""What a run's folder keeps of an evaluation."""
+"""What a run's folder keeps of evaluations."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from tacos_framework.cache import content_key
@@ -28,4 +29,17 @@ def candidate_record(evaluation: Evaluation) -> dict[str, Any]:
         "cached": evaluation.cached,
         "dropped": evaluation.dropped,
         **({"scenarios": evaluation.scenarios} if evaluation.scenarios else {}),
+    }
+
+
+def generation_record(
+    number: int, evaluations: Sequence[Evaluation], best: Evaluation | None, seconds: float
+) -> dict[str, Any]:
+    """A generation as lines of ``generations.jsonl`` have it, with the best candidate until then."""
+    return {
+        "generation": number,
+        "seconds": round(seconds, 3),
+        "frames": sum(evaluation.images for evaluation in evaluations),
+        "candidates": [candidate_record(evaluation) for evaluation in evaluations],
+        "best": best and {"camera": best.values, "fitness": best.fitness, "scores": best.scores},
     }

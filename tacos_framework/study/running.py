@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any
 from tacos_framework.contracts import JobRunner
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.plugins.executing import GuardedExecutor
+from tacos_framework.plugins.executing import executor_of_run
 from tacos_framework.recipe import Recipe
 from tacos_framework.results import Results
 from tacos_framework.results.dependencies import manifest_of_study
@@ -53,25 +52,18 @@ def run_study(
         manifest = settle_manifest(
             results, manifest_of_study(plan), accept_changes=accept_changes, begun=checkpoint is not None
         )
-        of_recipe, distribution = plan.executor, plan.executor.distribution
-        evaluates = (
-            GuardedExecutor.of_host(executor)
-            if executor
-            else GuardedExecutor(of_recipe.make(), of_recipe.use, distribution)
-        )
-        running = Study(plan, plugins, results, evaluates, progress or Silent(), manifest, command)
-        try:
-            running.restore(checkpoint)
-            running.run()
-        except KeyboardInterrupt:
-            running.broken_off = BROKEN_OFF
-            log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
-        except KeepsFailing as error:
-            running.broken_off = f"{DEFECT}: {error}"
-            log.error("%s", running.broken_off)
-        finally:
-            if executor is None:
-                evaluates.close()
+        part = plan.executor
+        with executor_of_run(executor, part.make, part.use, part.distribution) as evaluates:
+            running = Study(plan, plugins, results, evaluates, progress or Silent(), manifest, command)
+            try:
+                running.restore(checkpoint)
+                running.run()
+            except KeyboardInterrupt:
+                running.broken_off = BROKEN_OFF
+                log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
+            except KeepsFailing as error:
+                running.broken_off = f"{DEFECT}: {error}"
+                log.error("%s", running.broken_off)
         result = running.finish()
         if report:
             _report(results.folder, plugins)
@@ -83,4 +75,3 @@ def _report(folder: Path, plugins: Plugins) -> None:
     for failure in plugins.offers.write_reports(folder)[1]:
         warning = f"no report by {failure.plugin}: {failure.reason}; `tacos report` tries again"
         log.warning("%s", warning, exc_info=failure.error)
-        print(f"warning: {warning}", file=sys.stderr)

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tacos_framework.contracts import Executor
-from tacos_framework.fitness import Fitness
-from tacos_framework.recipe import RaceSettings
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.recipe import RaceSettings, Recipe
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
 from tacos_framework.study.racing import Race
 
@@ -16,7 +16,6 @@ def score_in_a_race(
     jobs: Mapping[str, ScoreJob],
     rivals: Mapping[str, Evaluation],
     rules: RaceSettings,
-    fitness: Fitness,
     executor: Executor,
     evaluate: Evaluator,
 ) -> list[Evaluation]:
@@ -30,15 +29,15 @@ def score_in_a_race(
         Candidates known from before that have seen these very blocks, all of them.
     rules
         When a candidate is dropped.
-    fitness
-        The weighted sum of scores.
+    executor, evaluate
+        Run the jobs.
 
     Returns
     -------
     One evaluation for each job, in their order. One that was dropped has its scores on the blocks it saw,
     says so in `Evaluation.dropped`, and has the fitness that `Race.fitness_of_dropped` gives.
     """
-    race = Race(fitness, rules.standard_errors, rules.min_blocks)
+    race = Race(evaluate.plan.fitness, rules.standard_errors, rules.min_blocks)
     for key, rival in rivals.items():
         race.saw(key, rival.blocks)
     found: dict[str, list[Evaluation]] = {key: [] for key in jobs}
@@ -84,3 +83,23 @@ def _outcomes(
         else e
         for key, e in whole.items()
     ]
+
+
+def refuse_race_of_parts(recipe: Recipe, optimizer: str, numbers: Sequence[int]) -> None:
+    """Refuse a recipe with a race whose optimizer has a candidate scored on some of the episodes only.
+
+    Raises
+    ------
+    UserError
+        Where the recipe has a race.
+    """
+    if recipe.study.race is None:
+        return
+    fault = Fault(
+        recipe.where(("study", "race")),
+        f"candidates cannot race: {optimizer} asks for one to be scored on episodes "
+        f"{', '.join(map(str, numbers))} only",
+        "an optimizer that has all candidates scored on all episodes",
+        "Take study.race out, or set the optimizer to score candidates on all episodes.",
+    )
+    raise UserError(fault)

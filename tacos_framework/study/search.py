@@ -7,16 +7,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.contracts import Asked, Executor, State
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
-from tacos_framework.study.asking import GuardedOptimizer, not_evaluated, told_of
+from tacos_framework.study.asking import GuardedOptimizer, not_evaluated, result_of
 from tacos_framework.study.episodes import scored_episodes, training_episode
 from tacos_framework.study.evaluating import Known, evaluate_each_once, job_keys
 from tacos_framework.study.failing import MOST_ALIKE, KeepsFailing, limit_of
 from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.study.problem import broken_by, design_problem
+from tacos_framework.study.scoring import refuse_race_of_parts
 from tacos_framework.study.search_state import EndOfSearch, SearchState, fitness_of
 from tacos_framework.study.shards import score_sharded
 
@@ -101,8 +100,8 @@ class Search(SearchState):
         numbers = [self._numbers(each) for each in done] or [self._numbers(None)] * len(jobs)
         evaluations = [replace(e, episode_numbers=n) for e, n in zip(found, numbers, strict=True)]
         if self.optimizer:
-            told = [told_of(a, e) for a, e in zip(done, evaluations, strict=True)]
-            self.optimizer.tell([*told, *(not_evaluated(each, self._spent) for each in left_out)])
+            results = [result_of(a, e) for a, e in zip(done, evaluations, strict=True)]
+            self.optimizer.tell([*results, *(not_evaluated(each, self._spent) for each in left_out)])
         self.partly_scored |= any(len(n) < self._episode_count for n in numbers)
         self.remember(evaluations)
         self.states = states
@@ -177,8 +176,8 @@ class Search(SearchState):
         jobs = []
         for i, each in enumerate(asked):
             numbers = self._numbers(each)
-            if self.plan.recipe.study.race is not None and len(numbers) < len(episodes):
-                raise UserError(_race_of_parts(self.plan, self.optimizer.origin, numbers))
+            if len(numbers) < len(episodes):
+                refuse_race_of_parts(self.plan.recipe, self.optimizer.origin, numbers)
             values = {**self.fixed, **each.candidate.as_dict()}
             specs = tuple(episodes[number] for number in numbers)
             jobs.append(ScoreJob(values, specs, self.states, self._training_episode(i)))
@@ -194,14 +193,14 @@ class Search(SearchState):
         states = dict(self.states)
         if self.training and self.weights_mode == "shared":
             evaluations = []
-            for evaluation in score_pipelined(jobs, self.plan.fitness, executor, evaluate):
+            for evaluation in score_pipelined(jobs, executor, evaluate):
                 states.update(evaluation.states)
                 evaluations.append(evaluation)
                 on_evaluated(evaluation)
             return evaluations, states
         leader = self.best if self.comparable else None
         evaluations, fresh = evaluate_each_once(
-            jobs, Known(self.cache, leader), self.plan, executor, evaluate, on_evaluated
+            jobs, Known(self.cache, leader), executor, evaluate, on_evaluated
         )
         if self.repeatable:  # otherwise no later generation can ask the same again
             known = {key: e for key, e in fresh.items() if e.raised is None}  # a defect may be mended
@@ -217,7 +216,7 @@ class Search(SearchState):
 
         The best of many noisy scores is too good to be true (the winner's curse), and scores of different
         episodes, or of weights that have learnt meanwhile, do not even compare. Nothing is scored where
-        there is nothing to choose between.
+        there is nothing to choose between. An optimizer that models noise may choose by all it has seen.
 
         Returns
         -------
@@ -233,15 +232,24 @@ class Search(SearchState):
         episodes = self._episodes("final", study.final_episodes or study.episodes)
         jobs = [ScoreJob(values, episodes, self.states) for values in wanted]
         finalists = []
-        for found in score_sharded(jobs, self.plan.fitness, executor, evaluate):
+        for found in score_sharded(jobs, executor, evaluate):
             finalists.append(replace(found, episode_numbers=tuple(range(len(episodes)))))
             on_evaluated(finalists[-1])
         self.evaluations += sum(not evaluation.broken for evaluation in finalists)
         self.images += sum(evaluation.images for evaluation in finalists)
         self.finalists = finalists
         if scored := [e for e in finalists if e.fitness is not None]:
-            self.best = max(scored, key=fitness_of)
+            self.best = self._best_of(scored)
         return finalists
+
+    def _best_of(self, finalists: Sequence[Evaluation]) -> Evaluation:
+        """The one the optimizer chooses, else that of highest fitness."""
+        if self.optimizer is None or self.space is None:
+            return max(finalists, key=fitness_of)
+        free = [{name: e.values[name] for name in self.space.names} for e in finalists]
+        asked = [Asked(self.space.decode(self.space.encode(values))) for values in free]
+        place = self.optimizer.choose([result_of(a, e) for a, e in zip(asked, finalists, strict=True)])
+        return max(finalists, key=fitness_of) if place is None else finalists[place]
 
     def most_promising(self, count: int) -> list[Mapping[str, Any]]:
         """Values of the candidates the optimizer recommends, else of those with the best mean fitness."""
@@ -290,13 +298,3 @@ class Search(SearchState):
             self.evaluations = self.searched.evaluations
         self.finalists, self.finalists_rescored, self.searched, self.trained_best = [], False, None, 0
         return True
-
-
-def _race_of_parts(plan: Plan, optimizer: str, numbers: Sequence[int]) -> Fault:
-    return Fault(
-        plan.recipe.where(("study", "race")),
-        f"candidates cannot race: {optimizer} asks for one to be scored on episodes "
-        f"{', '.join(map(str, numbers))} only",
-        "an optimizer that has all candidates scored on all episodes",
-        "Take study.race out, or set the optimizer to score candidates on all episodes.",
-    )

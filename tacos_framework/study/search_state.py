@@ -12,23 +12,14 @@ from tacos_framework.plan import Plan
 from tacos_framework.simulation import Evaluation
 from tacos_framework.study.failing import FailuresInARow, alike
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
+from tacos_framework.study.run_files import KeptSearch
 from tacos_framework.variables.design_space import DesignSpace
 
-_PLAIN_STATE = (
-    "generation",
-    "n_observed",
-    "evaluations",
-    "images",
-    "stopped",
-    "partly_scored",
-    "broken_in_a_row",
-    "failed_alike",
-    "common_failure",
-    "last_failure",
-    "finalists_rescored",
-    "trained_best",
-)
-"""Fields of a search that a checkpoint has as they are."""
+_OWN_FORM = {"finalists", "best", "searched", "failing", "candidate_stats", "cache", "optimizer"}
+"""What of a search a checkpoint does not have as it is."""
+
+_PLAIN_STATE = tuple(name for name in KeptSearch.model_fields if name not in _OWN_FORM)
+"""Fields of a search that it does."""
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,10 @@ from dataclasses import replace
 from itertools import groupby, islice
 
 from tacos_framework.contracts import Executor
-from tacos_framework.fitness import Fitness
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, merged_evaluation
 
 
-def score_sharded(
-    jobs: Sequence[ScoreJob], fitness: Fitness, executor: Executor, evaluate: Evaluator
-) -> Iterator[Evaluation]:
+def score_sharded(jobs: Sequence[ScoreJob], executor: Executor, evaluate: Evaluator) -> Iterator[Evaluation]:
     """Score cameras world by world.
 
     What costs most on the first image of a world is to build and light it. An executor that minds what jobs
@@ -24,8 +21,6 @@ def score_sharded(
     ----------
     jobs
         Scoring each camera. Those that train are left whole, as they score with what they learn.
-    fitness
-        The weighted sum of scores.
     executor, evaluate
         Run the jobs.
 
@@ -37,7 +32,7 @@ def score_sharded(
     results = iter(executor.map(evaluate, [shard for of_job in shards for shard in of_job]))
     for of_job in shards:
         evaluations = list(islice(results, len(of_job)))
-        yield evaluations[0] if len(of_job) == 1 else merged_evaluation(evaluations, fitness)
+        yield evaluations[0] if len(of_job) == 1 else merged_evaluation(evaluations, evaluate.plan.fitness)
     for _ in results:  # to the end: there an executor cleans up, and one that gives too many is found out
         pass
 

@@ -1,4 +1,4 @@
-"""The study: design a camera, search what off-the-shelf cameras leave free, judge all on unseen scenes."""
+"""The study: design a camera, search what off-the-shelf cameras leave free, test all on unseen scenes."""
 
 from __future__ import annotations
 
@@ -7,17 +7,13 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
 from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.results import Results
 from tacos_framework.results.manifest import Manifest
-from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, SampleJob, ScoreJob
+from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.analysis import make_record
 from tacos_framework.study.checkpoints import Checkpoints
 from tacos_framework.study.degenerate import degenerate
@@ -27,19 +23,16 @@ from tacos_framework.study.journal import Journal, JournaledExecutor
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
 from tacos_framework.study.outcome import Outcome
 from tacos_framework.study.progress import Progress
-from tacos_framework.study.records import candidate_record
+from tacos_framework.study.records import generation_record
+from tacos_framework.study.samples import write_samples
 from tacos_framework.study.search import Search
 from tacos_framework.study.shards import score_sharded
 from tacos_framework.study.unseen_test import UnseenTest
-from tacos_framework.values import FrameBatch
 
 log = logging.getLogger(__name__)
 
 DESIGNED = "designed"
 """Name of the designed camera in results."""
-
-SAMPLES_AT = (0.15, 0.5, 0.85)
-"""Where along the test episode sample frames are taken [share of the episode]."""
 
 BROKEN_OFF = "interrupted by the user"
 """Why a study stopped that was broken off with Ctrl-C, as its result says."""
@@ -101,7 +94,7 @@ class Study:
     # running ----------------------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Search, then judge; each step checkpointed."""
+        """Search, then test; each step checkpointed."""
         log.info("%s", self._command or self.plan.recipe.name)
         for name, value in self._environment["findings"].items():
             log.info("%s: %s", name, value)
@@ -109,7 +102,7 @@ class Study:
         for search in self.searches:
             self._search(search)
         self._train_best()
-        self._judge()
+        self._test_on_unseen_scenes()
         self._analyse()
         self._checkpoint(now=True)
 
@@ -163,33 +156,26 @@ class Study:
         for node, seconds in evaluation.seconds.items():
             self._seconds_by_node[node] = self._seconds_by_node.get(node, 0.0) + seconds
         if evaluation.failed and not evaluation.cached:
-            log.info("failed: %s: %s", dict(evaluation.values), evaluation.failed)
-            if evaluation.raised is not None:
-                log.error("%s", evaluation.raised.traceback)
+            where = f"\n{evaluation.raised.traceback}" if evaluation.raised else ""
+            level = logging.ERROR if where else logging.INFO
+            log.log(level, "failed: %s: %s%s", dict(evaluation.values), evaluation.failed, where)
             self._observers.tell(
                 "tacos_candidate_failed", candidate=evaluation.values, reason=evaluation.failed
             )
 
     def _record(self, number: int, search: Search, evaluations: Sequence[Evaluation], seconds: float) -> None:
         """Write a generation's line; those of products into a file of their own."""
-        best = search.best
-        designed = search.name == DESIGNED
-        line = {
-            **({} if designed else {"product": search.name}),
-            "generation": number,
-            "seconds": round(seconds, 3),
-            "frames": sum(evaluation.images for evaluation in evaluations),
-            "candidates": [candidate_record(evaluation) for evaluation in evaluations],
-            "best": best and {"camera": best.values, "fitness": best.fitness, "scores": best.scores},
-        }
-        self.results.append_line(GENERATIONS if designed else PRODUCTS, line)
+        line = generation_record(number, evaluations, search.best, seconds)
+        if search.name == DESIGNED:
+            self.results.append_line(GENERATIONS, line)
+        else:
+            self.results.append_line(PRODUCTS, {"product": search.name, **line})
 
-    def _judge(self) -> None:
+    def _test_on_unseen_scenes(self) -> None:
         """Score every camera on the test scenes, and take sample frames there."""
-        cameras = {search.name: search for search in self.searches if search.best is not None}
-        if self._test is None or not cameras:
+        jobs = {s.name: ScoreJob(s.best.values, (), s.states) for s in self.searches if s.best is not None}
+        if self._test is None or not jobs:
             return
-        jobs = {n: ScoreJob(s.best.values, (), s.states) for n, s in cameras.items() if s.best is not None}
 
         def on_look(count: int) -> None:
             self._checkpoint()
@@ -197,17 +183,10 @@ class Study:
 
         self._test.run(jobs, self._executor, self._evaluate, on_look, self._count)
         self._checkpoint()
-        if not self.plan.graph.of_kind("sensor"):
-            return
-        shots = [
-            SampleJob(s.best.values, self._test.episodes(0, 1)[0], SAMPLES_AT)
-            for s in cameras.values()
-            if s.best is not None
-        ]
-        for name, batches in zip(cameras, self._executor.map(self._evaluate, shots), strict=True):
-            self._samples[name] = [
-                self.results.write_sample(f"{name}_{i}", _picture(batch)) for i, batch in enumerate(batches)
-            ]
+        if self.plan.graph.of_kind("sensor"):
+            seen = {name: job.values for name, job in jobs.items()}
+            episode = self._test.episodes(0, 1)[0]
+            self._samples = write_samples(seen, episode, self._executor, self._evaluate, self.results)
 
     def _analyse(self) -> None:
         """Let plugins say what follows from all that was scored."""
@@ -229,7 +208,7 @@ class Study:
         seed, states = self.plan.recipe.seed, self.searches[0].states
         specs = tuple(EpisodeSpec(seed, ("analysis", i)) for i in range(episodes))
         jobs = [ScoreJob(dict(values), specs, states) for values in cameras]
-        found = list(score_sharded(jobs, self.plan.fitness, self._executor, self._evaluate)) if jobs else []
+        found = list(score_sharded(jobs, self._executor, self._evaluate)) if jobs else []
         for evaluation in found:
             self._count(evaluation)
         self._scored_again += found
@@ -313,8 +292,3 @@ class Study:
 
     def _outcome(self) -> Outcome:
         return Outcome(self.plan, self.searches, self._test, self._scored_again, self.broken_off)
-
-
-def _picture(batch: FrameBatch) -> NDArray[np.uint8]:
-    """The first camera's first frame, (H, W, 3), encoded for a display."""
-    return display_image(batch.images[0][0], batch.black_level_dn, batch.white_level_dn)

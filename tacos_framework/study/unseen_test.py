@@ -73,7 +73,7 @@ class UnseenTest:
             jobs = [
                 replace(cameras[name], episodes=self.episodes(self._seen(name), count)) for name in behind
             ]
-            scored = list(score_sharded(jobs, self.fitness, executor, evaluate))
+            scored = list(score_sharded(jobs, executor, evaluate))
             for name, evaluation in zip(behind, scored, strict=True):
                 known = self.evaluations.get(name)
                 self.evaluations[name] = (

@@ -221,6 +221,18 @@ class OptimizerConformance(ComponentConformance):
                 "it asks for others once it recommends"
             )
 
+    def test_of_finalists_it_chooses_one_that_is_there(self) -> None:
+        optimizer = self.make()
+        if not callable(getattr(optimizer, "choose", None)):
+            return
+        asked = [each for _ in range(2) if optimizer.stop() is None for each in self.round(optimizer)]
+        finalists = [self.evaluated(_parts(each)[0]) for each in asked]
+        scored = [finalist for finalist in finalists if finalist.fitness is not None]
+        before = json.dumps(optimizer.state())
+        for some in (scored[:1], scored[:RECOMMENDED]):
+            assert optimizer.choose(some) in range(len(some)), "it chooses none of the finalists"
+        assert json.dumps(optimizer.state()) == before, "choose() changes what the optimizer knows"
+
 
 def _parts(asked: Candidate | Asked) -> tuple[Candidate, tuple[int, ...] | None]:
     """A candidate, and the episodes it is to be scored on."""

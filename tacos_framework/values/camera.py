@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values.arrays import read_only
+from tacos_framework.values.camera_table import cameras_as_html
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,10 @@ class Camera:
         """Vertical field of view from edge to edge [deg]."""
         return math.degrees(2 * math.atan(self.height_px / (2 * self.focal_length_px)))
 
+    def _repr_html_(self) -> str:
+        """In a notebook: its figures with their units."""
+        return cameras_as_html([self])
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -132,6 +137,10 @@ class Rig:
             raise ValueError("a rig needs at least one camera")
         if len(set(names)) != len(names):
             raise ValueError(f"cameras of a rig need different names, not {', '.join(names)}")
+
+    def _repr_html_(self) -> str:
+        """In a notebook: its cameras side by side."""
+        return cameras_as_html(self.cameras)
 
 
 @dataclass(frozen=True)

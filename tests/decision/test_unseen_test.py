@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,9 @@ def _scores(job: ScoreJob) -> Evaluation:
     if name == "broken":
         return Evaluation(job.values, failed="it broke")
     return Evaluation(job.values, episodes=tuple(episodes), images=len(episodes))
+
+
+_scores.plan = SimpleNamespace(fitness=FITNESS)
 
 
 class _Workers:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import time
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -143,3 +145,21 @@ class Visit:
 def process_id_later(_: Visit) -> int:
     time.sleep(0.02)
     return os.getpid()
+
+
+def say(x: int) -> int:
+    """Logs a line of each level, and has Python warn."""
+    log = logging.getLogger("tests.executors.jobs")
+    log.debug("debug %d", x)
+    log.info("info %d", x)
+    try:
+        raise ValueError("deep")
+    except ValueError:
+        log.exception("error %d", x, extra={"cannot_travel": lambda: None})
+    warnings.warn(f"warned {x}", RuntimeWarning, stacklevel=1)
+    return x
+
+
+def say_and_die(_: int) -> None:
+    logging.getLogger("tests.executors.jobs").error("last words")
+    os.kill(os.getpid(), signal.SIGKILL)

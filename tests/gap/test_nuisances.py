@@ -19,7 +19,15 @@ from tacos_gap.diagnosis import diagnose
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.findings import Diagnosis
 from tacos_gap.formation import lit_by, simulate
-from tacos_gap.nuisances import Freedom, Marginal, disturbed, freedoms_of, registered, stated
+from tacos_gap.nuisances import (
+    Freedom,
+    Marginal,
+    disturbed,
+    freedoms_of,
+    registered,
+    stated,
+    with_noise_of_expectation,
+)
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, placed
 from tests.gap.taken import patchwork
 
@@ -200,6 +208,60 @@ def test_noise_of_the_expectation_is_nobodys_pattern(said):
 
 
 # the diagnosis --------------------------------------------------------------------------------------------
+
+
+def few_frames(captures: list[RealCapture], frames: int, effects: list[PlacedEffect]) -> list[RealCapture]:
+    """Captures with these effects, whose expectations are means of so many files without them."""
+    exact = [replace(c, real_dn=np.zeros((frames, *c.real_dn.shape[1:]), np.float32)) for c in captures]
+    means = [simulate(c, [], EpisodeDraws(8, ("files", i))).mean(axis=0) for i, c in enumerate(exact)]
+    return [
+        replace(
+            c,
+            real_dn=simulate(c, effects, EpisodeDraws(5, ("taken", i))),
+            expected_dn=mean[None],
+            expected_frames=frames,
+        )
+        for i, (c, mean) in enumerate(zip(captures, means, strict=True))
+    ]
+
+
+@pytest.fixture(scope="module")
+def by_the_files() -> list[RealCapture]:
+    """Flats, one of them close to white."""
+    return [capture(f"flat_{n}", "flat", BLACK_DN + n, frames=4) for n in (40, 120, 231)]
+
+
+def test_means_of_two_files_are_no_gap(by_the_files, effects):
+    """Neither pixels chosen by their noise, nor files that white has cut off, are the camera's."""
+    found = run(few_frames(by_the_files, 2, []), effects)
+    assert found.verdict == "no_gap"
+
+
+def test_a_fixed_pattern_shows_beside_means_of_two_files(by_the_files, effects):
+    real = few_frames(by_the_files, 2, [placed("prnu", effects["prnu"], sigma=0.03)])
+    (cause,) = run(real, effects).causes
+    assert cause.effect == "prnu"
+    sigma = cause.parameters["sigma"]
+    assert sigma.value == pytest.approx(0.03, rel=0.1)
+    assert sigma.interval is not None
+    luck_of_maps = 1.64 * 0.03 / np.sqrt(WIDTH * HEIGHT)
+    assert sigma.interval[1] - sigma.value > luck_of_maps
+
+
+@pytest.mark.parametrize("level_dn", [254.0, 260.0, 400.0])
+def test_noise_of_the_expectation_ends_where_files_do(level_dn):
+    """Real frames with it are as those of a noisier light that white cuts off, and not noisy white."""
+    share = 1.0
+    before = capture("bright", "scene", level_dn, frames=1)
+    sigma = float(np.sqrt(before.noise.variance_dn2(np.float32(level_dn - BLACK_DN))[0]))
+    rng = np.random.default_rng(2)
+    light = level_dn + sigma * rng.normal(size=before.real_dn.shape)
+    real = np.clip(light, 0, 255).astype(np.float32)
+    found = with_noise_of_expectation(replace(before, real_dn=real), np.random.default_rng(3), share)
+    wanted = np.clip(light + np.sqrt(share) * sigma * rng.normal(size=light.shape), 0, 255)
+    assert found is not None
+    assert found.mean() == pytest.approx(wanted.mean(), abs=0.1)
+    assert found.std() == pytest.approx(wanted.std(), abs=0.1)
 
 
 def test_misregistration_drowns_no_vignetting_that_flats_prove(effects):

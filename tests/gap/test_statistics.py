@@ -50,6 +50,19 @@ def test_level_is_the_difference_of_the_means():
     assert blocks(flat(), flat_frames() + 1.5)["level"].values == pytest.approx([1.5], abs=0.1)
 
 
+def test_a_level_is_judged_by_what_is_seen_of_it():
+    """Of full pixels the light that they lost says nothing of how exactly their level is known."""
+    bright = capture("bright", "bracket", 2000.0, frames=1)
+    full = np.full(bright.real_dn.shape, 255.0, np.float32)
+    assert bright.expected_dn is not None
+    (margin,) = (
+        block.margin
+        for block in measure(Sample(bright, full, bright.expected_dn))
+        if block.statistic == "level"
+    )
+    assert np.max(margin) == pytest.approx(0.004 * (255 - BLACK_DN), rel=0.01)
+
+
 def test_neighbours_of_mixed_pixels_are_correlated():
     share = 0.05
     kernel = np.array([[0, share, 0], [share, 1 - 4 * share, share], [0, share, 0]], np.float32)

@@ -96,6 +96,21 @@ def test_recommended_cameras_differ_and_the_best_comes_first():
     assert optimizer.recommend(2) == found[:2]
 
 
+def test_among_finalists_noise_does_not_choose_but_what_many_scenes_show_does():
+    camera = CameraProblem(1)
+    optimizer = make(camera.space, problem=camera.problem, evaluations=40)
+    finish(optimizer, camera.evaluate)
+    good = optimizer.recommend(1)[0]
+    narrow = camera.space.decode([25.0, 20.0, *good.genes[2:]])  # sees no threshold
+    asked = optimizer.state()
+    assert camera.worth(narrow) < camera.worth(good) - 0.5
+    once = [camera.evaluate(Asked(candidate, (0,))) for candidate in (narrow, good)]
+    assert optimizer.choose(once) == 1
+    lucky = replace(once[0], fitness=9.0)  # the scores themselves are what counts
+    assert optimizer.choose([lucky, once[1]]) == 1
+    assert optimizer.state() == asked
+
+
 def test_a_score_that_no_scene_of_a_candidate_had_is_no_failure():
     """With one scene a candidate, none may have a threshold; the features of its images still teach."""
     camera = CameraProblem(1)

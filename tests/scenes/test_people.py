@@ -15,12 +15,13 @@ from tacos_worlds.indoor.piece import Seat
 from tacos_worlds.people.clothes import draw_clothes
 from tacos_worlds.people.person import Build, draw_build, draw_person, person
 from tacos_worlds.people.pose import Pose, joints_of, seated, standing, walking
+from tests.scenes.solids import solid
 
 seeds = st.integers(0, 100_000)
 
 
 def triangles_closed(mesh: Mesh) -> bool:
-    return bool(mesh.as_trimesh().is_watertight)
+    return bool(solid(mesh).is_watertight)
 
 
 @given(seeds, st.sampled_from([standing, walking]), st.sampled_from([6, 10]))
@@ -56,7 +57,7 @@ def test_a_body_is_made_of_closed_surfaces_that_face_outwards(seed) -> None:
     made = draw_person(rng, standing(rng))
     for mesh, _ in made.parts:
         assert triangles_closed(mesh)
-        assert mesh.as_trimesh().volume > 0
+        assert solid(mesh).volume > 0
 
 
 def test_one_state_makes_one_person() -> None:

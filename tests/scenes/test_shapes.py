@@ -20,14 +20,15 @@ from tacos_worlds.indoor.shapes import (
     superellipse,
     tube,
 )
+from tests.scenes.solids import solid
 
 edge = st.floats(0.05, 3.0)
 
 
 def assert_solid(mesh: Mesh, volume_m3: float, rel: float) -> None:
-    solid = mesh.as_trimesh()
-    assert solid.is_watertight
-    assert solid.volume == pytest.approx(volume_m3, rel=rel)
+    shape = solid(mesh)
+    assert shape.is_watertight
+    assert shape.volume == pytest.approx(volume_m3, rel=rel)
 
 
 @given(x=edge, y=edge, z=edge)
@@ -35,7 +36,7 @@ def assert_solid(mesh: Mesh, volume_m3: float, rel: float) -> None:
 def test_boxes_enclose_their_volume(x: float, y: float, z: float) -> None:
     assert_solid(slab((x, y, z)), x * y * z, 1e-6)
     assert_solid(box((x, y, z), bevel_m=0.002), x * y * z, 0.02)
-    soft = cushion((x, y, z), round_m=0.02, puff_m=0.01).as_trimesh()
+    soft = solid(cushion((x, y, z), round_m=0.02, puff_m=0.01))
     assert soft.is_watertight
     assert soft.volume > 0.5 * x * y * z
 
@@ -72,9 +73,9 @@ def test_furniture_is_whole(kind: str) -> None:
             facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             agrees = np.einsum("ij,ij->i", facing, mesh.normals[mesh.triangles].mean(axis=1))
             assert (agrees > -1e-12).mean() > 0.98  # creases of thin leaves aside
-            solid = mesh.as_trimesh()
-            if solid.is_watertight:
-                assert solid.volume > 0
+            shape = solid(mesh)
+            if shape.is_watertight:
+                assert shape.volume > 0
 
 
 @pytest.mark.parametrize("kind", sorted(k for k, (c, _) in BUILDERS.items() if c in FURNITURE_CLASSES))

@@ -108,7 +108,7 @@ def test_one_that_clears_all_it_is_given_changes_nothing_for_the_study_or_others
 
 @pytest.mark.parametrize("error", [OSError("no connection"), SystemExit(3)], ids=["raises", "exits"])
 @pytest.mark.parametrize("hook", HOOKS)
-def test_one_that_raises_is_switched_off_with_one_warning(tmp_path, alone, capsys, hook, error):
+def test_one_that_raises_is_switched_off_with_one_warning(tmp_path, alone, caplog, hook, error):
     broken, recorder = raising(hook, error), Recorder()
     result = run(toy_recipe(**RECIPE), observed(broken, recorder), tmp_path)
     assert comparable(result) == alone
@@ -118,11 +118,11 @@ def test_one_that_raises_is_switched_off_with_one_warning(tmp_path, alone, capsy
         f"the observer observer-0 is switched off, as its {hook} raised {type(error).__name__}: {error}; "
         "the study goes on without it"
     )
-    assert capsys.readouterr().err.count(warning) == 1
+    assert [record.getMessage() for record in caplog.records].count(warning) == 1
     assert (tmp_path / "log.txt").read_text().count(warning) == 1
 
 
-def test_the_warning_names_the_distribution(tmp_path, distribution, capsys):
+def test_the_warning_names_the_distribution(tmp_path, distribution, caplog):
     distribution(
         "acme-tracker",
         """
@@ -133,8 +133,7 @@ def test_the_warning_names_the_distribution(tmp_path, distribution, capsys):
         """,
     )
     run(toy_recipe(**RECIPE), observed(), tmp_path / "out")
-    said = capsys.readouterr().err
-    assert "the observer acme_tracker of acme-tracker is switched off" in said
+    assert "the observer acme_tracker of acme-tracker is switched off" in caplog.text
 
 
 def test_a_doctor_that_raises_is_a_finding_of_the_study(tmp_path, alone):

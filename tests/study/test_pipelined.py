@@ -53,14 +53,14 @@ def without_times(evaluation):
 def test_pipelined_scoring_comes_to_what_each_candidate_alone_comes_to(toys):
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
     jobs = jobs_of(evaluate)
-    pipelined = list(score_pipelined(jobs, evaluate.simulation.plan.fitness, executor, evaluate))
+    pipelined = list(score_pipelined(jobs, executor, evaluate))
     assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
     assert all("learner, training" in e.seconds and "width" in e.seconds for e in pipelined)
 
 
 def test_a_candidate_is_scored_while_the_next_one_trains(toys):
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
-    list(score_pipelined(jobs_of(evaluate), evaluate.simulation.plan.fitness, executor, evaluate))
+    list(score_pipelined(jobs_of(evaluate), executor, evaluate))
     both = ["training", "scoring"]
     assert executor.rounds == [["training"], both, both, both, ["scoring"]]
 
@@ -75,9 +75,8 @@ def test_a_candidate_is_scored_while_the_next_one_trains(toys):
 )
 def test_pipelined_scoring_goes_on_after_a_candidate_that_fails(toys, sections, trains, workers):
     evaluate = Evaluator(toy_recipe(**merged(LEARNER, sections)), toys)
-    fitness = evaluate.simulation.plan.fitness
     executor = TwoWorkers() if workers == 2 else Recorder()
-    first, failed, third, _ = score_pipelined(jobs_of(evaluate), fitness, executor, evaluate)
+    first, failed, third, _ = score_pipelined(jobs_of(evaluate), executor, evaluate)
     assert failed.failed
     assert failed.fitness is None
     assert bool(failed.states) is trains
@@ -99,8 +98,7 @@ def test_a_free_worker_renders_for_the_training_to_come_with_the_same_results(to
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), TwoWorkers()
     worlds = [EpisodeSpec(3, ("train", 0, i)) for i in (0, 1, 1, 2)]
     jobs = [replace(job, training=world) for job, world in zip(jobs_of(evaluate), worlds, strict=True)]
-    fitness = evaluate.simulation.plan.fitness
-    pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
+    pipelined = list(score_pipelined(jobs, executor, evaluate))
     assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
     train, ahead, score = "ScoreJob", "PrepareJob", "ScoreJob"
     assert executor.rounds == [
@@ -122,8 +120,7 @@ def test_what_is_rendered_ahead_is_not_rendered_again(toys, monkeypatch):
 
     monkeypatch.setattr(ToyRenderer, "capture", counted)
     evaluate = Evaluator(toy_recipe(**LEARNER), toys)
-    fitness = evaluate.simulation.plan.fitness
-    pipelined = list(score_pipelined(jobs_of(evaluate), fitness, TwoWorkers(), evaluate))
+    pipelined = list(score_pipelined(jobs_of(evaluate), TwoWorkers(), evaluate))
     assert sum(rendered) == sum(evaluation.images for evaluation in pipelined)
 
 
@@ -131,8 +128,7 @@ def test_a_candidate_is_scored_in_each_world_by_itself(toys):
     evaluate, executor = Evaluator(toy_recipe(**LEARNER), toys), Recorder()
     episodes = tuple(EpisodeSpec(3, ("design", 0, i)) for i in range(3))
     jobs = [replace(job, episodes=episodes) for job in jobs_of(evaluate)[:2]]
-    fitness = evaluate.simulation.plan.fitness
-    pipelined = list(score_pipelined(jobs, fitness, executor, evaluate))
+    pipelined = list(score_pipelined(jobs, executor, evaluate))
     scoring = ["scoring"] * 3
     assert executor.rounds == [["training"], ["training", *scoring], scoring]
     assert [without_times(e) for e in pipelined] == [without_times(e) for e in one_by_one(evaluate, jobs)]
@@ -146,6 +142,6 @@ def test_what_cannot_be_prepared_is_told_where_it_is_needed(toys, caplog):
         replace(first, training=worlds[0]),
         replace(second, training=worlds[1], values={"focal_length_mm": -1.0, "pitch_deg": 0.0}),
     ]
-    fine, refused = score_pipelined(jobs, evaluate.simulation.plan.fitness, TwoWorkers(), evaluate)
+    fine, refused = score_pipelined(jobs, TwoWorkers(), evaluate)
     assert fine.failed is None
     assert refused.failed.startswith("the rig refuses it")

@@ -39,8 +39,7 @@ def camera(focal_length_mm: float, blocks: int = 1) -> ScoreJob:
 def test_every_world_is_a_job_of_its_own_and_nothing_changes(toys, cameras, blocks, episodes):
     evaluate, executor = Evaluator(toy_recipe(), toys), Counting()
     jobs = [camera(focal_length_mm, blocks) for focal_length_mm in (1.0, 0.6, 3.0)[:cameras]]
-    fitness = evaluate.simulation.plan.fitness
-    in_parts = list(score_sharded(jobs, fitness, executor, evaluate))
+    in_parts = list(score_sharded(jobs, executor, evaluate))
     assert [len(job.episodes) for job in executor.jobs] == episodes
     assert len({job.affinity for job in executor.jobs}) == (5 if cameras else 0)
     whole = [evaluate(job) for job in jobs]
@@ -51,8 +50,7 @@ def test_every_world_is_a_job_of_its_own_and_nothing_changes(toys, cameras, bloc
 
 def test_a_part_that_fails_fails_the_camera(toys):
     evaluate = Evaluator(toy_recipe(nodes={"width": {"fail_above_deg": 60}}), toys)
-    fitness = evaluate.simulation.plan.fitness
-    (wide,) = score_sharded([camera(0.6)], fitness, Counting(), evaluate)
+    (wide,) = score_sharded([camera(0.6)], Counting(), evaluate)
     assert wide.failed
     assert wide.failed.startswith("cannot judge")
     assert wide.fitness is None
@@ -62,7 +60,7 @@ def test_a_camera_that_trains_is_left_whole(toys):
     evaluate, executor = Evaluator(toy_recipe(), toys), Counting()
     training = EpisodeSpec(9, ("train", 0, 0))
     job = replace(camera(1.0), training=training)
-    list(score_sharded([job], evaluate.simulation.plan.fitness, executor, evaluate))
+    list(score_sharded([job], executor, evaluate))
     assert executor.jobs == [job]
     assert job.affinity == PrepareJob(job.values, training).affinity != replace(job, values={}).affinity
 
@@ -82,8 +80,7 @@ class Generous(Counting):
 def test_results_are_read_to_their_end(toys):
     """There an executor cleans up, and one that gives too many is found out."""
     evaluate, executor = Evaluator(toy_recipe(), toys), Generous()
-    fitness = evaluate.simulation.plan.fitness
-    assert len(list(score_sharded([camera(1.0)], fitness, executor, evaluate))) == 1
+    assert len(list(score_sharded([camera(1.0)], executor, evaluate))) == 1
     assert executor.read
     with pytest.raises(ContractBroken, match="twice"):
-        list(score_sharded([camera(1.0)], fitness, GuardedExecutor.of_host(Generous()), evaluate))
+        list(score_sharded([camera(1.0)], GuardedExecutor.of_host(Generous()), evaluate))

@@ -125,6 +125,18 @@ def test_the_best_is_the_best_recommended_on_fresh_episodes(plugins, tmp_path):
     assert result["best"]["fitness"] == max(finalist["fitness"] for finalist in finalists)
 
 
+def test_an_optimizer_may_choose_among_the_finalists_by_what_they_scored(plugins, tmp_path, monkeypatch):
+    def worst(self, finalists):
+        assert all(list(finalist.episodes) == [0, 1] for finalist in finalists)
+        return min(range(len(finalists)), key=lambda i: finalists[i].fitness)
+
+    monkeypatch.setattr(Rotating, "choose", worst, raising=False)
+    result = run(recipe_of({}, study={"final_episodes": 2}), plugins, tmp_path / "out")
+    finalists = result["cameras"]["designed"]["finalists"]
+    assert result["best"]["fitness"] == min(finalist["fitness"] for finalist in finalists)
+    assert result["best"]["fitness"] < max(finalist["fitness"] for finalist in finalists)
+
+
 def test_scores_are_told_with_the_errors_of_their_means(plugins, tmp_path):
     run(recipe_of({"at_a_time": 0}), plugins, tmp_path / "out")
     for told in Rotating.told:

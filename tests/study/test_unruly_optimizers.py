@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from tacos_framework.contracts import Asked, DesignProblem
+from tacos_framework.contracts import Asked, DesignProblem, Evaluated
 from tacos_framework.errors import ContractBroken
 from tacos_framework.fitness import Fitness, FitnessTerm
 from tacos_framework.plan import ConfiguredComponent
@@ -58,6 +58,7 @@ def optimizer():
 def test_one_that_keeps_to_its_contract_is_left_alone(optimizer):
     assert optimizer.ask() == [Asked(SOUND)]
     assert optimizer.recommend(3) is None
+    assert optimizer.choose([Evaluated(SOUND, 1.0)]) is None
     assert optimizer.stop() is None
     assert optimizer.state() == {}
     assert optimizer.expected_candidates is None
@@ -116,6 +117,17 @@ def test_episodes_must_be_some_of_those_there_are(optimizer, episodes):
     assert str(raised.value) == (
         f"optimizer.acme of acme-search: ask() gives candidate 1 of 1 with the episodes {episodes!r}; "
         "expected one or more of the numbers 0 to 3, each once, or None for all"
+    )
+
+
+@pytest.mark.parametrize("place", [2, -1, 1.0, True, None, "0"])
+def test_the_best_finalist_must_be_one_of_them(optimizer, place):
+    optimizer._optimizer.choose = lambda finalists: place
+    with pytest.raises(ContractBroken) as raised:
+        optimizer.choose([Evaluated(SOUND, 1.0), Evaluated(SPACE.decode([4.0, 2.0]), 2.0)])
+    assert str(raised.value) == (
+        f"optimizer.acme of acme-search: choose() gives {place!r} for 2 finalists; "
+        "expected the place of one, from 0 to 1"
     )
 
 

@@ -15,7 +15,8 @@ from tacos_framework.variables.design_space import (
     DesignSpace,
     Integer,
 )
-from tacos_plugins.surrogate.candidates import FeasibleCandidates, Warp, bare_coordinates
+from tacos_plugins.surrogate.candidates import FeasibleCandidates, bare_coordinates
+from tacos_plugins.surrogate.warp import Warp
 
 SENSORS = CatalogChoice("sensor", find_catalog("image_sensors"))
 SPACE = DesignSpace(

@@ -125,5 +125,5 @@ def test_notebooks_show_cameras() -> None:
     tacos.load_ipython_extension(SimpleNamespace(display_formatter=display))
     setup = set_up(monocular_recipe(), CAMERA, plugins=plugins_with_boxes())
     rig = built_rig(setup.plan, setup.camera)
-    assert "64 x 48 pixels of 20 um" in shown[type(rig)](rig)
+    assert "<td>64 x 48</td>" in shown[type(rig)](rig)
     assert "<svg" in shown[type(rig.cameras[0])](rig.cameras[0])

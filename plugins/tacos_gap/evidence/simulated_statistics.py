@@ -18,7 +18,7 @@ from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
 from tacos_gap.formation import lit_by, simulate
-from tacos_gap.nuisances import expectation_noise
+from tacos_gap.nuisances import expectation_noise, with_noise_of_expectation
 from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tacos_gap.taken_statistics import TakenStatistics
 
@@ -147,8 +147,8 @@ class SimulatedStatistics:
         """
         rng = generator(self._seed, "gap", self.capture.id, draw, "real")
         share = self.noise_share if noise_share is None else noise_share
-        pattern = expectation_noise(self.capture, rng, share)
-        return measure(Sample(self.capture, self.capture.real_dn, self._expected_dn, pattern))
+        noisier = with_noise_of_expectation(self.capture, rng, share)
+        return measure(Sample(self.capture, self.capture.real_dn, self._expected_dn, noisier))
 
     def real(self, noise_share: float | None = None, draw: int = 0) -> NDArray[np.float64]:
         """(K,) `real_blocks` as numbers."""

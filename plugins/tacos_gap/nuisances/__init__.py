@@ -3,7 +3,16 @@
 from tacos_gap.nuisances.expectation import disturbed
 from tacos_gap.nuisances.freedom import Freedom, freedoms_of, stated
 from tacos_gap.nuisances.marginal import Marginal
-from tacos_gap.nuisances.noisy_expectation import expectation_noise
+from tacos_gap.nuisances.noisy_expectation import expectation_noise, with_noise_of_expectation
 from tacos_gap.nuisances.registration import registered
 
-__all__ = ["Freedom", "Marginal", "disturbed", "expectation_noise", "freedoms_of", "registered", "stated"]
+__all__ = [
+    "Freedom",
+    "Marginal",
+    "disturbed",
+    "expectation_noise",
+    "freedoms_of",
+    "registered",
+    "stated",
+    "with_noise_of_expectation",
+]

@@ -59,9 +59,9 @@ class Sample:
         (N, H, W, C) the frames [DN].
     expected_dn
         (1 or N, H, W, C) what they are compared with [DN].
-    pattern_dn
-        (1 or N, H, W, C) what is added to the frames, codes and codecs aside, because `expected_dn` holds
-        noise of its own (see `tacos_gap.nuisances.noisy_expectation`) [DN].
+    noisier_dn
+        (N, H, W, C) the frames with noise added, as `expected_dn` holds noise of its own (see
+        `tacos_gap.nuisances.noisy_expectation`): what is measured but codes and codecs [DN].
     """
 
     def __init__(
@@ -69,14 +69,15 @@ class Sample:
         capture: RealCapture,
         frames_dn: NDArray[np.float32],
         expected_dn: NDArray[np.float32],
-        pattern_dn: NDArray[np.float32] | None = None,
+        noisier_dn: NDArray[np.float32] | None = None,
     ):
         self.capture = capture
         self.as_taken = frames_dn
-        self.frames = without_hot_pixels(frames_dn, expected_dn) if capture.kind == "dark" else frames_dn
-        self.files = self.frames
-        if pattern_dn is not None:
-            self.frames = self.frames + pattern_dn
+        self.frames = frames_dn if noisier_dn is None else noisier_dn
+        self.files = frames_dn
+        if capture.kind == "dark":
+            self.frames = without_hot_pixels(self.frames, expected_dn)
+            self.files = self.frames if noisier_dn is None else without_hot_pixels(frames_dn, expected_dn)
         self.expected = expected_dn
 
     @cached_property
@@ -96,7 +97,7 @@ class Sample:
 
     @cached_property
     def residual_as_taken(self) -> NDArray[np.float32]:
-        """(H, W, C) `residual` with the hot pixels of the dark, and without an added pattern [DN]."""
+        """(H, W, C) `residual` with the hot pixels of the dark, and without added noise [DN]."""
         if self.as_taken is self.frames:
             return self.residual
         return over_frames(self.as_taken) - self.reference

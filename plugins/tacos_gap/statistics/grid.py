@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
+from tacos_gap.captures.mean_of_files import averaged_expectation, noise_of_average
 from tacos_gap.statistics.block import expected_signal
 from tacos_gap.statistics.line_means import over_image
 
@@ -22,6 +23,16 @@ RINGS = (0.0, 0.35, 0.6, 0.8, np.inf)
 
 LEVELS = 6
 SMALLEST_BIN = 200  # pixels
+
+EVEN_DN = 2.0
+"""Range of what is expected below which a capture has one level [DN]."""
+
+EXTREMES = 8.0
+"""Standard deviations between the extremes of a Gaussian, of some 20,000 independent values."""
+
+NOISY_EDGE = 1.7
+"""Gradient that the noise of such an average reaches in one pixel of a million, over its deviation: averages
+two pixels apart differ by two thirds of it only, as their windows overlap."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,17 +181,23 @@ def rings(capture: RealCapture) -> Bins:
 def levels(capture: RealCapture, channel: int, flat: NDArray[np.bool_] | None = None) -> Bins:
     """Bins of the expected level; one bin where the capture is even.
 
+    Of a noisy expectation neighbours are averaged first, see `averaged_expectation`.
+
     `flat` restricts them to pixels where it holds.
     """
 
     def make() -> Bins:
         assert capture.expected_dn is not None
         level = capture.expected_dn.mean(axis=0)[..., channel]
+        noise_dn = 0.0
+        if capture.expected_frames:
+            level = averaged_expectation(capture)[..., channel]
+            noise_dn = float(noise_of_average(capture)[channel])
         use = capture.valid if flat is None else capture.valid & flat
         inside = level[use]
         if not inside.size:
             return _compact(np.full(level.shape, -1), [])
-        if np.ptp(inside) < 2.0:
+        if np.ptp(inside) < EVEN_DN + EXTREMES * noise_dn:
             return _compact(np.where(use, 0, -1), [{"level_dn": round(float(inside.mean()), 1)}])
         edges = np.unique(np.quantile(inside, np.linspace(0, 1, LEVELS + 1)))
         index = np.clip(np.searchsorted(edges, level, side="right") - 1, 0, len(edges) - 2)
@@ -217,7 +234,11 @@ def _without_edges(capture: RealCapture) -> NDArray[np.bool_]:
 
     assert capture.expected_dn is not None
     level = capture.expected_dn.mean(axis=0).max(axis=-1)
+    noise_dn = 0.0
+    if capture.expected_frames:
+        level = averaged_expectation(capture).max(axis=-1)
+        noise_dn = float(noise_of_average(capture).max())
     range_of = np.maximum(np.ptp(level), 1.0)
     gy, gx = np.gradient(level)
-    edgy = np.hypot(gx, gy) > 0.01 * range_of + 0.25
+    edgy = np.hypot(gx, gy) > 0.01 * range_of + 0.25 + NOISY_EDGE * noise_dn
     return ~cv2.dilate(edgy.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(bool)

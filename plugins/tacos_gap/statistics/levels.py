@@ -11,7 +11,7 @@ from tacos_gap.statistics.grid import expected_in, levels
 
 OFFSET_DN = 0.06
 RELATIVE = 0.004
-"""Equivalence margin of mean levels around the expectation: an absolute and a relative part."""
+"""Equivalence margin of mean levels around the expectation: an absolute part, and one of the level seen."""
 
 FEWEST_IN_A_ROW = 3
 """Frames of a sequence that tell a drift from two frames that differ."""
@@ -27,12 +27,13 @@ def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         if not bins.at:
             continue
         signal = expected_in(bins, sample.capture, channel)
+        off = bins.mean(sample.residual[..., channel])
         yield StatisticBlock(
             "dark_level" if sample.capture.kind == "dark" else "level",
             "readout" if sample.capture.kind == "dark" else "exposure",
-            bins.mean(sample.residual[..., channel]),
+            off,
             [{**at, "channel": name} for at in bins.at],
-            np.hypot(OFFSET_DN, RELATIVE * signal),
+            np.hypot(OFFSET_DN, RELATIVE * np.clip(signal + off, 0.0, signal)),  # full pixels show no more
         )
     if sample.capture.kind == "sequence" and len(sample.frames) >= FEWEST_IN_A_ROW:
         yield from _over_time(sample)

@@ -6,20 +6,17 @@ import atexit
 import logging
 import multiprocessing
 import os
-import signal
 import time
-from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnContext, SpawnProcess
+from dataclasses import dataclass
+from multiprocessing.connection import wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from tacos_plugins.executors import worker
-from tacos_plugins.executors.affinity import Affinity, JobTimes, Making, affinity_of, assigned, making
-from tacos_plugins.executors.outcomes import Lost
+from tacos_plugins.executors.job_pool import JobPool
+from tacos_plugins.executors.worker_process import WorkerProcess
 
 log = logging.getLogger(__name__)
 
@@ -50,74 +47,7 @@ class Limits:
     jobs: int | None = None
 
 
-@dataclass(frozen=True)
-class _Task:
-    """One job on its way."""
-
-    round: int
-    index: int
-    attempt: int = 1
-
-
-class _Worker:
-    """A worker process as its parent sees it."""
-
-    def __init__(self, context: SpawnContext, payload: bytes, lifeline: Connection, threads: int) -> None:
-        self.channel, theirs = context.Pipe()
-        self.process: SpawnProcess = context.Process(
-            target=worker.serve, args=(payload, theirs, lifeline, threads), name="tacos-worker"
-        )
-        self.process.start()
-        theirs.close()  # so that the channel breaks when the worker dies
-        self.ready = False
-        self.task: _Task | None = None
-        self.jobs_done = 0
-        self.at_hand: set[Affinity] = set()
-        self.makes: Making = "nothing"
-        self.began_s = 0.0
-
-    @property
-    def idle(self) -> bool:
-        return self.ready and self.task is None
-
-    def begin(self, task: _Task, job: Any, anywhere: Collection[Affinity]) -> bool:
-        """Send a job, told what any worker has; False when the worker is dead already."""
-        message = bytes(ForkingPickler.dumps(job))
-        try:
-            self.channel.send_bytes(message)
-        except (BrokenPipeError, ConnectionResetError):
-            return False
-        self.task = task
-        self.makes, self.began_s = making(affinity_of(job), self.at_hand, anywhere), time.monotonic()
-        self.at_hand.add(affinity_of(job))
-        return True
-
-    def answer(self) -> bytes | None:
-        """What it has sent, if anything.
-
-        Raises
-        ------
-        EOFError, ConnectionResetError
-            When it is dead.
-        """
-        if self.channel.poll():
-            return self.channel.recv_bytes()
-        if not self.process.is_alive() and not self.channel.poll():
-            raise EOFError
-        return None
-
-    def how_it_ended(self) -> str:
-        """How the process ended, in words."""
-        self.process.join()
-        code = self.process.exitcode or 0
-        if code >= 0:
-            return f"its worker process ended with status {code}"
-        name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-        out_of_memory = " (most often because memory ran out)" if -code == signal.SIGKILL else ""
-        return f"its worker process was ended by {name}{out_of_memory}"
-
-
-class Pool:
+class Pool(JobPool[WorkerProcess]):
     """Worker processes that hold one function.
 
     Parameters
@@ -137,36 +67,16 @@ class Pool:
     def __init__(
         self, payload: bytes, workers: int, limits: Limits, threads: int, environment: Mapping[str, str]
     ) -> None:
-        self.payload = payload
+        super().__init__(payload, workers, ATTEMPTS)
         self._limits = limits
         self._threads = threads
         self._environment = environment
-        self._most = workers
         self._context = multiprocessing.get_context("spawn")
         self._worker_end, self._lifeline = self._context.Pipe(duplex=False)
         atexit.register(self._lifeline.close)  # ahead of multiprocessing's own, which would wait for workers
-        self._workers: list[_Worker] = []
-        self._times = JobTimes()
-        self._round = self._failed_starts = 0
+        self._started = 0
+        self._failed_starts = 0
         self._closed = False
-
-    def outcomes(self, jobs: Sequence[Any]) -> Iterator[worker.Answer | Lost]:
-        """One outcome for each job, in their order, each as soon as it and those before it are there.
-
-        Raises
-        ------
-        RuntimeError
-            When the pool is closed meanwhile, or a worker ends before it is ready for its first job.
-        """
-        self._round += 1  # what workers still do for a round that was left early is dropped when it comes
-        waiting = deque(_Task(self._round, index) for index in range(len(jobs)))
-        done: dict[int, worker.Answer | Lost] = {}
-        for index in range(len(jobs)):
-            while index not in done:
-                self._hand_out(jobs, waiting)
-                self._collect(waiting, done)
-            self._hand_out(jobs, waiting)  # workers go on while the caller looks at this one
-            yield done.pop(index)
 
     def close(self) -> None:
         """End all workers at once."""
@@ -177,27 +87,20 @@ class Pool:
             each.process.kill()
         for each in self._workers:
             each.process.join()
+            each.log.close()
         self._worker_end.close()
 
     # ------------------------------------------------------------------------------------------------------
 
-    def _hand_out(self, jobs: Sequence[Any], waiting: deque[_Task]) -> None:
-        """Give waiting tasks to idle workers, and start workers where too few are there."""
-        idle = [each for each in self._workers if each.idle]
-        wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
-        busy = {each for other in self._workers if not other.idle for each in other.at_hand}
-        given = assigned(wanted, [each.at_hand for each in idle], busy, self._times.cost_of_making)
-        anywhere = busy.union(*(each.at_hand for each in idle))
-        for number, task in [(number, waiting[place]) for number, place in given.items()]:
-            if idle[number].begin(task, jobs[task.index], anywhere):
-                waiting.remove(task)
-        starting = sum(not each.ready for each in self._workers)
-        for _ in range(min(self._most - len(self._workers), len(waiting) - starting)):
-            with _environment(self._environment):
-                self._workers.append(_Worker(self._context, self.payload, self._worker_end, self._threads))
+    def _start(self) -> WorkerProcess:
+        self._started += 1
+        with _environment(self._environment):
+            return WorkerProcess(self._started, self._context, self.payload, self._worker_end, self._threads)
 
-    def _collect(self, waiting: deque[_Task], done: dict[int, worker.Answer | Lost]) -> None:
-        """Wait until something happens, and see to it."""
+    def _send(self, each: WorkerProcess, job: Any) -> bool:
+        return each.send(job)
+
+    def _collect(self) -> None:
         soonest = min(self._deadline(each) for each in self._workers)
         patience = None if soonest == float("inf") else max(0.0, soonest - time.monotonic())
         events: list[Any] = [each.channel for each in self._workers]
@@ -209,24 +112,24 @@ class Pool:
             try:
                 message = each.answer()
             except (EOFError, ConnectionResetError):
-                self._replace(each, each.how_it_ended(), waiting, done)
+                self._replace(each, each.how_it_ended())
                 continue
             if message is not None:
-                self._take(each, message, done)
+                self._take(each, message)
             elif time.monotonic() > (deadline := self._deadline(each)):
                 each.process.kill()
                 how = f"it took longer than {deadline - each.began_s:.3g} s"
                 if self._limits.job_s is None:
                     how += ", far longer than any before it (timeout_s says how long it may)"
-                self._replace(each, how, waiting, done)
+                self._replace(each, how)
 
-    def _deadline(self, each: _Worker) -> float:
+    def _deadline(self, each: WorkerProcess) -> float:
         """When a worker counts as hung; the first jobs are given all the time they need."""
         if each.task is None:
             return float("inf")
         return each.began_s + (self._limits.job_s or self._times.generous_s(each.task.attempt))
 
-    def _take(self, each: _Worker, message: bytes, done: dict[int, worker.Answer | Lost]) -> None:
+    def _take(self, each: WorkerProcess, message: bytes) -> None:
         """Keep an answer, and let its worker go where that has come to its limits."""
         task, each.task = each.task, None
         each.ready = True
@@ -235,9 +138,7 @@ class Pool:
         if task is None:
             return
         each.jobs_done += 1
-        self._times.saw(time.monotonic() - each.began_s, made=each.makes)
-        if task.round == self._round:
-            done[task.index] = answer
+        self._finished(each, task, answer)
         limits = self._limits
         worn = limits.jobs is not None and each.jobs_done >= limits.jobs
         if limits.resident_mib is not None and answer.resident_mib > limits.resident_mib:
@@ -247,11 +148,10 @@ class Pool:
             each.channel.send_bytes(worker.LEAVE)
             self._workers.remove(each)
 
-    def _replace(
-        self, each: _Worker, how: str, waiting: deque[_Task], done: dict[int, worker.Answer | Lost]
-    ) -> None:
+    def _replace(self, each: WorkerProcess, how: str) -> None:
         """Forget a worker that is lost; try its job again, or give it up."""
         self._workers.remove(each)
+        each.log.close()
         if not each.ready:
             self._failed_starts += 1
             if (each.process.exitcode or 0) < 0 and self._failed_starts <= MOST_FAILED_STARTS:
@@ -262,14 +162,7 @@ class Pool:
                 "Scripts that use worker processes keep their work below 'if __name__ == \"__main__\":'."
             )
             raise error
-        task = each.task
-        if task is None or task.round != self._round:
-            return
-        if task.attempt < ATTEMPTS:
-            log.warning("job %d: %s; it is tried again", task.index, how)
-            waiting.appendleft(replace(task, attempt=task.attempt + 1))
-        else:
-            done[task.index] = Lost(f"{how}, {task.attempt} times in a row")
+        self._try_again(each.task, how)
 
 
 @contextmanager

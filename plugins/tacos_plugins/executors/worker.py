@@ -7,11 +7,13 @@ import pickle
 import signal
 import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
+
+from tacos_plugins.executors.worker_logs import send_logs
 
 LEAVE = b""
 """Sent instead of a job to a worker that is to end."""
@@ -57,7 +59,14 @@ class WorkerState:
         return _packed(answer)
 
 
-def serve(payload: bytes, channel: Connection, lifeline: Connection, threads: int) -> None:
+def serve(
+    payload: bytes,
+    channel: Connection,
+    lifeline: Connection,
+    threads: int,
+    logs: Connection,
+    levels: Mapping[str, int],
+) -> None:
     """Evaluate jobs until told to leave.
 
     Parameters
@@ -71,9 +80,14 @@ def serve(payload: bytes, channel: Connection, lifeline: Connection, threads: in
         pool, or dies in whatever way.
     threads
         Threads OpenCV may use here.
+    logs
+        Takes what is logged here.
+    levels
+        The levels of loggers in the parent process.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the parent decides
     threading.Thread(target=_die_with, args=(lifeline,), daemon=True).start()
+    send_logs(logs, levels)
     import cv2
 
     cv2.setNumThreads(threads)

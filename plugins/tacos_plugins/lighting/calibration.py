@@ -17,6 +17,8 @@ def scale_light(world: World, factor: float, *, key: str) -> World:
 
     Parameters
     ----------
+    factor
+        By which luminances, fluxes and illuminances are multiplied [1].
     key
         Content key of the new world.
     """

@@ -165,7 +165,7 @@ class OptunaSearch:
             {"genes": list(c.genes), "fitness": None, "broken": self._excess(c), "asked": False}
             for c in self._refused
         ]
-        told = [
+        results = [
             {
                 "genes": list(result.candidate.genes),
                 "fitness": result.fitness,
@@ -174,7 +174,7 @@ class OptunaSearch:
             }
             for result in evaluated
         ]
-        found = [*refused, *told]
+        found = [*refused, *results]
         if not self._constrained and any(entry["broken"] for entry in found):
             self._begin([*self._observed, *found])  # a model of the constraint needs it of all
             return

@@ -20,7 +20,7 @@ class Descent:
     population
         Points per generation.
     sigma
-        First standard deviation, in shares of the unit cube.
+        First standard deviation, in edges of the unit cube [1].
     """
 
     population: int

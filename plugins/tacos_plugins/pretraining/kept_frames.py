@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tacos_files.arrays import read_npz
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.values import Capture, Episode, FrameBatch, Object, Rig, Trajectory, View, World
 
 
@@ -68,3 +71,27 @@ def read_frames(path: Path, rig: Rig) -> FrameBatch:
     images = tuple(arrays[f"image_{i}"] for i in range(len(views)))
     black_dn, white_dn = map(float, arrays["levels_dn"])
     return FrameBatch(Capture(episode, views), images, black_dn, white_dn)
+
+
+@dataclass(frozen=True)
+class KeptFrames:
+    """Frames on disk: each file and the rig that took it."""
+
+    files: tuple[tuple[Path, Rig], ...]
+
+    def __post_init__(self) -> None:
+        if not self.files:
+            raise UserError(Fault("frames", "no images could be rendered", "", "See log.txt for why."))
+
+    def __iter__(self) -> Iterator[FrameBatch]:
+        for file, rig in self.files:
+            yield read_frames(file, rig)
+
+    def shuffled(self, rng: np.random.Generator) -> KeptFrames:
+        """The same in another order."""
+        return KeptFrames(tuple(self.files[int(i)] for i in rng.permutation(len(self.files))))
+
+    @property
+    def images(self) -> int:
+        """How many images they are."""
+        return sum(len(batch.episode) * len(batch.images) for batch in self)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -24,8 +23,7 @@ from tacos_framework.results import Results
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.simulation import Evaluator
 from tacos_framework.study.progress import Progress
-from tacos_framework.values import FrameBatch, Rig
-from tacos_plugins.pretraining.kept_frames import read_frames
+from tacos_plugins.pretraining.kept_frames import KeptFrames
 from tacos_plugins.pretraining.pages import PretrainingOutcome, page, summary
 from tacos_plugins.pretraining.shots import Shooting, shots_of_worlds
 from tacos_report.page import write_page
@@ -259,30 +257,6 @@ class Pretrain:
             "settings": json.dumps(settings, sort_keys=True),
             "scores": json.dumps(lines[-1]["scores"], sort_keys=True),
         }
-
-
-@dataclass(frozen=True)
-class KeptFrames:
-    """Frames on disk: each file and the rig that took it."""
-
-    files: tuple[tuple[Path, Rig], ...]
-
-    def __post_init__(self) -> None:
-        if not self.files:
-            raise UserError(Fault("frames", "no images could be rendered", "", "See log.txt for why."))
-
-    def __iter__(self) -> Iterator[FrameBatch]:
-        for file, rig in self.files:
-            yield read_frames(file, rig)
-
-    def shuffled(self, rng: np.random.Generator) -> KeptFrames:
-        """The same in another order."""
-        return KeptFrames(tuple(self.files[int(i)] for i in rng.permutation(len(self.files))))
-
-    @property
-    def images(self) -> int:
-        """How many images they are."""
-        return sum(len(batch.episode) * len(batch.images) for batch in self)
 
 
 class Steps(list[Mapping[str, float]]):

@@ -8,11 +8,12 @@ from typing import ClassVar
 from pydantic import model_validator
 
 from tacos_framework.quantities import Constraint
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import setting
 from tacos_framework.values import Rig
 from tacos_plugins.rigs.lens import COVERED, LENS_UNITS, LensPart, derived_fit, notes_on_fit
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
+    MountSettings,
     ReadOutVariables,
     derived_optics,
     image_coordinates,
@@ -33,17 +34,8 @@ class MonocularRig:
     (1000, 750, 81.46)
     """
 
-    class Config(Settings):
+    class Config(MountSettings):
         """Settings of the rig."""
-
-        binning: float = setting(
-            1.0,
-            help="Simulate blocks of binning x binning photosites as one pixel, to run on a small machine.",
-            ge=1,
-        )
-        height_above_eye_m: float = setting(
-            0.0, help="Height of the optical centre above the agent's eye.", unit="m"
-        )
 
     class Variables(ReadOutVariables):
         """What a recipe may design or fix; of focal length and lens exactly one."""

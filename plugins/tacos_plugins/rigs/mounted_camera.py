@@ -107,6 +107,19 @@ class SensorPart(Settings):
         )
 
 
+class MountSettings(Settings):
+    """Settings of all rigs."""
+
+    binning: float = setting(
+        1.0,
+        help="Simulate blocks of binning x binning pixels as one, to run on a small machine.",
+        ge=1,
+    )
+    height_above_eye_m: float = setting(
+        0.0, help="Height of the optical centres above the agent's eye.", unit="m"
+    )
+
+
 class ReadOutVariables(Settings):
     """A sensor, and what is read out of it: how much, and in how large pixels."""
 

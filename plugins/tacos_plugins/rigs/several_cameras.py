@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import setting
 from tacos_framework.values import Rig
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
+    MountSettings,
     ReadOutVariables,
     SensorPart,
     derived_optics,
@@ -28,19 +29,11 @@ SEVERAL_UNITS = {
 """Names and units of what rigs of several cameras derive: the optics of the first, and all together."""
 
 
-class SeveralCamerasConfig(Settings):
+class SeveralCamerasConfig(MountSettings):
     """Settings of rigs whose cameras look outwards from a circle."""
 
-    binning: float = setting(
-        1.0,
-        help="Simulate blocks of binning x binning pixels as one, to run on a small machine.",
-        ge=1,
-    )
     radius_m: float = setting(
         0.1, help="Distance of the optical centres from the agent's axis.", unit="m", ge=0, le=10
-    )
-    height_above_eye_m: float = setting(
-        0.0, help="Height of the optical centres above the agent's eye.", unit="m"
     )
 
 

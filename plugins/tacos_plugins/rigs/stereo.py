@@ -8,10 +8,11 @@ from typing import ClassVar
 
 from pydantic import model_validator
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import setting
 from tacos_framework.values import Rig
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
+    MountSettings,
     ReadOutVariables,
     derived_optics,
     focal_length_for_mm,
@@ -35,17 +36,8 @@ class StereoRig:
     [('left', 0.06), ('right', -0.06)]
     """
 
-    class Config(Settings):
+    class Config(MountSettings):
         """Settings of the rig."""
-
-        binning: float = setting(
-            1.0,
-            help="Simulate blocks of binning x binning photosites as one pixel, to run on a small machine.",
-            ge=1,
-        )
-        height_above_eye_m: float = setting(
-            0.0, help="Height of the optical centres above the agent's eye.", unit="m"
-        )
 
     class Variables(ReadOutVariables):
         """What a recipe may design or fix; of field of view and focal length exactly one."""

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, islice, pairwise, product
+from itertools import chain, islice, product
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tacos_framework.contracts import DesignProblem
 from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Gene, Integer, Variable
 from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_plugins.surrogate.warp import Warp
 
 Array = NDArray[np.float64]
 Own = tuple[float, ...]
@@ -221,46 +222,6 @@ class FeasibleCandidates:
             genes[index] = place
             swept.append(self.placed(genes))
         return Warp.of_sweep(places, [None if s is None else s.coordinates for s in swept])
-
-
-@dataclass(frozen=True, eq=False)
-class Warp:
-    """Maps 0..1 to a gene so that coordinates change evenly: a focal length, so that fields of view do.
-
-    Parameters
-    ----------
-    genes
-        (n,) rising values of the gene.
-    places
-        (n,) where between 0 and 1 each of them lies.
-    """
-
-    genes: Array
-    places: Array
-
-    @classmethod
-    def of_sweep(cls, genes: Array, coordinates: Sequence[Mapping[str, float] | None]) -> Warp:
-        """From the coordinates at values of the gene; None where a constraint is broken."""
-        steps = np.full(len(genes) - 1, np.nan)
-        known = [c for c in coordinates if c is not None]
-        names = [n for n in (known[0] if known else {}) if all(n in c for c in known)]
-        ranges = {n: max(c[n] for c in known) - min(c[n] for c in known) for n in names}
-        moving = [n for n in names if ranges[n] > 1e-9 * max(1.0, *(abs(c[n]) for c in known))]
-        for i, (one, other) in enumerate(pairwise(coordinates)):
-            if moving and one is not None and other is not None:
-                steps[i] = np.mean([abs(other[n] - one[n]) / ranges[n] for n in moving])
-        usual = float(np.nanmean(steps)) if np.nansum(steps) > 0 else 1.0
-        steps = np.where(np.isfinite(steps), steps, usual) + 1e-3 * usual  # no value is left out altogether
-        places = np.concatenate([[0.0], np.cumsum(steps)])
-        return cls(genes, places / places[-1])
-
-    def gene(self, place: float) -> float:
-        """The value at a place between 0 and 1."""
-        return float(np.interp(place, self.places, self.genes))
-
-    def place(self, gene: float) -> float:
-        """Undoes :meth:`gene`."""
-        return float(np.interp(gene, self.genes, self.places))
 
 
 def bare_coordinates(space: DesignSpace, candidate: Candidate) -> dict[str, float]:

@@ -100,8 +100,10 @@ class Evidence:
     def hyperparameters(self, logarithms: Array) -> Hyperparameters:
         """Undoes :meth:`logarithms`; what the observations do not tell of is zero."""
         values = np.exp(logarithms).tolist()
-        told = dict.fromkeys(AMPLITUDES, 0.0) | dict(zip(self.names, values[self.dimension :], strict=True))
-        return Hyperparameters(tuple(values[: self.dimension]), **told)
+        amplitudes = dict.fromkeys(AMPLITUDES, 0.0) | dict(
+            zip(self.names, values[self.dimension :], strict=True)
+        )
+        return Hyperparameters(tuple(values[: self.dimension]), **amplitudes)
 
     def loss(self, logarithms: Array) -> tuple[float, Array]:
         """Minus the log posterior density, and its gradient by the logarithms.

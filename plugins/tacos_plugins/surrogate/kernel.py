@@ -31,9 +31,9 @@ class Hyperparameters:
     Parameters
     ----------
     length_scales
-        One for each coordinate, in ranges of the coordinate.
+        One for each coordinate [ranges of the coordinate].
     signal
-        What points have of their own, whatever the scene.
+        What points have of their own, whatever the scene [standard deviations].
     episode
         What a scene adds to all points alike.
     interaction
@@ -80,12 +80,12 @@ def matern_slope(squared: Array) -> Array:
 
 
 def squared_differences(first: Array, second: Array) -> Array:
-    """(d, n, m) squared differences of (n, d) and (m, d) points along each coordinate; NaN is not told."""
+    """(d, n, m) squared differences of (n, d) and (m, d) points along each coordinate; NaN is not known."""
     a, b = np.nan_to_num(first, nan=0.5), np.nan_to_num(second, nan=0.5)
     squared = (a.T[:, :, None] - b.T[:, None, :]) ** 2
     if np.isnan(first).any() or np.isnan(second).any():
-        untold = np.isnan(first).T[:, :, None] != np.isnan(second).T[:, None, :]
-        squared += MISSING * untold
+        missing = np.isnan(first).T[:, :, None] != np.isnan(second).T[:, None, :]
+        squared += MISSING * missing
     return np.asarray(squared)
 
 
@@ -94,11 +94,11 @@ def scaled_distances(first: Array, second: Array, length_scales: Array) -> Array
     a = np.nan_to_num(first, nan=0.5) / length_scales
     b = np.nan_to_num(second, nan=0.5) / length_scales
     squared = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None, :] - 2 * a @ b.T
-    untold, untold_too = np.isnan(first), np.isnan(second)
-    if untold.any() or untold_too.any():
+    missing, missing_too = np.isnan(first), np.isnan(second)
+    if missing.any() or missing_too.any():
         weights = MISSING / length_scales**2
-        told = (~untold).astype(float)
-        squared += (untold * weights) @ (~untold_too).T + (told * weights) @ untold_too.T
+        known = (~missing).astype(float)
+        squared += (missing * weights) @ (~missing_too).T + (known * weights) @ missing_too.T
     return np.maximum(squared, 0.0)
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from pydantic import Field
 
 from tacos_framework.contracts import Scores, ScoreScale, State
-from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch
+from tacos_plugins.tasks.chosen_camera import camera_index
 from tacos_plugins.tasks.followed_features import (
     Features,
     FollowedFeatures,
@@ -217,7 +217,7 @@ class OrbScorer:
 
     def update(self, frames: FrameBatch) -> None:
         """Take in the next frames."""
-        index = _camera_index(frames, self._config.camera)
+        index = camera_index(frames, self._config.camera, where="task.orb-features")
         scale = Scale.of(self._config, frames.capture.views[index].camera.simulated_binning)
         orb = scale.detector(self._config)
         episode = frames.episode
@@ -259,14 +259,3 @@ class OrbScorer:
             confidence=config.ransac_confidence,
             seed=config.ransac_seed,
         )
-
-
-def _camera_index(frames: FrameBatch, name: str | None) -> int:
-    names = [view.camera.name for view in frames.capture.views]
-    if name is None:
-        return 0
-    if name not in names:
-        expected = f"one of {', '.join(names)}"
-        fault = Fault("task.orb-features", f"camera is {name!r}", expected, did_you_mean(name, names))
-        raise UserError(fault)
-    return names.index(name)

@@ -88,7 +88,7 @@ class CheckGpu:
         ]
         began = time.perf_counter()
         scored = score_pipelined if states else score_sharded
-        found: list[Evaluation] = list(scored(jobs, plan.fitness, executor, evaluate))
+        found: list[Evaluation] = list(scored(jobs, executor, evaluate))
         wall_s = time.perf_counter() - began
         if failed := next((each.failed for each in found if each.failed), None):
             raise UserError(Fault(self.config.recipe, f"its candidate cannot be scored: {failed}"))

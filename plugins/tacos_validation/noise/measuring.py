@@ -10,13 +10,12 @@ import numpy as np
 from tacos_framework.errors import Fault, UserError
 from tacos_validation.noise.figure import Cloud
 from tacos_validation.noise.frame_files import FrameStack
+from tacos_validation.noise.levels import Levels, measure_levels
 from tacos_validation.noise.photon_transfer import (
     CLIPPED_SHARE,
     FINEST_DN2,
     AffineFit,
-    Levels,
     fit_affine,
-    measure_levels,
 )
 
 FEW_FRAMES = 5

@@ -93,7 +93,7 @@ class PunctualLight:
     kind
         point, spot or directional.
     position, direction
-        (3,) where it is and where it shines to, in the world of the file.
+        (3,) where it is, and the unit vector along which it shines [the length unit of the file, 1].
     colour
         (3,) linear [1].
     intensity

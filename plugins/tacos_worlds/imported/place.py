@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -23,6 +22,7 @@ from tacos_worlds.imported.model import Skin
 from tacos_worlds.imported.normals import with_normals
 from tacos_worlds.imported.patch import Patch
 from tacos_worlds.imported.sky import Surroundings, even
+from tacos_worlds.world_key import world_key
 
 PLANE_HEIGHT_M = 1.0
 """Height of the plane on which the illuminance is given [m]."""
@@ -171,7 +171,7 @@ def _baked(world: World, floor: Floor) -> World:
     transport = _transport(world)
     if not _on_plane(transport, floor) > 0:
         raise ValueError("no light reaches the floor")
-    return replace(world, indirect_lux=transport.vertex_indirect_lux(), key=_key(world))
+    return replace(world, indirect_lux=transport.vertex_indirect_lux(), key=world_key("imported", world))
 
 
 def _transport(world: World) -> LightTransport:
@@ -214,23 +214,3 @@ def _part(patch: Patch) -> MeshPart:
         material=max(patch.skin, 0),
         object_id=patch.object_id,
     )
-
-
-def _key(world: World) -> str:
-    """A hash of everything that makes the world what it is."""
-    digest = hashlib.blake2b(digest_size=16)
-    for part in world.parts:
-        digest.update(repr((part.material, part.object_id)).encode())
-        for array in (part.vertices_m, part.normals, part.uv_m, part.triangles):
-            digest.update(array.tobytes())
-    for material in world.materials:
-        digest.update(repr((material.name, material.roughness, material.metallic)).encode())
-        digest.update(material.base_colour.tobytes() + material.emission_cd_m2.tobytes())
-        for image in (material.texture, material.normal_map):
-            digest.update(b"-" if image is None else image.tobytes())
-    for light in world.lights:
-        digest.update(light.position_m.tobytes() + light.flux_lm.tobytes())
-    digest.update(world.ambient_cd_m2.tobytes())
-    digest.update(b"-" if world.sky_cd_m2 is None else world.sky_cd_m2.tobytes())
-    digest.update(repr((world.objects, world.class_names)).encode())
-    return f"imported-{digest.hexdigest()}"

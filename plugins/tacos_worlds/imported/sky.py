@@ -33,9 +33,9 @@ class Surroundings:
     Parameters
     ----------
     panorama
-        (H, 2 H, 3) float32 as `World.sky_cd_m2`, without the sun.
+        (H, 2 H, 3) float32 as `World.sky_cd_m2`, without the sun [the file's unit].
     mean
-        (3,) mean of its upper half, weighted by the cosine from the zenith.
+        (3,) mean of its upper half, weighted by the cosine from the zenith [the same].
     sun
         The sun, or None where there is none.
     """

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-if TYPE_CHECKING:
-    import trimesh
+from tacos_framework.values import MeshPart
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -54,13 +52,17 @@ class Mesh:
         """The mesh with its texture shifted [m], so that equal parts do not look equal."""
         return Mesh(self.vertices_m, self.normals, self.uv_m + np.array([u_m, v_m]), self.triangles)
 
-    def as_trimesh(self) -> trimesh.Trimesh:
-        """The geometry as a `trimesh.Trimesh`, coincident vertices merged."""
-        import trimesh
-
-        mesh = trimesh.Trimesh(self.vertices_m, self.triangles, process=False)
-        mesh.merge_vertices(merge_tex=True, merge_norm=True)
-        return mesh
+    def part(self, material: int, object_id: int, light_detail: float = 1.0) -> MeshPart:
+        """The mesh as a part of a world; see `MeshPart`."""
+        return MeshPart(
+            vertices_m=self.vertices_m.astype(np.float32),
+            normals=self.normals.astype(np.float32),
+            uv_m=self.uv_m.astype(np.float32),
+            triangles=self.triangles.astype(np.int32),
+            material=material,
+            object_id=object_id,
+            light_detail=light_detail,
+        )
 
 
 def rotation_z(angle_rad: float) -> Floats:

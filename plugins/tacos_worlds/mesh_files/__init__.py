@@ -1,7 +1,7 @@
 """Files of triangles (glTF, OBJ, PLY) from outside, checked before trimesh is given them.
 
 ``read``        the door: a file to a scene
-``gltf``        what a glTF file promises, and whether it can hold it
+``gltf``        whether a glTF file holds what it promises, in entries of ``gltf_shapes``
 ``plain``       the same of OBJ and PLY files
 ``references``  files and pictures that a file names
 """

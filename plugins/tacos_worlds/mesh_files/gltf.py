@@ -1,4 +1,4 @@
-"""What a glTF file promises, and whether it can hold it.
+"""Whether a glTF file holds what it promises.
 
 References
 ----------
@@ -9,21 +9,20 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import BaseModel, Field, FiniteFloat, ValidationError
+from pydantic import ValidationError
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits
 from tacos_framework.files.regular import too_large
 from tacos_framework.files.text import parse_json
+from tacos_worlds.mesh_files.gltf_shapes import TRIANGLES, GltfFile, GltfPrimitive
 from tacos_worlds.mesh_files.references import References
 
 _MAGIC, _JSON, _BINARY = b"glTF", b"JSON", b"BIN\0"
 _HEAD, _CHUNK_HEAD = 12, 8
-_COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
-_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_STRIP, _FAN = 5, 6
 _COMPRESSED = (
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
@@ -32,110 +31,7 @@ _COMPRESSED = (
 )
 _DEEPEST = 500
 """Nodes below one another; what is placed is multiplied along the way."""
-_MOST_NODES = 100_000
 _SHOWN = 5
-
-Count = Annotated[int, Field(strict=True, ge=0, lt=2**40)]
-
-
-class _BufferView(BaseModel):
-    buffer: Count
-    byteOffset: Count = 0
-    byteLength: Count
-    byteStride: Annotated[int, Field(strict=True, ge=1, le=252)] | None = None
-
-
-class _Accessor(BaseModel):
-    bufferView: Count | None = None
-    byteOffset: Count = 0
-    componentType: Literal[5120, 5121, 5122, 5123, 5125, 5126]
-    type: Literal["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"]
-    count: Count
-    sparse: Any = None
-
-    @property
-    def item_bytes(self) -> int:
-        return _COMPONENT_BYTES[self.componentType] * _COMPONENTS[self.type]
-
-
-class _Primitive(BaseModel):
-    attributes: dict[str, Count]
-    indices: Count | None = None
-    material: Count | None = None
-    mode: Annotated[int, Field(strict=True, ge=0, le=6)] = _TRIANGLES
-
-
-class _Mesh(BaseModel):
-    primitives: list[_Primitive]
-
-
-class _Node(BaseModel):
-    mesh: Count | None = None
-    children: list[Count] = []
-    matrix: Annotated[list[FiniteFloat], Field(min_length=16, max_length=16)] | None = None
-    translation: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = None
-    rotation: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
-    scale: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = None
-
-
-class _Scene(BaseModel):
-    nodes: list[Count] = []
-
-
-class _Buffer(BaseModel):
-    byteLength: Count
-    uri: str | None = None
-
-
-class _Image(BaseModel):
-    uri: str | None = None
-    bufferView: Count | None = None
-    mimeType: str = ""
-
-
-class _TextureInfo(BaseModel):
-    index: Count
-
-
-class _Reflection(BaseModel):
-    baseColorFactor: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
-    baseColorTexture: _TextureInfo | None = None
-    metallicFactor: FiniteFloat | None = None
-    roughnessFactor: FiniteFloat | None = None
-    metallicRoughnessTexture: _TextureInfo | None = None
-
-
-class _Material(BaseModel):
-    pbrMetallicRoughness: _Reflection = _Reflection()
-    normalTexture: _TextureInfo | None = None
-    occlusionTexture: _TextureInfo | None = None
-    emissiveTexture: _TextureInfo | None = None
-    emissiveFactor: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = None
-
-    @property
-    def textures(self) -> list[int]:
-        """Indices of the textures it has."""
-        own = self.pbrMetallicRoughness
-        named = (own.baseColorTexture, own.metallicRoughnessTexture, self.normalTexture)
-        return [each.index for each in (*named, self.occlusionTexture, self.emissiveTexture) if each]
-
-
-class _Texture(BaseModel):
-    source: Count | None = None
-
-
-class _Gltf(BaseModel):
-    extensionsRequired: list[str] = []
-    buffers: list[_Buffer] = []
-    bufferViews: list[_BufferView] = []
-    accessors: list[_Accessor] = []
-    meshes: list[_Mesh] = []
-    nodes: Annotated[list[_Node], Field(max_length=_MOST_NODES)] = []
-    scenes: list[_Scene] = []
-    scene: Count = 0
-    images: list[_Image] = []
-    materials: list[_Material] = []
-    textures: list[_Texture] = []
 
 
 def glb_chunks(content: bytes, where: str) -> tuple[bytes, bytes | None]:
@@ -201,7 +97,7 @@ def check_gltf(tree: dict[str, Any], binary: bytes | None, references: Reference
         With what is wrong with its structure.
     """
     try:
-        file = _Gltf.model_validate(tree)
+        file = GltfFile.model_validate(tree)
     except ValidationError as error:
         found = error.errors(include_url=False, include_input=False)
         raise UserError(
@@ -226,7 +122,7 @@ def check_gltf(tree: dict[str, Any], binary: bytes | None, references: Reference
         raise _unreadable(where, reason) from error
 
 
-def _buffers(file: _Gltf, binary: bytes | None, references: References) -> list[bytes]:
+def _buffers(file: GltfFile, binary: bytes | None, references: References) -> list[bytes]:
     buffers = []
     for i, buffer in enumerate(file.buffers):
         content = binary if buffer.uri is None else references.bytes_of(buffer.uri, quoted=True)
@@ -238,7 +134,7 @@ def _buffers(file: _Gltf, binary: bytes | None, references: References) -> list[
     return buffers
 
 
-def _check_views(file: _Gltf, sizes: Sequence[int], where: str) -> None:
+def _check_views(file: GltfFile, sizes: Sequence[int], where: str) -> None:
     """Views lie in their buffers and accessors in their views; all together they fit into memory."""
     for i, view in enumerate(file.bufferViews):
         if view.byteOffset + view.byteLength > sizes[view.buffer]:
@@ -257,7 +153,7 @@ def _check_views(file: _Gltf, sizes: Sequence[int], where: str) -> None:
         raise UserError(too_large(where, "what its accessors claim", taken, "mesh_mb"))
 
 
-def _check_pictures(file: _Gltf, buffers: Sequence[bytes], references: References) -> None:
+def _check_pictures(file: GltfFile, buffers: Sequence[bytes], references: References) -> None:
     """Pictures are whole, and materials name pictures that are there."""
     for material in file.materials:
         for index in material.textures:
@@ -274,7 +170,7 @@ def _check_pictures(file: _Gltf, buffers: Sequence[bytes], references: Reference
             raise ValueError(f"image {i} has no data")
 
 
-def _triangles(file: _Gltf) -> int:
+def _triangles(file: GltfFile) -> int:
     """Triangles of the scene, those of a mesh as often as nodes place it."""
     per_mesh = [sum(_primitive(file, part) for part in mesh.primitives) for mesh in file.meshes]
     if not file.scenes:
@@ -293,7 +189,7 @@ def _triangles(file: _Gltf) -> int:
     raise ValueError(f"its nodes lie more than {_DEEPEST} deep")
 
 
-def _primitive(file: _Gltf, part: _Primitive) -> int:
+def _primitive(file: GltfFile, part: GltfPrimitive) -> int:
     """Triangles of a part of a mesh, whose accessors fit each other."""
     accessors = {name: file.accessors[index] for name, index in part.attributes.items()}
     if part.material is not None:
@@ -315,9 +211,9 @@ def _primitive(file: _Gltf, part: _Primitive) -> int:
         raise ValueError("a mesh is a fan of triangles, which is not read: export triangles")
     if part.mode == _STRIP:
         return max(0, count - 2)
-    if part.mode == _TRIANGLES and count % 3:
+    if part.mode == TRIANGLES and count % 3:
         raise ValueError(f"a mesh of triangles has {count} corners")
-    return count // 3 if part.mode == _TRIANGLES else 0
+    return count // 3 if part.mode == TRIANGLES else 0
 
 
 def _unreadable(where: str, reason: str) -> UserError:

@@ -29,13 +29,13 @@ class Pose:
     Parameters
     ----------
     hips, knees
-        Flexion of each.
+        Flexion of each [deg].
     shoulders, elbows
-        Flexion of each.
+        Flexion of each [deg].
     arms_aside
-        How far the arms are held off the body.
+        How far the arms are held off the body [deg].
     lean
-        Of the trunk, forward.
+        Of the trunk, forward [deg].
     seated
         Whether the weight rests on a seat.
     """

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from tacos_framework.cache import content_key
-from tacos_framework.values import Light, MeshPart, Object, World
+from tacos_framework.values import Light, Object, World
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_worlds.indoor.finishes import Finish, materials_of
 from tacos_worlds.indoor.mesh import Mesh, merged
@@ -18,6 +17,7 @@ from tacos_worlds.street.city import CARRIAGEWAY_M, PAVEMENT_M, Town
 from tacos_worlds.street.finishes import StreetTextures
 from tacos_worlds.street.sky import Daylight
 from tacos_worlds.street.streetscape import PlacedPiece
+from tacos_worlds.world_key import world_key
 
 CLASS_NAMES = (
     "background",
@@ -74,7 +74,7 @@ def assemble(
             by_finish.setdefault(finish, []).append(mesh)
         for finish, meshes in by_finish.items():
             material = finishes.setdefault(finish, len(finishes))
-            parts.append(_part(merged(meshes), material, object_id, thing.light_detail))
+            parts.append(merged(meshes).part(material, object_id, thing.light_detail))
     unlit = World(
         key="unlit",
         parts=tuple(parts),
@@ -104,18 +104,6 @@ def _lamps(placed: Sequence[PlacedPiece], way_m: NDArray[np.float64] | None) -> 
     return [lamps[k] for k in near.tolist()]
 
 
-def _part(mesh: Mesh, material: int, object_id: int, light_detail: float) -> MeshPart:
-    return MeshPart(
-        vertices_m=mesh.vertices_m.astype(np.float32),
-        normals=mesh.normals.astype(np.float32),
-        uv_m=mesh.uv_m.astype(np.float32),
-        triangles=mesh.triangles.astype(np.int32),
-        material=material,
-        object_id=object_id,
-        light_detail=light_detail,
-    )
-
-
 def _lit(world: World, illumination_lux: float, plane_m: NDArray[np.float32]) -> World:
     """The world with indirect light baked, scaled to the illuminance."""
     transport = LightTransport(world, rays=_LIGHT_RAYS, merge_m=_LIGHT_MERGE_M, longest_edge_m=_LIGHT_EDGE_M)
@@ -123,7 +111,7 @@ def _lit(world: World, illumination_lux: float, plane_m: NDArray[np.float32]) ->
     reached = transport.direct_lux(plane_m, up) + transport.indirect_lux(plane_m, up)
     baked = replace(world, indirect_lux=transport.vertex_indirect_lux())
     factor = illumination_lux / float(photopic(reached).mean())
-    return scale_light(baked, factor, key=_key(world, illumination_lux))
+    return scale_light(baked, factor, key=world_key("street", world, illumination_lux))
 
 
 def measuring_plane(town: Town) -> NDArray[np.float32]:
@@ -139,21 +127,3 @@ def measuring_plane(town: Town) -> NDArray[np.float32]:
         points.append(np.stack(np.meshgrid(x0 + across, y_m), axis=-1).reshape(-1, 2))
     level = np.concatenate(points)
     return np.column_stack([level, np.full(len(level), PLANE_HEIGHT_M)]).astype(np.float32)
-
-
-def _key(world: World, illumination_lux: float) -> str:
-    """A hash of everything that makes the world what it is."""
-    parts = [
-        (p.material, p.object_id, p.light_detail, p.vertices_m, p.normals, p.uv_m, p.triangles)
-        for p in world.parts
-    ]
-    materials = [
-        (
-            *(m.name, m.base_colour, m.texture, m.texture_size_m, m.normal_map),
-            *(m.roughness, m.metallic, m.emission_cd_m2),
-        )
-        for m in world.materials
-    ]
-    lights = [(light.position_m, light.flux_lm) for light in world.lights]
-    names = [(thing.name, thing.class_name, thing.moves) for thing in world.objects]
-    return "street-" + content_key(illumination_lux, parts, materials, lights, names, world.sky_cd_m2)

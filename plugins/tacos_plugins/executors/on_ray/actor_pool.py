@@ -5,17 +5,13 @@ from __future__ import annotations
 import logging
 import re
 import time
-from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from tacos_plugins.executors.affinity import Affinity, JobTimes, Making, affinity_of, assigned, making
+from tacos_plugins.executors.job_pool import JobPool, PoolWorker
 from tacos_plugins.executors.on_ray.actor import EvaluatorActor
 from tacos_plugins.executors.on_ray.cluster import Cluster, Needs
-from tacos_plugins.executors.outcomes import Lost
-from tacos_plugins.executors.worker import Answer
 
 log = logging.getLogger(__name__)
 
@@ -26,30 +22,16 @@ STARTS = 3
 """Workers in a row that end before they are ready, after which the reason is not a lost node."""
 
 
-@dataclass(frozen=True)
-class _Task:
-    """One job on its way."""
-
-    round: int
-    index: int
-    attempt: int = 1
-
-
-@dataclass(eq=False)
-class _Member:
+class _Member(PoolWorker):
     """An actor, and the one answer it owes: that it has started, or that to a job."""
 
-    actor: Any
-    owes: Any
-    ready: bool = False
-    task: _Task | None = None
-    deadline: float = float("inf")
-    at_hand: set[Affinity] = field(default_factory=set)
-    makes: Making = "nothing"
-    began_s: float = 0.0
+    def __init__(self, actor: Any) -> None:
+        super().__init__()
+        self.actor = actor
+        self.owes: Any = actor.ready.remote()
 
 
-class ActorPool:
+class ActorPool(JobPool[_Member]):
     """Actors that hold one function.
 
     Parameters
@@ -84,11 +66,9 @@ class ActorPool:
         job_s: float | None,
         environment: Mapping[str, str],
     ) -> None:
-        self.payload = payload
+        super().__init__(payload, workers, attempts)
         self._ray = cluster.ray
-        self._most = workers
         self._threads = threads
-        self._attempts = attempts
         self._job_s = job_s
         self._actor_class = self._ray.remote(EvaluatorActor).options(
             num_cpus=needs.cpus,
@@ -98,107 +78,65 @@ class ActorPool:
             runtime_env={"env_vars": dict(environment)},
         )
         self._payload_ref = self._ray.put(payload)  # once a node, whatever the number of workers
-        self._members: list[_Member] = []
-        self._times = JobTimes()
         self._failed_starts = 0
-        self._round = 0
         self._closed = False
-
-    def outcomes(self, jobs: Sequence[Any]) -> Iterator[Answer | Lost]:
-        """One outcome for each job, in their order, each as soon as it and those before it are there.
-
-        Raises
-        ------
-        RuntimeError
-            When the pool is closed meanwhile, or workers end before they are ready for a first job.
-        """
-        self._round += 1  # what is still done for a round that was left early is dropped when it comes
-        waiting = deque(_Task(self._round, index) for index in range(len(jobs)))
-        done: dict[int, Answer | Lost] = {}
-        for index in range(len(jobs)):
-            while index not in done:
-                self._hand_out(jobs, waiting)
-                self._collect(waiting, done)
-            self._hand_out(jobs, waiting)  # workers go on while the caller looks at this one
-            yield done.pop(index)
 
     def close(self) -> None:
         """End all workers at once."""
         self._closed = True
-        for each in self._members:
+        for each in self._workers:
             self._ray.kill(each.actor)
-        self._members.clear()
+        self._workers.clear()
 
     # ------------------------------------------------------------------------------------------------------
 
-    def _hand_out(self, jobs: Sequence[Any], waiting: deque[_Task]) -> None:
-        """Give waiting tasks to idle workers, and ask for workers where too few are there."""
-        idle = [each for each in self._members if each.ready and each.owes is None]
-        wanted = [affinity_of(jobs[task.index]) for task in waiting] if idle else []
-        busy = {each for other in self._members if other not in idle for each in other.at_hand}
-        given = assigned(wanted, [each.at_hand for each in idle], busy, self._times.cost_of_making)
-        anywhere = busy.union(*(each.at_hand for each in idle))
-        for each, task in [(idle[number], waiting[place]) for number, place in given.items()]:
-            waiting.remove(task)
-            each.task = task
-            needs = affinity_of(jobs[task.index])
-            each.makes, each.began_s = making(needs, each.at_hand, anywhere), time.monotonic()
-            each.at_hand.add(needs)
-            each.owes = each.actor.answer.remote(bytes(ForkingPickler.dumps(jobs[task.index])))
-            each.deadline = float("inf") if self._job_s is None else each.began_s + self._job_s
-        starting = sum(not each.ready for each in self._members)
-        for _ in range(min(self._most - len(self._members), len(waiting) - starting)):
-            actor = self._actor_class.remote(self._payload_ref, self._threads)
-            self._members.append(_Member(actor, actor.ready.remote()))
+    def _start(self) -> _Member:
+        return _Member(self._actor_class.remote(self._payload_ref, self._threads))
 
-    def _collect(self, waiting: deque[_Task], done: dict[int, Answer | Lost]) -> None:
-        """Wait until something happens, and see to it."""
-        owed = [each.owes for each in self._members if each.owes is not None]
-        soonest = min((each.deadline for each in self._members), default=float("inf"))
+    def _send(self, each: _Member, job: Any) -> bool:
+        each.owes = each.actor.answer.remote(bytes(ForkingPickler.dumps(job)))
+        return True  # of one that is dead, the answer says so
+
+    def _deadline(self, each: _Member) -> float:
+        """When a worker counts as hung [s]."""
+        return float("inf") if each.task is None or self._job_s is None else each.began_s + self._job_s
+
+    def _collect(self) -> None:
+        owed = [each.owes for each in self._workers if each.owes is not None]
+        soonest = min((self._deadline(each) for each in self._workers), default=float("inf"))
         patience = max(0.0, min(PATIENCE_S, soonest - time.monotonic()))
         came, _ = self._ray.wait(owed, num_returns=1, timeout=patience)
         if self._closed:
             raise RuntimeError("the executor was closed while jobs were running")
-        if not came and not any(each.ready for each in self._members):
+        if not came and not any(each.ready for each in self._workers):
             log.warning("no worker has started yet: the cluster has no room, or is starting nodes")
-        for each in list(self._members):
+        for each in list(self._workers):
             if each.owes is not None and each.owes in came:
-                self._take(each, waiting, done)
-            elif time.monotonic() > each.deadline:
+                self._take(each)
+            elif time.monotonic() > self._deadline(each):
                 self._ray.kill(each.actor)
-                self._replace(each, f"it took longer than {self._job_s:g} s", waiting, done)
+                self._replace(each, f"it took longer than {self._job_s:g} s")
 
-    def _take(self, each: _Member, waiting: deque[_Task], done: dict[int, Answer | Lost]) -> None:
+    def _take(self, each: _Member) -> None:
         """Keep what a worker sent, or learn that it is lost."""
         try:
             message = self._ray.get(each.owes)
         except self._ray.exceptions.RayError as error:  # the worker, its node, or the answer itself is lost
             if not each.ready:
                 self._note_failed_start(error)
-            self._replace(each, _how(error), waiting, done)
+            self._replace(each, _how(error))
             return
-        task, each.task, each.owes, each.deadline = each.task, None, None, float("inf")
+        task, each.task, each.owes = each.task, None, None
         if task is None:
             each.ready, self._failed_starts = True, 0
             return
-        self._times.saw(time.monotonic() - each.began_s, made=each.makes)
-        if task.round == self._round:
-            done[task.index] = ForkingPickler.loads(message)
+        self._finished(each, task, ForkingPickler.loads(message))
 
-    def _replace(
-        self, each: _Member, how: str, waiting: deque[_Task], done: dict[int, Answer | Lost]
-    ) -> None:
+    def _replace(self, each: _Member, how: str) -> None:
         """Forget a worker that is lost; try its job again, or give it up."""
-        self._members.remove(each)
+        self._workers.remove(each)
         self._ray.kill(each.actor)  # where only the connection to it was lost
-        task = each.task
-        if task is None or task.round != self._round:
-            return
-        if task.attempt < self._attempts:
-            log.warning("job %d: %s; it is tried again", task.index, how)
-            waiting.appendleft(replace(task, attempt=task.attempt + 1))
-        else:
-            done[task.index] = Lost(f"{how}, {task.attempt} times in a row")
+        self._try_again(each.task, how)
 
     def _note_failed_start(self, error: Exception) -> None:
         self._failed_starts += 1

@@ -42,10 +42,20 @@ class Trial:
     failed: bool
 
     @classmethod
-    def of(cls, result: Evaluated, round_number: int) -> Trial:
-        """From what an optimizer is told."""
+    def of(cls, result: Evaluated, round_number: int, scenes: str = "") -> Trial:
+        """From what an optimizer is told.
+
+        Parameters
+        ----------
+        result
+            What came out.
+        round_number
+            When.
+        scenes
+            Goes before the numbers of episodes that name other scenes than those of the search.
+        """
         episodes = {
-            str(number): {name: float(value) for name, value in scores.items()}
+            f"{scenes}{number}": {name: float(value) for name, value in scores.items()}
             for number, scores in result.episodes.items()
         }
         failed = result.fitness is None and not any(episodes.values())

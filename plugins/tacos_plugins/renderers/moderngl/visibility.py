@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
 from tacos_plugins.compiled import compiled
+from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
 from tacos_plugins.renderers.moderngl.covered import BLOCK, along, box_is_hidden, is_hidden
 
 _SUB = 256  # places a sample's width is divided into
-_GUARD_PX = float(1 << 20)  # farther out, triangles are cut off, so that edge functions stay exact integers
 _QUOTIENT, _REST, _MORE, _MORE_REST, _DIVISOR, _SIDE = range(6)  # what is kept of an edge from row to row
 _ROUNDING = 2.0**-19  # between a depth found here and by OpenGL, of the depth of its window
-_CORNERS = 9  # most of a triangle cut by five planes, and one to close it
 
 
 def pixel_from_camera(camera: Camera) -> NDArray[np.float64]:
@@ -109,8 +108,8 @@ def draw(
     closed
         Whether backs are never seen, and need not be drawn.
     """
-    corners = np.empty((_CORNERS, 3))
-    spare = np.empty((_CORNERS, 3))
+    corners = np.empty((CORNERS, 3))
+    spare = np.empty((CORNERS, 3))
     edges = np.empty((3, 6), np.int64)
     height, width = surface.shape
     for run in range(len(runs)):
@@ -125,8 +124,8 @@ def draw(
             if _beyond(corners, width, first_row, first_row + height - 1):
                 continue
             count = 3
-            if _needs_cutting(corners, near_m):
-                count = _cut(corners, spare, near_m)
+            if needs_cutting(corners, near_m):
+                count = cut(corners, spare, near_m)
             for corner in range(count):
                 inverse = 1 / corners[corner, 2]
                 corners[corner, 0] *= inverse
@@ -153,54 +152,6 @@ def _beyond(corners: NDArray[np.float64], width: int, first_row: int, last_row: 
         under &= y > last_row * w
     ahead = max(corners[0, 2], corners[1, 2], corners[2, 2]) > 0
     return left or right or over or under or not ahead
-
-
-@compiled
-def _needs_cutting(corners: NDArray[np.float64], near_m: float) -> bool:
-    for corner in range(3):
-        x, y, w = corners[corner, 0], corners[corner, 1], corners[corner, 2]
-        if w < near_m or max(abs(x), abs(y)) > _GUARD_PX * w:
-            return True
-    return False
-
-
-@compiled
-def _cut(corners: NDArray[np.float64], spare: NDArray[np.float64], near_m: float) -> int:
-    """Cut a triangle at the near plane and far beside the image, in place; how many corners are left.
-
-    After Sutherland and Hodgman, "Reentrant polygon clipping", CACM 1974. Corners are copied number by
-    number, since to compile assignments of slices takes longer than all the rest.
-    """
-    count = 3
-    for plane in range(5):
-        kept = 0
-        for corner in range(count):
-            here, before = corners[corner], corners[(corner - 1) % count]
-            inside, was_inside = _within(here, plane, near_m), _within(before, plane, near_m)
-            if (inside >= 0) != (was_inside >= 0):
-                share = was_inside / (was_inside - inside)
-                for axis in range(3):
-                    spare[kept, axis] = before[axis] + share * (here[axis] - before[axis])
-                kept += 1
-            if inside >= 0:
-                for axis in range(3):
-                    spare[kept, axis] = here[axis]
-                kept += 1
-        count = kept
-        for corner in range(count):
-            for axis in range(3):
-                corners[corner, axis] = spare[corner, axis]
-    return count
-
-
-@compiled
-def _within(point: NDArray[np.float64], plane: int, near_m: float) -> float:
-    """Positive on the side of a plane that is kept: beyond the near one, within the four beside the image."""
-    x, y, w = point[0], point[1], point[2]
-    if plane == 0:
-        return w - near_m
-    along = x if plane < 3 else y
-    return _GUARD_PX * w + (along if plane % 2 else -along)
 
 
 @compiled

@@ -11,9 +11,9 @@ import torch
 from torchvision.models.detection import FasterRCNN
 
 from tacos_framework.contracts import Budget, Scores, ScoreScale, State
-from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch
+from tacos_plugins.tasks.chosen_camera import camera_index
 from tacos_plugins.tasks.faster_rcnn.average_precision import AveragePrecision, Detections
 from tacos_plugins.tasks.faster_rcnn.examples import Example
 from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
@@ -209,7 +209,7 @@ class FasterRcnn:
     def examples(self, batches: Iterable[FrameBatch]) -> Iterator[Example]:
         """The frames of the camera that is scored, with their labels."""
         for frames in batches:
-            index = _camera_index(frames, self.config.camera)
+            index = camera_index(frames, self.config.camera, where=WHERE)
             view = frames.capture.views[index]
             class_of_object = class_numbers(frames.episode.world, self.config.classes)
             for image, ids in zip(frames.images[index], view.object_id, strict=True):
@@ -292,13 +292,3 @@ class DetectionScorer:
     def scores(self) -> Scores:
         """Average precision over all frames so far."""
         return self._precision.scores("ap50")
-
-
-def _camera_index(frames: FrameBatch, name: str | None) -> int:
-    names = [view.camera.name for view in frames.capture.views]
-    if name is None:
-        return 0
-    if name not in names:
-        expected = f"one of {', '.join(names)}"
-        raise UserError(Fault(WHERE, f"camera is {name!r}", expected, did_you_mean(name, names)))
-    return names.index(name)

@@ -24,7 +24,7 @@ def fractal(
     stretch
         How much longer features are along (u, v) than across.
     lowest, highest
-        Band in cycles per tile; nothing outside of it.
+        Band outside of which there is nothing [cycles per tile].
     """
     u = np.fft.rfftfreq(size, 1 / size)[None, :] * stretch[0]
     v = np.fft.fftfreq(size, 1 / size)[:, None] * stretch[1]

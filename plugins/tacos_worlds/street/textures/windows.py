@@ -11,16 +11,16 @@ from tacos_worlds.street.textures.walls import Canvas, Colour
 
 @dataclass(frozen=True)
 class WindowStyle:
-    """How the windows of a front look; lengths in cells.
+    """How the windows of a front look; lengths in cells of the wall.
 
     Parameters
     ----------
     width, height, sill
-        Of the opening, and its height above the floor.
+        Of the opening, and its height above the floor [cell].
     columns, rows
         Panes.
     trim
-        Width of the surround; 0 for none.
+        Width of the surround; 0 for none [cell].
     frame
         Colour of the frames.
     """

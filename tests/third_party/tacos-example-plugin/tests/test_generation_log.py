@@ -46,7 +46,7 @@ def test_installed_it_observes_every_study(tmp_path: Path) -> None:
 
 
 def test_a_study_goes_on_without_it_when_it_cannot_write(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def full(self: GenerationLog, file: Path, before: int) -> list[dict[str, str]]:
         raise OSError(28, "No space left on device")
@@ -56,4 +56,4 @@ def test_a_study_goes_on_without_it_when_it_cannot_write(
     result = tacos.run(tacos.load_recipe(RECIPE, local), out=tmp_path / "run", report=False)
     assert result["best"]["scores"]["board.found_ratio"] > 0.5
     warning = "the observer generation-log of tacos-example-plugin is switched off"
-    assert capsys.readouterr().err.count(warning) == 1
+    assert caplog.text.count(warning) == 1

@@ -1,0 +1,32 @@
+"""Which camera of a rig a task of one camera looks through."""
+
+from __future__ import annotations
+
+from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.values import FrameBatch
+
+
+def camera_index(frames: FrameBatch, name: str | None, *, where: str) -> int:
+    """Index of the camera of this name; of the first where none is named.
+
+    Parameters
+    ----------
+    frames
+        Of all cameras of the rig.
+    name
+        What the setting ``camera`` of the task says.
+    where
+        The task, for the message.
+
+    Raises
+    ------
+    UserError
+        When the rig has no such camera.
+    """
+    names = [view.camera.name for view in frames.capture.views]
+    if name is None:
+        return 0
+    if name not in names:
+        expected = f"one of {', '.join(names)}"
+        raise UserError(Fault(where, f"camera is {name!r}", expected, did_you_mean(name, names)))
+    return names.index(name)

@@ -1,0 +1,53 @@
+"""What ``tacos-run --check`` says of a study without faults."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+from tacos_framework.plan import Plan
+from tacos_framework.plan.notes import DoubtedParts, doubted_parts, notes_on_catalogs, notes_on_constraints
+
+SHOWN = 5
+"""Doubts that are listed unless all are asked for."""
+
+WIDTH = 100
+"""Characters of a listed doubt unless all are asked for."""
+
+PARTS_NAMED = 3
+"""Parts that share a doubt and are named before the others are counted, unless all are asked for."""
+
+
+def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
+    """What whoever builds a camera of this study should know, line by line.
+
+    Parameters
+    ----------
+    plan
+        Of the study.
+    verbose
+        All doubts about parts in full, in place of a short list.
+    """
+    for note in (*notes_on_catalogs(plan), *notes_on_constraints(plan)):
+        yield f"note: {note}"
+    for doubted in doubted_parts(plan):
+        yield from _all_of(doubted) if verbose else _first_of(doubted)
+
+
+def _all_of(doubted: DoubtedParts) -> Iterator[str]:
+    yield f"{_title(doubted)}:"
+    yield from (f"  {', '.join(names)}: {doubt}" for doubt, names in doubted.by_doubt.items())
+
+
+def _first_of(doubted: DoubtedParts) -> Iterator[str]:
+    yield f"{_title(doubted)} (--verbose: all, in full):"
+    for doubt, names in list(doubted.by_doubt.items())[:SHOWN]:
+        named = ", ".join(names[:PARTS_NAMED])
+        more = f" and {len(names) - PARTS_NAMED} more" if len(names) > PARTS_NAMED else ""
+        yield "  " + textwrap.shorten(f"{named}{more}: {doubt}", WIDTH, placeholder=" ...")
+    if (left := len(doubted.by_doubt) - SHOWN) > 0:
+        yield f"  and {left} more {'doubt' if left == 1 else 'doubts'}"
+
+
+def _title(doubted: DoubtedParts) -> str:
+    return f"note: Doubts about {doubted.doubted} of {doubted.parts} parts of {doubted.catalog}"

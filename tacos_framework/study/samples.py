@@ -1,0 +1,46 @@
+"""Sample frames of the cameras of a study, to look at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from tacos_framework.camera.colour import display_image
+from tacos_framework.contracts import Executor
+from tacos_framework.results import Results
+from tacos_framework.simulation import EpisodeSpec, Evaluator, SampleJob
+
+SAMPLES_AT = (0.15, 0.5, 0.85)
+"""Where along the episode frames are taken [share of the episode]."""
+
+
+def write_samples(
+    cameras: Mapping[str, Mapping[str, Any]],
+    episode: EpisodeSpec,
+    executor: Executor,
+    evaluate: Evaluator,
+    results: Results,
+) -> dict[str, list[str]]:
+    """Write frames of the first camera of each rig, encoded for a display; none of a rig that fails.
+
+    Parameters
+    ----------
+    cameras
+        Plain values of the design variables, by the name of the designed camera or product.
+    episode
+        The episode they all see.
+    executor, evaluate
+        Run the jobs.
+    results
+        The folder of the run.
+
+    Returns
+    -------
+    Paths within the folder, by name.
+    """
+    jobs = [SampleJob(values, episode, SAMPLES_AT) for values in cameras.values()]
+    written: dict[str, list[str]] = {}
+    for name, batches in zip(cameras, executor.map(evaluate, jobs), strict=True):
+        frames = [display_image(b.images[0][0], b.black_level_dn, b.white_level_dn) for b in batches]
+        written[name] = [results.write_sample(f"{name}_{i}", frame) for i, frame in enumerate(frames)]
+    return written

@@ -1,0 +1,14 @@
+"""Meshes as trimesh measures them."""
+
+from __future__ import annotations
+
+import trimesh
+
+from tacos_worlds.indoor.mesh import Mesh
+
+
+def solid(mesh: Mesh) -> trimesh.Trimesh:
+    """The geometry with coincident vertices merged."""
+    found = trimesh.Trimesh(mesh.vertices_m, mesh.triangles, process=False)
+    found.merge_vertices(merge_tex=True, merge_norm=True)
+    return found
