@@ -8,7 +8,7 @@ from typing import Any
 
 
 def apply(suite: type[Any], component: type[Any], test: str, tmp_path: Path) -> None:
-    """Run the test of a name, with the fixtures it asks for; a parameter stands in brackets behind the name."""
+    """Run the test of a name, with the fixtures it asks for; brackets behind the name hold a parameter."""
     bound = type("TestIt", (suite,), {"component": component, "files": ("found.txt",)})()
     offered = {
         "episode": lambda: bound.generate(),
