@@ -10,7 +10,8 @@ _UNIT_SIGNS = {
     "mw": "mW", "w": "W", "usd": "USD", "eur": "EUR", "hz": "Hz", "fps": "frames/s",
 }  # fmt: skip
 _UNIT_SUFFIXES = (
-    "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "eur", "hz", "fps",
+    "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "eur",
+    "hz", "fps",
 )  # fmt: skip
 _WORDS = {
     "hfov_deg": "Horizontal field of view",

@@ -107,7 +107,8 @@ class Outcome:
 
     def _scores_all_alike(self) -> Iterator[str]:
         """Scores of the fitness that are the same for all cameras of the test, and so decide nothing."""
-        tested = list(self.test.scored.values()) if self.test else []
+        everyone = self.test.on_common_scenes.values() if self.test else ()
+        tested = [evaluation for evaluation in everyone if evaluation.fitness is not None]
         for term in self.plan.recipe.fitness:
             found = {evaluation.scores.get(term.score) for evaluation in tested}
             if term.weight and len(tested) > 1 and len(found) == 1 and (value := found.pop()) is not None:

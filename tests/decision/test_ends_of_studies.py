@@ -131,7 +131,9 @@ def test_equal_scores_name_no_winner(tmp_path, monkeypatch):
     assert result["decision"] is None
 
 
-def test_a_score_that_is_the_same_for_all_cameras_is_told_to_decide_nothing(tmp_path):
+def test_a_score_that_is_the_same_for_all_cameras_is_told_to_decide_nothing(tmp_path, monkeypatch):
+    scores = toy_plugin.WidthScorer.scores
+    monkeypatch.setattr(toy_plugin.WidthScorer, "scores", lambda self: {**scores(self), "brightness": 1.0})
     terms = [{"score": "width.closeness", "weight": 1}, {"score": "width.brightness", "weight": 2}]
     result = run(small(fitness=terms), with_toys(tacos_decision.plugin), tmp_path / "out")
     (note,) = (note for note in result["notes"] if "told none apart" in note)
