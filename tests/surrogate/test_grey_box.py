@@ -176,7 +176,14 @@ def test_few_that_all_were_seen_are_no_proof_that_all_are_always_seen():
 
 @pytest.mark.parametrize(
     ("shares", "count"),
-    [([0, 1, 1], 1), ([0, 0.5, 1], 2), ([1 / 3, 0.5], 6), ([0.273, 1.0], None), ([7 / 12], 12), ([1 / 13], None)],
+    [
+        ([0, 1], 1),
+        ([0, 0.5, 1], 2),
+        ([1 / 3, 0.5], 6),
+        ([0.273, 1.0], None),
+        ([7 / 12], 12),
+        ([1 / 13], None),
+    ],
 )
 def test_shares_of_few_are_known_by_their_denominator(shares, count):
     assert counted(np.array(shares, dtype=float)) == count
