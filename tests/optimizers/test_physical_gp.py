@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.contracts import Asked, DesignProblem, Evaluated
-from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
+from tacos_framework.contracts import Asked, Evaluated
 from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.physical_gp.episodes import next_episodes
 from tacos_plugins.optimizers.physical_gp.optimizer import PhysicalGp
@@ -19,31 +17,8 @@ from tacos_plugins.optimizers.physical_gp.starts import spread_out
 from tacos_plugins.optimizers.physical_gp.viability import Viability
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tests.optimizers.camera_problem import FITNESS, CameraProblem
-from tests.optimizers.landscapes import MIXED, mixed, regret
-
-SMALL = DesignSpace([Integer("n", 1, 3), Categorical("lens", ("wide", "tele"))])
-
-
-def make(
-    space: DesignSpace = MIXED, seed: int = 1, problem: DesignProblem | None = None, **config
-) -> PhysicalGp:
-    return PhysicalGp(
-        PhysicalGp.Config(**config), space=space, rng=np.random.default_rng(seed), problem=problem
-    )
-
-
-def candidates_of(asked) -> list:
-    return [each.candidate if isinstance(each, Asked) else each for each in asked]
-
-
-def finish(optimizer: PhysicalGp, evaluate) -> list:
-    """Ask and tell until it stops; all that was asked."""
-    history = []
-    while optimizer.stop() is None:
-        asked = optimizer.ask()
-        history.append(asked)
-        optimizer.tell([evaluate(each) for each in asked])
-    return history
+from tests.optimizers.landscapes import mixed, regret
+from tests.optimizers.physical_gp_runs import candidates_of, finish, make
 
 
 def test_with_200_images_it_finds_cameras_that_others_do_not_find_with_2000():
@@ -208,79 +183,6 @@ def test_where_all_fail_or_are_equal_it_goes_on_looking_elsewhere(value):
     assert len(optimizer.recommend(3)) == (0 if value is None else 3)
 
 
-def test_a_space_of_few_candidates_is_searched_through_and_said_to_be():
-    optimizer = make(SMALL, evaluations=50, starts=3)
-    history = finish(optimizer, lambda c: Evaluated(c, float(c.genes[0])))
-    assert sorted(c.genes for r in history for c in r) == sorted(
-        (n, k) for n in (1.0, 2.0, 3.0) for k in (0.0, 1.0)
-    )
-    assert optimizer.stop() == "all 6 candidates there are were evaluated"
-    assert [c.genes[0] for c in optimizer.recommend(2)] == [3.0, 3.0]
-
-
-def test_a_space_of_few_candidates_is_scored_on_every_scene():
-    problem = DesignProblem(FITNESS, 3, lambda c: {"n": c.genes[0]}, lambda _: {})
-    scores = {"orb.inliers": 3.0, "orb.ratio": 0.1, "door.seen": 1.0}
-
-    def evaluate(asked):
-        own = {**scores, "orb.inliers": asked.candidate.genes[0]}
-        return Evaluated(asked.candidate, 1.0, episodes=dict.fromkeys(asked.episodes, own))
-
-    history = finish(make(SMALL, evaluations=50, starts=3, problem=problem), evaluate)
-    pairs = [(a.candidate, a.episodes) for r in history for a in r]
-    assert len(pairs) == len(set(pairs)) == 6 * 3
-
-
-def test_a_product_that_leaves_nothing_free_is_searched_all_the_same():
-    optimizer = make(DesignSpace([]), evaluations=3)
-    assert len(finish(optimizer, lambda c: Evaluated(c, 1.0))) == 1
-    assert optimizer.recommend(3) == [DesignSpace([]).decode([])]
-
-
-def test_one_variable_is_enough():
-    """A product whose pitch alone is free."""
-    camera = CameraProblem(1)
-    space = camera.space.fix(["focal_length_mm", "sensor"])
-    problem = replace(
-        camera.problem,
-        coordinates=lambda c: {"pitch_deg": c.genes[0], "hfov_deg": 80.0},
-        broken=lambda _: {},
-    )
-    scores = lambda c: {"orb.inliers": 100 - abs(c.genes[0] + 12), "orb.ratio": 0.5, "door.seen": 0.5}  # noqa: E731
-
-    def evaluate(asked):
-        own = scores(asked.candidate)
-        return Evaluated(asked.candidate, FITNESS.value(own), episodes=dict.fromkeys(asked.episodes, own))
-
-    optimizer = make(space, problem=problem, evaluations=16)
-    finish(optimizer, evaluate)
-    assert optimizer.recommend(1)[0].values["pitch_deg"] == pytest.approx(-12, abs=2)
-
-
-def test_a_dozen_settings_of_which_two_matter():
-    space = DesignSpace([Continuous(f"isp.s{i}", 0, 1, "1") for i in range(12)])
-
-    def worth(c):
-        return -((c.genes[3] - 0.7) ** 2) - (c.genes[8] - 0.2) ** 2
-
-    found = [finish_and_take(make(space, seed, evaluations=30), worth) for seed in range(3)]
-    assert np.median([-worth(c) for c in found]) < 0.05
-
-
-def finish_and_take(optimizer, worth):
-    finish(optimizer, lambda c: Evaluated(c, worth(c)))
-    return optimizer.recommend(1)[0]
-
-
-def test_where_nothing_keeps_the_constraints_it_says_which_one_is_broken_and_asks_nothing():
-    problem = DesignProblem(FITNESS, 2, lambda _: {"x": 0.0}, lambda _: {"hfov_deg": 5.0})
-    optimizer = make(problem=problem)
-    expected = "no candidate was found that keeps all constraints; most break that on hfov_deg"
-    assert optimizer.stop() == expected
-    assert optimizer.ask() == []
-    assert optimizer.recommend(3) == []
-
-
 def test_it_stops_early_once_little_is_to_be_gained():
     def simple(c):
         return Evaluated(c, 10 - (c.genes[1] - 70) ** 2 / 1000)
@@ -304,58 +206,3 @@ def test_the_first_round_is_spread_over_what_tells_candidates_apart():
 
 def test_of_fewer_candidates_than_starts_each_is_taken_once():
     assert sorted(spread_out(np.array([[0.1], [0.2]]), 8, np.random.default_rng(1))) == [0, 1]
-
-
-@settings(max_examples=8, deadline=None)
-@given(
-    seed=st.integers(0, 2**32),
-    fitness=st.lists(st.none() | st.floats(-1e6, 1e6), min_size=1, max_size=20),
-    after=st.integers(0, 4),
-)
-def test_any_fitness_can_be_resumed_bit_by_bit(seed, fitness, after):
-    space = DesignSpace([Continuous("a", 0, 1, "m"), Categorical("lens", ("wide", "normal", "tele"))])
-
-    def tell(optimizer):
-        optimizer.tell([Evaluated(c, fitness[int(c.key, 16) % len(fitness)]) for c in optimizer.ask()])
-
-    unbroken, resumed = make(space, seed, evaluations=12, starts=4), make(space, 0, evaluations=12, starts=4)
-    for _ in range(after):
-        tell(unbroken)
-    resumed.restore(json.loads(json.dumps(unbroken.state(), allow_nan=False)))
-    while unbroken.stop() is None:
-        assert [c.genes for c in resumed.ask()] == [c.genes for c in unbroken.ask()]
-        tell(resumed)
-        tell(unbroken)
-    assert resumed.stop() == unbroken.stop()
-    assert resumed.recommend(2) == unbroken.recommend(2)
-
-
-def test_scores_of_scenes_are_resumed_too():
-    unbroken, resumed = CameraProblem(3), CameraProblem(3)
-    one = make(unbroken.space, 1, unbroken.problem, evaluations=14)
-    other = make(resumed.space, 2, resumed.problem, evaluations=14)
-    for _ in range(2):
-        one.tell([unbroken.evaluate(each) for each in one.ask()])
-    other.restore(json.loads(json.dumps(one.state(), allow_nan=False)))
-    resumed.rng.bit_generator.state = unbroken.rng.bit_generator.state
-    assert finish(one, unbroken.evaluate) == finish(other, resumed.evaluate)
-
-
-@pytest.mark.parametrize("wrong", [float("nan"), float("inf")])
-def test_a_fitness_that_is_no_finite_number_is_refused(wrong):
-    optimizer = make()
-    with pytest.raises(ValueError, match="not a finite number"):
-        optimizer.tell([Evaluated(candidate, wrong) for candidate in optimizer.ask()])
-
-
-def test_results_of_other_candidates_are_refused():
-    optimizer = make()
-    with pytest.raises(ValueError, match="candidates last asked"):
-        optimizer.tell([Evaluated(candidate, 1.0) for candidate in optimizer.ask()[::-1]])
-
-
-@pytest.mark.parametrize(("variables", "starts"), [(1, 4), (2, 6), (3, 8), (5, 8)])
-def test_a_space_of_few_variables_needs_few_starts(variables, starts):
-    space = DesignSpace([Continuous(f"x{i}", 0, 1) for i in range(variables)])
-    optimizer = PhysicalGp(PhysicalGp.Config(evaluations=40), space=space, rng=np.random.default_rng(1))
-    assert len(optimizer.ask()) == starts

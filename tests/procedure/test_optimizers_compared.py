@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 import yaml
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from toy_study import toy_recipe
 
 from tacos_framework import ProcedureRecipe, UserError, run
@@ -27,12 +23,9 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_framework.variables.design_space import Categorical, Continuous, DesignSpace, Integer
+from tacos_framework.variables.design_space import DesignSpace
 from tacos_validation.optimizers_compared.compare import CompareOptimizers
-from tacos_validation.optimizers_compared.grid import Stepped, coarse_grid, neighbours, on_grid
 from tacos_validation.optimizers_compared.settings import CompareOptimizersConfig
-from tacos_validation.optimizers_compared.standings import JudgedRun, Ratio, quartiles, ratio, standings
-from tacos_validation.optimizers_compared.together import FilledTogether, together
 
 OPTIMIZERS = {
     "genetic": {"use": "optimizer.genetic", "population": 6, "keep": 2, "parents": 3, "generations": 50},
@@ -141,9 +134,6 @@ def compared(problem, plugins, tmp_path_factory) -> tuple[dict[str, Any], Path]:
 
 def rows(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text().splitlines()))
-
-
-# the procedure ----------------------------------------------------------------------------------------------
 
 
 def test_every_run_stands_at_every_checkpoint_with_no_more_images(compared):
@@ -314,124 +304,3 @@ class TestCompareOptimizers(ProcedureConformance):
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         standings = [{**each, "thought_ms": 0} for each in result["standings"]]
         return {**super().comparable(result), "standings": standings}
-
-
-# the grid ---------------------------------------------------------------------------------------------------
-
-
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(st.integers(-100, 100), st.integers(1, 500), st.integers(1, 300), st.floats(0, 1))
-def test_what_is_decoded_is_the_nearest_step(lower, tenths, step_tenths, share):
-    variable = Stepped("x", lower, lower + tenths / 10, step=step_tenths / 10)
-    asked_for = lower + share * tenths / 10
-    value, genes = variable.decode((asked_for,))
-    nearest = min(variable.points, key=lambda point: abs(point - asked_for))
-    assert abs(value - asked_for) == pytest.approx(abs(nearest - asked_for), abs=1e-8)
-    assert variable.decode(genes) == (value, genes)
-    assert value in variable.points
-
-
-def test_what_lies_between_two_steps_cannot_be_had():
-    with pytest.raises(ValueError, match="in steps of 2"):
-        Stepped("x", 0, 10, step=2).encode(3.0)
-
-
-SPACE = on_grid(
-    DesignSpace([Continuous("x", 0, 10), Categorical("lens", ("wide", "tele")), Integer("n", 1, 3)]), {"x": 2}
-)
-
-
-def test_the_coarse_grid_is_part_of_the_fine_one():
-    coarse = list(coarse_grid(SPACE, {"x": 4}))
-    assert len(coarse) == 3 * 2 * 3
-    assert {each.values["x"] for each in coarse} == {0, 4, 8}
-    assert all(SPACE.decode(each.genes) == each for each in coarse)
-
-
-def test_neighbours_are_one_stride_away_and_inside():
-    start = SPACE.decode([0, 0, 2])
-    assert [each.as_dict() for each in neighbours(SPACE, start, {"x": 1})] == [
-        {"x": 2.0, "lens": "wide", "n": 2}
-    ]
-
-
-# standings --------------------------------------------------------------------------------------------------
-
-
-def a_run(*fitness: float) -> JudgedRun:
-    at = [10 * 2**i for i in range(len(fitness))]
-    return JudgedRun("x", 0, {each: each for each in at}, dict(zip(at, fitness, strict=True)))
-
-
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(st.lists(st.floats(-10, 10), min_size=1, max_size=12))
-def test_quartiles_are_numpys(values):
-    found = quartiles(values)
-    np.testing.assert_allclose(
-        (found.low, found.median, found.high), np.quantile(values, [0.25, 0.5, 0.75]), atol=1e-12
-    )
-
-
-def test_what_half_of_the_runs_never_reach_is_never_reached():
-    assert math.isinf(quartiles([1.0, 2.0, math.inf, math.inf]).median)
-    assert quartiles([1.0, 2.0, 3.0, math.inf]).median == 2.5
-
-
-def test_the_target_is_reached_at_the_first_checkpoint_that_is_as_good():
-    assert a_run(-math.inf, 0.5, 0.4, 0.9).images_to(0.5) == 20
-    assert math.isinf(a_run(0.1, 0.2).images_to(0.5))
-
-
-def test_standings_are_medians_over_runs():
-    runs = {"x": [a_run(0.1, 0.6), a_run(0.7, 0.7), a_run(0.1, 0.2)], "y": [replace(a_run(0.2, 0.2))] * 3}
-    first, second = standings(
-        runs,
-        target=0.6,
-        best_known=1.0,
-        against={"y": math.inf},
-        budgets={"x": 20, "y": 660},
-        thought_ms={"x": 1.0, "y": 2.0},
-    )
-    assert (first.optimizer, second.optimizer) == ("x", "y")
-    assert first.images.median == 20
-    assert first.reached == pytest.approx(2 / 3)
-    assert first.regret[10].median == pytest.approx(0.9)
-    assert first.ratios["y"] == Ratio(33.0, at_least=True)
-    assert second.ratios["y"] == Ratio(None)
-
-
-def test_a_ratio_to_what_was_reached_is_exact():
-    assert ratio(2064, 160, 5000) == Ratio(12.9)
-
-
-def test_what_fails_for_one_run_ends_all_that_wait():
-    class Broken:
-        def lacking(self, wanted):
-            return list(wanted)
-
-        def fill(self, wanted):
-            raise RuntimeError("no light")
-
-    filled = FilledTogether(Broken(), 3)
-    with pytest.raises(RuntimeError, match="no light"):
-        together([1, 2, 3], lambda member: filled.fill([({"width": member}, None)]), filled)
-
-
-def test_runs_that_wait_are_served_in_one_batch_and_those_that_end_hold_up_nobody():
-    batches = []
-
-    class Table:
-        def lacking(self, wanted):
-            return list(wanted)
-
-        def fill(self, wanted):
-            batches.append([values["width"] for values, _ in wanted])
-
-    filled = FilledTogether(Table(), 3)
-
-    def asks_as_often_as_its_number(member):
-        for _ in range(member):
-            filled.fill([({"width": member}, None)])
-
-    together([1, 2, 3], asks_as_often_as_its_number, filled)
-    assert batches == [[1, 2, 3], [2, 3], [3]]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +15,6 @@ from tacos_framework.testing import (
     ExecutorConformance,
     OptimizerConformance,
     RigConformance,
-    SensorConformance,
     TaskConformance,
     TrainableConformance,
 )
@@ -26,69 +24,9 @@ from tacos_plugins.executors.local import LocalExecutor
 from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.rigs.monocular import MonocularRig
-from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
 
 MONOCULAR = {"focal_length_mm": 2.0, "sensor": {"width_px": 64, "height_px": 48, "pixel_um": 3.0}}
-
-
-class UnseededSensor(AffineNoise):
-    def draw(self, samples_dn, *, rng, **supplied):
-        return super().draw(samples_dn, rng=np.random.default_rng(), **supplied)
-
-
-class DarkeningSensor(AffineNoise):
-    def expect(self, light_cd_m2, *, camera, exposure):
-        exposure = replace(exposure, time_s=1e-3 / exposure.time_s)
-        return super().expect(light_cd_m2, camera=camera, exposure=exposure)
-
-
-class UnderstatingSensor(AffineNoise):
-    """Draws more noise than it says."""
-
-    def moments(self, samples_dn, **supplied):
-        mean, variance = super().moments(samples_dn, **supplied)
-        return mean, variance * np.float32(0.9)
-
-
-class BiasedSensor(AffineNoise):
-    def draw(self, samples_dn, **supplied):
-        return super().draw(samples_dn, **supplied) + np.float32(0.5)
-
-
-class DeafSensor(AffineNoise):
-    """Knows nothing of the scale of the photon noise."""
-
-    def draw(self, samples_dn, *, photon_scale=1.0, **supplied):
-        return super().draw(samples_dn, **supplied)
-
-
-class UnbinnedSensor(AffineNoise):
-    """Forgets that pixels are averages of photosites."""
-
-    def noise_levels(self, camera, gain_db):
-        return super().noise_levels(replace(camera, binning=1.0), gain_db)
-
-
-class BinnedGainSensor(AffineNoise):
-    def dn_per_electron(self, camera, exposure):
-        return super().dn_per_electron(camera, exposure) / camera.binning**2
-
-
-class WritingSensor(AffineNoise):
-    def expect(self, light_cd_m2, **supplied):
-        light_cd_m2 *= np.float32(0.5)
-        return super().expect(light_cd_m2, **supplied)
-
-
-class NoisyInPlaceSensor(AffineNoise):
-    def draw(self, samples_dn, **supplied):
-        samples_dn[...] = super().draw(samples_dn, **supplied)
-        return samples_dn
-
-
-class BottomlessSensor(AffineNoise):
-    black_level_dn = -1.0
 
 
 class LeakyVignetting(Vignetting):
@@ -245,13 +183,6 @@ class LearningTask(ObstacleVisibility):
 
 
 FAULTS = [
-    (SensorConformance, UnseededSensor, "test_equal_generators_give_equal_draws_and_others_do_not"),
-    (SensorConformance, DarkeningSensor, "test_more_light_gives_brighter_images"),
-    (SensorConformance, UnbinnedSensor, "test_photosites_that_are_averaged_have_less_noise"),
-    (SensorConformance, BinnedGainSensor, "test_a_charge_makes_a_signal"),
-    (SensorConformance, WritingSensor, "test_it_leaves_what_it_is_given_as_it_was"),
-    (SensorConformance, NoisyInPlaceSensor, "test_it_leaves_what_it_is_given_as_it_was"),
-    (SensorConformance, BottomlessSensor, "test_its_levels_are_those_of_a_file"),
     (VisibleVignetting, LeakyVignetting, "test_it_is_exactly_off_at_its_neutral_values"),
     (EffectConformance, MisnamedNeutral, "test_it_names_settings_alone"),
     (EffectConformance, MisnamedPhysical, "test_its_physical_settings_stand_for_others"),
@@ -299,16 +230,6 @@ def test_an_effect_that_changes_the_type_of_an_array_is_found():
     suite = bound(VisibleVignetting, WideningVignetting)
     with pytest.raises(AssertionError):
         suite.test_arrays_keep_shape_and_type(np.float32)
-
-
-@pytest.mark.parametrize(
-    ("component", "said"),
-    [(UnderstatingSensor, "a variance of"), (BiasedSensor, "on average"), (DeafSensor, "a variance of")],
-)
-def test_a_sensor_whose_draws_are_not_what_it_says_is_found(component, said):
-    suite = bound(SensorConformance, component)
-    with pytest.raises(AssertionError, match=said):
-        suite.test_draws_have_the_mean_and_the_variance_it_says(binning=3.0, photon_scale=2.5)
 
 
 def test_a_wrapped_error_is_found():

@@ -64,3 +64,9 @@ def faults(folder: Path, **options: Any) -> list[str]:
     except UserError as error:
         return [str(fault) for fault in error.faults]
     return []
+
+
+def only(found: list[str]) -> str:
+    """The one fault that was found."""
+    assert len(found) == 1, found
+    return found[0]

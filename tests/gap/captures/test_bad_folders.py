@@ -21,14 +21,10 @@ from tests.gap.captures.folders import (
     faults,
     flat_folder,
     noisy,
+    only,
     save,
     save_frames,
 )
-
-
-def only(found: list[str]) -> str:
-    assert len(found) == 1, found
-    return found[0]
 
 
 def test_a_folder_without_captures_says_so(tmp_path):
@@ -253,96 +249,6 @@ def test_a_long_sequence_keeps_frames_and_expectations_together(tmp_path):
     entry = {"id": "moving", "kind": "sequence", "real": real, "simulated": "expected/*.npy"}
     capture = read_captures(describe(tmp_path, entry)).captures[0]
     np.testing.assert_array_equal(capture.expected_dn, capture.real_dn + 1.5)
-
-
-# what pictures say against their description -------------------------------------------------------------
-
-
-def test_values_above_the_white_level(tmp_path):
-    names = save_frames(tmp_path, "flat", noisy(100).astype(np.uint16) * 256)
-    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
-    fault = only(faults(describe(tmp_path, entry, camera={**CAMERA, "bit_depth": 12})))
-    assert "at most the white level, 4095" in fault
-    assert "right-aligned" in fault
-
-
-def test_values_below_zero(tmp_path):
-    names = save_frames(tmp_path, "flat", noisy(100).astype(np.float32) - 200, ".npy")
-    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
-    assert "go down to" in only(faults(describe(tmp_path, entry)))
-
-
-@pytest.mark.parametrize("factor", [1 / 255, 257.0])
-def test_an_expectation_in_other_units(tmp_path, factor):
-    fault = only(faults(flat_folder(tmp_path, simulated=100.0 * factor)))
-    assert "digital numbers up to 255, as in the files" in fault
-    assert "Multiply it by" in fault
-
-
-def test_units_that_may_be_right_are_doubted_aloud(tmp_path):
-    folder = read_captures(flat_folder(tmp_path, simulated=100.0 / 16))
-    assert any("16 times as bright as expected" in text for text in folder.limitations)
-
-
-def test_a_saturated_frame_may_expect_any_light_above(tmp_path):
-    names = save_frames(tmp_path, "bracket", np.full((2, HEIGHT, WIDTH), 255, np.uint8))
-    entry = {"id": "long", "kind": "bracket", "real": names, "simulated": 80_000, "exposure_ms": 1000}
-    folder = read_captures(describe(tmp_path, entry))
-    assert any(re.search("constant|saturated", text) for text in folder.limitations)
-
-
-def test_exposures_that_were_mixed_up(tmp_path):
-    captures = [
-        {
-            "id": f"at_{ms}",
-            "kind": "bracket",
-            "real": save_frames(tmp_path, f"{ms}", noisy(level)),
-            "simulated": level,
-            "exposure_ms": ms,
-            "group": "lamp",
-        }
-        for ms, level in [(10, 40), (20, 160), (40, 80)]
-    ]
-    fault = only(faults(describe(tmp_path, *captures)))
-    assert "'at_40' at 40 ms is darker (80) than 'at_20' at 20 ms (160), in the group 'lamp'" in fault
-
-
-def test_the_same_frame_twice_is_no_stack(tmp_path):
-    frame = noisy(frames=1)
-    names = save_frames(tmp_path, "flat", np.concatenate([frame, noisy(frames=1, seed=5), frame]))
-    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
-    assert "frames 1 and 3 of 'flat' are the same" in only(faults(describe(tmp_path, entry)))
-
-
-def test_dark_frames_without_noise_may_be_alike(tmp_path):
-    names = save_frames(tmp_path, "dark", np.zeros((2, HEIGHT, WIDTH), np.uint8))
-    entry = {"id": "dark", "kind": "dark", "real": names, "exposure_ms": 10}
-    assert faults(describe(tmp_path, entry)) == []
-
-
-@pytest.mark.parametrize(
-    ("frames", "message"),
-    [
-        (np.full((2, HEIGHT, WIDTH), 77, np.uint8), "a constant image tells nothing"),
-        (np.where(noisy(100) > 95, 255, noisy(100)).astype(np.uint8), "nearly all pixels are saturated"),
-        (np.where(noisy(100) > 104, 20, 0).astype(np.uint8), "nearly all pixels are 0"),
-        (noisy(frames=1), "a single frame has no real-against-real noise floor"),
-    ],
-    ids=["constant", "saturated", "black", "single"],
-)
-def test_pictures_that_tell_little_are_a_stated_limitation(tmp_path, frames, message):
-    names = save_frames(tmp_path, "flat", frames)
-    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": float(frames.mean())}
-    folder = read_captures(describe(tmp_path, entry))
-    assert any(message in text for text in folder.limitations), folder.limitations
-
-
-def test_a_mask_without_a_pixel_is_a_stated_limitation(tmp_path):
-    save(tmp_path / "mask.png", np.zeros((HEIGHT, WIDTH), np.uint8))
-    assert any(
-        "its mask leaves no pixel" in text
-        for text in read_captures(flat_folder(tmp_path, mask="mask.png")).limitations
-    )
 
 
 # recipes --------------------------------------------------------------------------------------------------
