@@ -21,7 +21,7 @@ demo: ## Design a headset's camera in a few minutes; writes runs/demo/report.htm
 	@scripts/demo.sh
 
 test: lint ## Run all checks and tests, but for the slow ones
-	$(one_thread) $(bin)/pytest -n 2 --dist loadfile --doctest-modules tests $(packages)
+	$(one_thread) $(bin)/pytest -n 2 --dist loadfile --no-loadscope-reorder --doctest-modules tests $(packages)
 
 lint: setup ## Check style, formatting, types and layers
 	$(bin)/ruff check .

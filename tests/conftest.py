@@ -21,6 +21,27 @@ os.environ["TACOS_CACHE"] = "off"  # tests build their worlds; those of the stor
 
 collect_ignore = ["fuzz/harness.py"]  # run by hand: needs atheris
 
+LONGEST_FIRST = (
+    "testing/test_default_plugins.py",
+    "study/test_resume.py",
+    "third_party/test_example_plugin.py",
+    "docs/test_tutorials.py",
+    "gap/test_real_data.py",
+    "gap/test_diagnosis.py",
+    "docs/test_readme.py",
+    "cli/test_run.py",
+    "docs/test_pages.py",
+    "procedure/test_studies_table.py",
+)
+"""Files of more than 25 s, which run first: a long file that comes last leaves one of two processes idle."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Long files first, all else in the order it has."""
+    order = {Path(__file__).parent / name: place for place, name in enumerate(LONGEST_FIRST)}
+    items.sort(key=lambda item: order.get(item.path, len(order)))
+
+
 # Shells start what runs in the background with Ctrl-C ignored, and child processes would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 

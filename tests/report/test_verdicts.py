@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from tacos_report import story
 from tacos_report.analysis import read_analysis
 from tacos_report.comparison import CameraDifference
-from tacos_report.sections import decision
+from tacos_report.sections import decision, purchase
 from tacos_report.study_data import CameraResult, Generation, StudyData, Tried
 from tests.report.analysed_results import decided
 
@@ -104,3 +105,13 @@ def test_changes_against_next_to_nothing_are_no_percentages(ours: float, theirs:
 
 def test_a_change_within_the_noise_of_the_other_value_is_no_percentage() -> None:
     assert CameraDifference(0.3, 0.2, 0.25).share is None
+
+
+@pytest.mark.parametrize("verdict", ["better", "worse", "equivalent", "undecided"])
+def test_what_to_buy_is_the_product_where_that_is_better(verdict: str) -> None:
+    found = study(verdict)
+    part = {"name": "IMX273", "width_px": 1456}
+    designed = replace(found.designed, camera={**found.designed.camera, "sensor": part})
+    first, *_ = purchase.blocks(replace(found, cameras=(designed, *found.cameras[1:])))
+    assert (first.kind == "paragraph") == (verdict == "worse")
+    assert verdict != "worse" or first.text.startswith("The Luxonis OAK-D, which the test found better.")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from tacos_framework.fitness import Fitness, FitnessTerm
 from tacos_plugins.surrogate.grey_box import GreyBox, Observation
 from tacos_plugins.surrogate.score_model import MOST_OBSERVATIONS
+from tacos_plugins.surrogate.transforms import counted
 
 FITNESS = Fitness((FitnessTerm("orb.inliers", 0.01), FitnessTerm("door.seen", 0.5)))
 SCALES = {"orb.inliers": "count", "door.seen": "share"}
@@ -155,3 +156,34 @@ def test_any_finite_scores_give_finite_answers(rows, scale):
     assert np.isfinite(posterior.mean).all()
     assert (posterior.sd >= 0).all()
     assert np.isfinite(posterior.draws(5, np.random.default_rng(1))).all()
+
+
+def test_few_that_all_were_seen_are_no_proof_that_all_are_always_seen():
+    """Of two thresholds a scene, a camera that sees nine of ten shows both in four scenes of five."""
+    fitness = Fitness((FitnessTerm("door.seen", 1.0),))
+    fovs_deg = [35.0, 40.0, 45.0, 80.0, 90.0, 100.0, 110.0, 120.0]
+
+    def model(values) -> GreyBox:
+        found = [Observation({"hfov_deg": x}, i, {"door.seen": v}) for i, (x, v) in enumerate(values)]
+        return GreyBox.fit(found, fitness, {"door.seen": "share"})
+
+    few = model([(x, float(x > 60)) for x in fovs_deg])
+    many = model([(x, 0.9999 * float(x > 60)) for x in fovs_deg])  # of no whole number: counted well
+    near_the_border = [{"hfov_deg": 76.0}]
+    assert few.posterior(near_the_border).mean[0] < many.posterior(near_the_border).mean[0] - 0.02
+    assert few.posterior(near_the_border).sd[0] > 1.5 * many.posterior(near_the_border).sd[0]
+
+
+@pytest.mark.parametrize(
+    ("shares", "count"),
+    [
+        ([0, 1], 1),
+        ([0, 0.5, 1], 2),
+        ([1 / 3, 0.5], 6),
+        ([0.273, 1.0], None),
+        ([7 / 12], 12),
+        ([1 / 13], None),
+    ],
+)
+def test_shares_of_few_are_known_by_their_denominator(shares, count):
+    assert counted(np.array(shares, dtype=float)) == count

@@ -53,10 +53,13 @@ class Evidence:
     ----------
     inputs, values
         As those of `GaussianProcess`.
+    counting
+        Standard deviation of the noise that is known beforehand.
     """
 
     inputs: Inputs
     values: Array
+    counting: float = 0.0
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -103,7 +106,7 @@ class Evidence:
         amplitudes = dict.fromkeys(AMPLITUDES, 0.0) | dict(
             zip(self.names, values[self.dimension :], strict=True)
         )
-        return Hyperparameters(tuple(values[: self.dimension]), **amplitudes)
+        return Hyperparameters(tuple(values[: self.dimension]), **amplitudes, counting=self.counting)
 
     def loss(self, logarithms: Array) -> tuple[float, Array]:
         """Minus the log posterior density, and its gradient by the logarithms.
@@ -123,7 +126,7 @@ class Evidence:
         total = correlation * (h.signal**2 + within) + h.episode**2 * self._common + MEAN_VARIANCE
         if self._drifted is not None:
             total += h.drift**2 * self._drifted
-        total[np.diag_indices(n)] += h.noise**2
+        total[np.diag_indices(n)] += h.of_itself
 
         factor = factorised(total)
         inverse = np.tril(dpotri(factor, lower=1)[0])
@@ -150,7 +153,12 @@ class Evidence:
 
 
 def fit_hyperparameters(
-    inputs: Inputs, values: Array, *, start: Hyperparameters | None = None, most_steps: int = 40
+    inputs: Inputs,
+    values: Array,
+    *,
+    counting: float = 0.0,
+    start: Hyperparameters | None = None,
+    most_steps: int = 40,
 ) -> Hyperparameters:
     """The most probable hyperparameters, found by L-BFGS.
 
@@ -158,6 +166,8 @@ def fit_hyperparameters(
     ----------
     inputs, values
         As those of `GaussianProcess`.
+    counting
+        Standard deviation of the noise that is known beforehand.
     start
         Where to begin, such as what was found for fewer observations; by default the middle of the priors.
     most_steps
@@ -165,7 +175,7 @@ def fit_hyperparameters(
     """
     from scipy.optimize import minimize  # late: checking a recipe fits nothing
 
-    evidence = Evidence(inputs, values)
+    evidence = Evidence(inputs, values, counting)
     middle, _ = evidence.prior
     begin = middle if start is None else evidence.logarithms(start)
     bounds = [(math.log(SMALLEST), math.log(LARGEST))] * len(middle)

@@ -151,7 +151,8 @@ class Prediction:
         """What would be known once the point of this number is observed in a new scene, at its mean."""
         prior = self.process.prior(self.points, self.points[index : index + 1])[:, 0]
         covariances = prior - self.explained.T @ self.explained[:, index]
-        variance = max(float(covariances[index]), 0.0) + self.process.hyperparameters.within_episodes
+        h = self.process.hyperparameters
+        variance = max(float(covariances[index]), 0.0) + h.within_episodes + h.counting**2
         more = np.vstack([self.explained, covariances / np.sqrt(variance)])
         return Prediction(self.process, self.points, self.mean, more)
 
@@ -164,7 +165,7 @@ def covariance(inputs: Inputs, h: Hyperparameters) -> Array:
     total = correlation * (h.signal**2 + h.interaction**2 * common) + h.episode**2 * common + MEAN_VARIANCE
     if inputs.times is not None:
         total += h.drift**2 * drifted(inputs.times, inputs.times)
-    total[np.diag_indices_from(total)] += h.noise**2
+    total[np.diag_indices_from(total)] += h.of_itself
     return np.asarray(total)
 
 

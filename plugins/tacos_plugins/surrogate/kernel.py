@@ -42,6 +42,8 @@ class Hyperparameters:
         What comes out otherwise when the same is observed again.
     drift
         What time adds to all points alike.
+    counting
+        What comes out otherwise because few are counted; known beforehand, and no part of the mean score.
     """
 
     length_scales: tuple[float, ...]
@@ -50,11 +52,17 @@ class Hyperparameters:
     interaction: float = 0.2
     noise: float = 0.1
     drift: float = 0.0
+    counting: float = 0.0
 
     @property
     def within_episodes(self) -> float:
-        """Variance of one observation about the mean over all scenes."""
+        """Variance of what one observation would be of, were many counted, about the mean over all scenes."""
         return self.episode**2 + self.interaction**2 + self.noise**2
+
+    @property
+    def of_itself(self) -> float:
+        """Variance that each observation has for itself alone."""
+        return self.noise**2 + self.counting**2
 
 
 def matern(squared: Array) -> Array:

@@ -64,7 +64,8 @@ class ScoreModel:
         values = (transformed - centre) / scale
         if start is None or not fixed:
             some = _spread(len(values), MOST_FOR_HYPERPARAMETERS)
-            start = fit_hyperparameters(inputs.take(some), values[some], start=start)
+            counting = transform.counting_noise(scores) / scale
+            start = fit_hyperparameters(inputs.take(some), values[some], counting=counting, start=start)
         return cls(GaussianProcess(inputs, values, start), transform, centre, scale, columns)
 
     def at(self, rows: Array) -> Prediction:

@@ -20,6 +20,10 @@ tens.
 """
 
 
+MOST_COUNTED = 12
+"""Shares of more than so many are taken to be without noise of counting: it shows by itself."""
+
+
 class Transform(Protocol):
     """From a score to the scale of its model and back."""
 
@@ -30,6 +34,10 @@ class Transform(Protocol):
 
     def forward(self, scores: Array) -> Array:
         """The scores on the scale of the model."""
+        ...
+
+    def counting_noise(self, scores: Array) -> float:
+        """Standard deviation that scores have there because few are counted, whether it shows or not."""
         ...
 
     def expected(self, mean: Array, variance: float) -> Array:
@@ -46,6 +54,10 @@ class Identity:
     def forward(self, scores: Array) -> Array:
         """The scores."""
         return scores
+
+    def counting_noise(self, scores: Array) -> float:
+        """None that is known."""
+        return 0.0
 
     def expected(self, mean: Array, variance: float) -> Array:
         """The mean."""
@@ -66,6 +78,10 @@ class SquareRoot:
     def forward(self, scores: Array) -> Array:
         """Roots; below zero, where no count is, zero."""
         return np.sqrt(np.maximum(scores, 0.0))
+
+    def counting_noise(self, scores: Array) -> float:
+        """None that is known: counts are means over frames."""
+        return 0.0
 
     def expected(self, mean: Array, variance: float) -> Array:
         """E[z^2] = mean^2 + variance; roots below zero count as zero."""
@@ -91,12 +107,35 @@ class Logit:
         inside = SHARE_MARGIN + (1 - 2 * SHARE_MARGIN) * np.clip(scores, 0.0, 1.0)
         return np.asarray(logit(inside), dtype=np.float64)
 
+    def counting_noise(self, scores: Array) -> float:
+        """Of shares of few, that of the logit of a binomial share of one half, where it is least.
+
+        One scene whose two thresholds were both seen tells little of the camera that sees nine of ten, and
+        many such scenes are all alike: without it they would pass for the proof that all are always seen.
+        """
+        count = counted(scores)
+        return 0.0 if count is None else float(2 / np.sqrt(count))
+
     def expected(self, mean: Array, variance: float) -> Array:
         """The mean share, between 0 and 1."""
         from scipy.special import expit  # late: as above
 
         inside = expit(mean / np.sqrt(1 + np.pi * variance / 8))
         return np.clip((inside - SHARE_MARGIN) / (1 - 2 * SHARE_MARGIN), 0.0, 1.0)
+
+
+def counted(shares: Array) -> int | None:
+    """Of how many, at least, these are shares; None where of many, or of no whole number.
+
+    Examples
+    --------
+    >>> counted(np.array([0.0, 1.0, 0.5, 1.0])), counted(np.array([1 / 3, 0.5])), counted(np.array([0.273]))
+    (2, 6, None)
+    """
+    for count in range(1, MOST_COUNTED + 1):
+        if np.allclose(shares * count, np.round(shares * count), atol=1e-6):
+            return count
+    return None
 
 
 TRANSFORMS: dict[ScoreScale, Transform] = {"real": Identity(), "count": SquareRoot(), "share": Logit()}

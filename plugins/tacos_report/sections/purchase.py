@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_report.page import Block, SideBySide, Table, Warnings
+from tacos_report.page import Block, Paragraph, SideBySide, Table, Warnings
 from tacos_report.plain_values import finite, showable
 from tacos_report.quantities import number, quantity, shown, unit_of, words
 from tacos_report.study_data import CameraResult, StudyData
@@ -23,6 +23,10 @@ def blocks(study: StudyData) -> Iterator[Block]:
     parts = {name: value for name, value in designed.camera.items() if isinstance(value, Mapping)}
     if not parts:
         return
+    if better := _better_product(study):
+        yield Paragraph(
+            f"The {better}, which the test found better. What was found, should it not be to be had:"
+        )
     tables = [_part_table(variable, part) for variable, part in parts.items()]
     if "focal_length_mm" in designed.camera and "lens" not in parts:
         tables.append(Table(("Lens", "to be found"), tuple(_lens_wanted(designed, study))))
@@ -33,6 +37,14 @@ def blocks(study: StudyData) -> Iterator[Block]:
     names = [_title(part) for part in parts.values()]
     doubts = tuple(note for note in study.notes if any(name in note for name in names))
     yield Warnings("Before you order", doubts)
+
+
+def _better_product(study: StudyData) -> str | None:
+    """The product that beats the designed camera on unseen scenes."""
+    decision = study.analysis.decision
+    if decision is None or decision.comparison.verdict != "worse":
+        return None
+    return study.title_of(decision.comparison.against)
 
 
 def _part_table(variable: str, part: Mapping[str, Any]) -> Table:
