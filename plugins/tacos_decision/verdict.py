@@ -14,7 +14,7 @@ def verdict(record: StudyRecord) -> dict[str, Any]:
     titles = {camera.name: camera.title for camera in record.products}
     comparisons: list[dict[str, Any]] = [_comparison(name, found) for name, found in ranked]
     comparisons += [
-        {"against": name, "verdict": "not admissible", "why": why}
+        {"against": name, "title": titles[name], "verdict": "not admissible", "why": why}
         for name, why in record.failed.items()
         if name in titles
     ]

@@ -14,7 +14,10 @@ NOT_ADMISSIBLE = "not admissible"
 
 @dataclass(frozen=True)
 class Comparison:
-    """Designed camera minus a product, in fitness, over paired test scenes; ``why`` where it has no place."""
+    """Designed camera minus a product, in fitness, over paired test scenes; ``why`` where it has no place.
+
+    ``title`` is what people call a product without results, which stands nowhere else.
+    """
 
     against: str
     verdict: str
@@ -22,6 +25,7 @@ class Comparison:
     interval: Interval | None = None
     episodes: int = 0
     why: str = ""
+    title: str = ""
 
 
 @dataclass(frozen=True)
@@ -155,9 +159,8 @@ def _comparison(row: Mapping[str, Any]) -> Comparison | None:
     if verdict in VERDICTS and difference is None:
         return None
     episodes = int(finite(row.get("episodes")) or 0)
-    return Comparison(
-        against, verdict, difference, interval(row.get("interval")), episodes, text(row.get("why"))
-    )
+    ends, why, title = interval(row.get("interval")), text(row.get("why")), text(row.get("title"))
+    return Comparison(against, verdict, difference, ends, episodes, why, title)
 
 
 def _comparisons(value: Any) -> Iterator[Comparison]:

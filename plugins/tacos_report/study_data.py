@@ -119,7 +119,9 @@ class StudyData:
 
     def title_of(self, name: str) -> str:
         """What people call a camera of the study, also where it has no results."""
-        return next((c.title for c in self.cameras if c.name == name), name.replace("_", " "))
+        without_results = {each.against: each.title for each in self.analysis.comparisons if each.title}
+        titles = {**without_results, **{camera.name: camera.title for camera in self.cameras}}
+        return titles.get(name, name.replace("_", " "))
 
     @property
     def tested(self) -> bool:

@@ -74,6 +74,12 @@ def test_products_that_break_a_constraint_are_shown_with_the_reason() -> None:
     assert ("fisheye 190", "", "hfov_deg is 152, above its maximum of 140", "") in table.rows
 
 
+def test_a_product_without_results_has_its_title() -> None:
+    why = {"against": "oak_d", "title": "Luxonis OAK-D", "verdict": "not admissible", "why": "It is rolling."}
+    (*_, table) = decision.blocks(study(comparisons=[why]))
+    assert table.rows[0][:3] == ("Luxonis OAK-D", "", "It is rolling.")
+
+
 def test_where_no_product_is_admissible_the_reason_is_told() -> None:
     why = {"against": "oak", "verdict": "not admissible", "why": "megapixels is 24, above its maximum of 20."}
     result = {"comparisons": [why]}
