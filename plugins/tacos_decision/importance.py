@@ -87,7 +87,7 @@ def sobol_indices(
     centre = values[:2].mean()
     first = ((f_b - centre) * (f_mixed - f_a)).mean(axis=1) / variance
     total = 0.5 * ((f_a - f_mixed) ** 2).mean(axis=1) / variance
-    return np.clip(first, 0.0, 1.0), np.clip(total, 0.0, None)
+    return np.clip(first, 0.0, 1.0), np.clip(total, 0.0, 1.0)
 
 
 def _fitness(model: CameraModel, variables: Sequence[Variable], rows: Array) -> Array:

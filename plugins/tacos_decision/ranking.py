@@ -8,6 +8,7 @@ from typing import Any
 from tacos_decision.model import TIME, CameraModel, interval
 from tacos_decision.optimum import BestOfParts
 from tacos_decision.pool import Pool, joined, part_names
+from tacos_framework.catalog import CatalogPart
 from tacos_framework.study.record import StudiedCamera, Values
 from tacos_framework.variables.design_space import CatalogChoice
 
@@ -72,10 +73,10 @@ def left_out(model: CameraModel, pool: Pool, found: BestOfParts) -> list[dict[st
             broken = [amounts for names, amounts in found.impossible.items() if names[i] == part.name]
             nearest = min(broken, key=lambda amounts: sum(amounts.values()), default={})
             rows.append({"part": part.name, "why": _impossible(nearest)})
-        bounds = ", ".join(n for n in model.record.recipe.constraints if n.startswith(f"{choice.name}."))
         rows += [
-            {"part": name, "why": f"the constraint on {bounds} rules it out"}
-            for name in sorted(choice.excluded)
+            {"part": part.name, "why": _excluded(model, choice, part, found)}
+            for part in sorted(choice.catalog.rows, key=lambda part: part.name)
+            if part.name in choice.excluded
         ]
         rows += [
             {"part": part.name, "why": f"its {', '.join(missing)} is not known, which the design needs"}
@@ -139,6 +140,15 @@ def _entries_of_cameras(model: CameraModel) -> list[tuple[str, Values]]:
         return [] if camera.camera is None else [(camera.name, camera.camera)]
 
     return [each for camera in model.record.cameras for each in entry(camera)]
+
+
+def _excluded(model: CameraModel, choice: CatalogChoice, part: CatalogPart, found: BestOfParts) -> str:
+    """Which constraints on columns of its own a part breaks, whatever stands beside it."""
+    beside = next(iter(found.cameras.values()), {})
+    broken = model.record.broken({**beside, choice.name: part.as_dict()})
+    own = [name for name in broken if name.startswith(f"{choice.name}.")]
+    own = own or [name for name in model.record.recipe.constraints if name.startswith(f"{choice.name}.")]
+    return f"ruled out by the constraint{'s' if len(own) > 1 else ''} on {' and '.join(own)}"
 
 
 def _impossible(broken: Mapping[str, float]) -> str:

@@ -7,10 +7,11 @@ from typing import Any
 
 _UNIT_SIGNS = {
     "deg": "°", "um": "µm", "um2": "µm²", "1": "", "percent": "%", "cd_m2": "cd/m²", "e": "e⁻", "e_s": "e⁻/s",
-    "mw": "mW", "w": "W", "usd": "USD", "hz": "Hz", "fps": "frames/s",
+    "mw": "mW", "w": "W", "usd": "USD", "eur": "EUR", "hz": "Hz", "fps": "frames/s",
 }  # fmt: skip
 _UNIT_SUFFIXES = (
-    "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "hz", "fps",
+    "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "eur",
+    "hz", "fps",
 )  # fmt: skip
 _WORDS = {
     "hfov_deg": "Horizontal field of view",
@@ -20,6 +21,8 @@ _WORDS = {
     "pixel_um": "Pixel size",
     "pixels_per_deg": "Angular resolution",
     "f_number_min": "Smallest f-number",
+    "max_sensor_format": "Largest sensor format",
+    "tv_distortion_percent": "TV distortion",
     "cameras": "Number of cameras",
     "covered_deg": "Angle in view around",
     "first_yaw_deg": "Turn of the first camera",

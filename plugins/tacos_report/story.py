@@ -88,7 +88,8 @@ def in_order(camera: Mapping[str, Any]) -> list[str]:
 
 def _variable_words(name: str, value: Any) -> str:
     if isinstance(value, dict):
-        return f"the {shown(name, value)} {words(name).lower()}"
+        title, kind = shown(name, value), words(name).lower()
+        return f"the {title}" if kind in title.lower().split() else f"the {title} {kind}"
     if name == "focal_length_mm":
         return f"a {shown(name, value)} lens"
     if name == "pitch_deg" and isinstance(value, int | float):

@@ -264,7 +264,10 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
             lines[-1] = f"{result['seconds']:.0f} s. Report: {out / 'report.html'}"
         return "\n".join(filter(None, lines))
     lines = []
-    if best := result["best"]:
+    best, degenerate = result["best"], result.get("degenerate")
+    if degenerate and best:
+        lines.append(str(degenerate))
+    elif best:
         lines.append("Designed: " + ", ".join(f"{k} {_short(v)}" for k, v in best["camera"].items()))
     tested = result["test"]
     for name in sorted(tested, key=lambda name: -(tested[name]["fitness"] or float("-inf"))):
@@ -275,6 +278,9 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
     if not best:
         reason = result.get("failed", {}).get("designed", "log.txt says why")
         lines.append(f"No candidate could be scored: {reason}.")
+    decision = result.get("decision")
+    if isinstance(decision, Mapping) and (sentence := decision.get("sentence")) and not degenerate:
+        lines.append(str(sentence))
     lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
     lines.append(f"Report: {out / 'report.html'}" if (out / "report.html").exists() else f"Results: {out}")
     return "\n".join(lines)

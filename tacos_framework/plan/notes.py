@@ -6,9 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tacos_framework.catalog import CatalogPart, Grade
 from tacos_framework.plan.feasibility import derived_of, infeasible
 from tacos_framework.plan.plan import Plan
 from tacos_framework.variables.design_space import CatalogChoice
+
+ASK_THE_MAKER: tuple[Grade, ...] = ("derived", "hobby list")
+"""Grades nobody who stands for the part has confirmed."""
 
 NAMED = 10
 """Parts that a note names before it counts the others."""
@@ -89,11 +93,12 @@ def inadmissible(plan: Plan) -> dict[str, str]:
 
 
 def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
-    """Sentences on one camera: doubts about its parts, and what its rig says of it."""
+    """Sentences on one camera: doubts about its parts, what to ask their makers, what its rig says."""
     for variable in _catalog_choices(plan):
         name = values.get(variable.name, {}).get("name")
         for row in variable.rows:
-            yield from (f"{row.name}: {doubt}" for doubt in row.doubts if row.name == name)
+            if row.name == name:
+                yield from (f"{row.name}: {said}" for said in (*row.doubts, *_to_be_asked(row)))
     notes = getattr(plan.rig.instance, "notes", None)
     if callable(notes):
         try:
@@ -101,6 +106,17 @@ def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
                 yield from list(notes(plan.rig_variables(values)))
         except Exception as error:  # noqa: BLE001 - a remark must not cost a study its results
             yield f"{plan.rig.origin} has notes on this camera, but fails to say them: {error}"
+
+
+def _to_be_asked(part: CatalogPart) -> Iterator[str]:
+    """Which values of a part rest on little, with the source, so that a buyer asks the maker."""
+    found: dict[tuple[Grade, str], list[str]] = {}
+    for column, grade in part.grades.items():
+        if grade in ASK_THE_MAKER:
+            found.setdefault((grade, part.provenance.get(column, "")), []).append(column)
+    for (grade, source), columns in found.items():
+        named = f" ({source})" if source else ""
+        yield f"Ask the maker for {', '.join(columns)}, of grade {grade!r} here{named}."
 
 
 def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:

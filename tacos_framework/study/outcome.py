@@ -105,10 +105,29 @@ class Outcome:
             "free": list(search.space.names) if search.space else [],
         }
 
+    def _scores_all_alike(self) -> Iterator[str]:
+        """Scores of the fitness that are the same for all cameras of the test, and so decide nothing."""
+        everyone = self.test.on_common_scenes.values() if self.test else ()
+        tested = [evaluation for evaluation in everyone if evaluation.fitness is not None]
+        for term in self.plan.recipe.fitness:
+            found = {evaluation.scores.get(term.score) for evaluation in tested}
+            if term.weight and len(tested) > 1 and len(found) == 1 and (value := found.pop()) is not None:
+                yield (
+                    f"{term.score} is {value:g} for all {len(tested)} cameras of the test, so it told none "
+                    "apart: choose scenes or light in which it differs, or leave it out."
+                )
+
     def failed(self) -> dict[str, str]:
         """Cameras of which no candidate could be scored, and why the last of them could not."""
-        none = (search for search in self.searches if search.best is None and search.generation)
-        return {search.name: search.last_failure or "none was proposed" for search in none}
+        none = [s for s in self.searches if s.best is None and (s.generation or s.stopped)]
+        ruled_out = inadmissible(self.plan) if none else {}
+        return {
+            search.name: ruled_out.get(search.name)
+            or search.last_failure
+            or search.stopped
+            or "none was proposed"
+            for search in none
+        }
 
     def _carrier(self) -> str:
         """What carries the cameras, as the first scene says that does; empty where none does."""
@@ -132,6 +151,7 @@ class Outcome:
                     f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
+        yield from self._scores_all_alike()
         yield from notes_on_constraints(self.plan)
         if (best := self.searches[0].best) is not None:
             yield from notes_on_camera(self.plan, best.values)

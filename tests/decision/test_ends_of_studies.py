@@ -131,6 +131,15 @@ def test_equal_scores_name_no_winner(tmp_path, monkeypatch):
     assert result["decision"] is None
 
 
+def test_a_score_that_is_the_same_for_all_cameras_is_told_to_decide_nothing(tmp_path, monkeypatch):
+    scores = toy_plugin.WidthScorer.scores
+    monkeypatch.setattr(toy_plugin.WidthScorer, "scores", lambda self: {**scores(self), "brightness": 1.0})
+    terms = [{"score": "width.closeness", "weight": 1}, {"score": "width.brightness", "weight": 2}]
+    result = run(small(fitness=terms), with_toys(tacos_decision.plugin), tmp_path / "out")
+    (note,) = (note for note in result["notes"] if "told none apart" in note)
+    assert note.startswith("width.brightness is 1 for all 2 cameras of the test")
+
+
 def test_without_test_scenes_it_is_said_what_to_add(tmp_path):
     recipe = small().model_copy(update={"test": None})
     result = run(recipe, with_toys(tacos_decision.plugin), tmp_path / "out")
@@ -138,14 +147,34 @@ def test_without_test_scenes_it_is_said_what_to_add(tmp_path):
     assert "Add test:" in result["decision_absent"]
 
 
-def test_a_product_that_breaks_a_constraint_is_shown_with_the_reason(tmp_path):
-    result = run(
-        small(constraints={"megapixels": {"max": 5}}), with_toys(tacos_decision.plugin), tmp_path / "out"
-    )
+@pytest.mark.parametrize("optimizer", [{}, {"use": "optimizer.physical-gp", "evaluations": 6}])
+@pytest.mark.parametrize(
+    ("constraint", "said"),
+    [
+        ({"megapixels": {"max": 5}}, "megapixels is"),
+        ({"sensor.shutter": {"is": "global"}}, "sensor.shutter of IMX172 is rolling, not global"),
+    ],
+)
+def test_a_product_that_breaks_a_constraint_is_shown_with_the_reason(tmp_path, optimizer, constraint, said):
+    recipe = small(constraints=constraint)
+    if optimizer:
+        recipe = small(constraints=constraint).model_copy(
+            update={"optimizer": type(recipe.optimizer).model_validate(optimizer)}
+        )
+    result = run(recipe, with_toys(tacos_decision.plugin), tmp_path / "out")
     (shown,) = result["comparisons"]
     assert (shown["against"], shown["verdict"]) == ("flea3", "not admissible")
-    assert "megapixels is" in shown["why"]
+    assert said in shown["why"]
     assert result["decision"] is None
+
+
+def test_a_part_left_out_names_the_constraints_it_breaks_and_no_others(tmp_path):
+    recipe = small(constraints={"sensor.shutter": {"is": "global"}, "sensor.pixel_um": {"max": 5}})
+    result = run(recipe, with_toys(tacos_decision.plugin), tmp_path / "out")
+    why = {row["part"]: row["why"] for row in result["ranking_left_out"]}
+    assert why["IMX172"] == "ruled out by the constraint on sensor.shutter"
+    assert why["IMX432"] == "ruled out by the constraint on sensor.pixel_um"
+    assert all(0 <= row["first_order"] <= 1 and 0 <= row["total"] <= 1 for row in result["importance"])
 
 
 def test_a_study_that_is_broken_off_during_its_test_resumes_to_the_same_verdict(tmp_path, monkeypatch):

@@ -203,3 +203,15 @@ def test_a_rig_that_fails_to_say_its_notes_costs_no_result(toys, monkeypatch):
     values = plan.space.decode([gene.lower for gene in plan.space.genes]).as_dict()
     *_, note = notes_on_camera(plan, values)
     assert note == "rig.monocular of tacos-framework has notes on this camera, but fails to say them: no lens"
+
+
+def test_who_buys_a_part_is_told_what_to_ask_its_maker(toys):
+    plan = make_plan(recipe(design=LENS_AND_SENSOR, constraints={}), toys)
+    said = list(notes_on_camera(plan, values_of(plan, "OpenMV IR Lens 3.6 mm", "IMX273")))
+    assert any(
+        note.startswith("OpenMV IR Lens 3.6 mm: Made without an infra-red cut filter") for note in said
+    )
+    (asked,) = (note for note in said if "Ask the maker" in note and "OpenMV" in note)
+    assert "Ask the maker for image_circle_mm, of grade 'derived' here (Diagonal of the largest" in asked
+    of_a_list = list(notes_on_camera(plan, values_of(plan, "AICO AC13B03618MM", "IMX273")))
+    assert any("f_number_min" in note and "'hobby list'" in note for note in of_a_list)

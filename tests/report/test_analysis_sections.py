@@ -15,12 +15,13 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from tacos_report import write_report
-from tacos_report.analysis import read_analysis
+from tacos_report.analysis import Analysis, read_analysis
 from tacos_report.figures.carriers import carrier_of
 from tacos_report.figures.side_view import side_view
 from tacos_report.html import render
 from tacos_report.pictures import MOST_ENLARGED, EmbeddedImage, FramePlacement, row_width_px
-from tacos_report.study_data import CameraResult, read_study
+from tacos_report.sections import ranking
+from tacos_report.study_data import CameraResult, StudyData, read_study
 from tests.report.analysed_results import analysed, decided
 from tests.report.results_folder import write_json, write_results
 from tests.report.test_study_page import Page
@@ -87,6 +88,13 @@ def page(folder: Path) -> Page:
 )
 def test_the_page_tells(said: str, page: Page) -> None:
     assert said in page.text
+
+
+def test_parts_left_out_for_one_reason_share_a_row() -> None:
+    why = {"A": "ruled out by the constraint on sensor.shutter", "B": "too large"}
+    analysis = Analysis(left_out={**why, "C": why["A"]})
+    (table,) = ranking.blocks(StudyData({}, (), (), analysis=analysis))
+    assert table.rows == (("A, C", why["A"]), ("B", "too large"))
 
 
 def test_each_finding_has_its_picture(page: Page) -> None:

@@ -49,6 +49,19 @@ def test_the_lead_has_difference_interval_scenes_and_margin(verdict: str) -> Non
     assert ("test.most_episodes" in lead) == (verdict == "undecided")
 
 
+def test_too_few_scenes_for_an_interval_have_none() -> None:
+    result = decided({"cameras": CAMERAS}, "undecided")
+    data = study("undecided", decision={**result["decision"], "interval": None, "episodes": 2})
+    assert "after 2 test scenes, which are too few for an interval." in story.verdict(data)
+    assert "looks" not in story.verdict(data)
+
+
+def test_a_part_that_says_what_it_is_is_not_told_twice() -> None:
+    lens = {"name": "OpenMV IR Lens 3.6 mm"}
+    assert story.design_words({"lens": lens}) == "the OpenMV IR Lens 3.6 mm"
+    assert story.design_words({"lens": {"name": "DSL219"}}) == "the DSL219 lens"
+
+
 def test_a_degenerate_study_names_no_camera_and_says_what_to_do() -> None:
     data = study(degenerate="All 40 cameras score zero: give more light.")
     assert story.headline(data) == "This study names no camera: it cannot tell one from another."

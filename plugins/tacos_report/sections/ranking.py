@@ -35,7 +35,11 @@ def blocks(study: StudyData) -> Iterator[Block]:
     if left_out := study.analysis.left_out:
         if ranked:
             yield Paragraph(f"{len(left_out)} more cannot be used:")
-        yield Table(("Part", "Why it cannot be used"), tuple(left_out.items()))
+        alike: dict[str, list[str]] = {}
+        for part, why in left_out.items():
+            alike.setdefault(why, []).append(part)
+        rows = tuple((", ".join(parts), why) for why, parts in alike.items())
+        yield Table(("Parts", "Why they cannot be used"), rows)
 
 
 def products_of_parts(study: StudyData) -> dict[str, tuple[int, str]]:
