@@ -186,13 +186,21 @@ def _cell(
     return CatalogCell(entry.value, where, source, grade=grade)
 
 
+def _other_separator(heading: Sequence[str]) -> str:
+    """What to do where a table is separated as spreadsheets of many countries do; empty where it is not."""
+    if len(heading) == 1 and any(mark in heading[0] for mark in ";\t"):
+        return "Save it with commas between columns, and points in decimal numbers."
+    return ""
+
+
 def _from_csv(path: Path) -> Catalog:
     """A table whose first line names the columns: ``name``, and names that end in their unit."""
     lines = read_csv(path)
     heading = lines[0][1] if lines else []
     if "name" not in heading:
         what = f"the first line names no column 'name', but {', '.join(heading) or 'nothing'}"
-        raise UserError(Fault(f"{path}:1", what, "name, then columns that end in their unit, as in pixel_um"))
+        expected = "name, then columns that end in their unit, as in pixel_um"
+        raise UserError(Fault(f"{path}:1", what, expected, _other_separator(heading)))
     faults = [
         Fault(f"{path}:1", f"column {name!r} stands here more than once", remedy="Remove one.")
         for name in sorted({name for name in heading if heading.count(name) > 1})

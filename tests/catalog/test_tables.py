@@ -48,6 +48,14 @@ def test_a_table_of_other_things_is_spanned_by_what_is_known_of_all(tmp_path: Pa
     )
 
 
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_a_table_with_other_separators_is_told_how_to_be_saved(tmp_path: Path, mark: str) -> None:
+    with pytest.raises(UserError) as caught:
+        read_catalog(write(tmp_path, f"name{mark}pixel_um\nA{mark}3,5\n", "sensors.csv"))
+    (fault,) = caught.value.faults
+    assert fault.remedy == "Save it with commas between columns, and points in decimal numbers."
+
+
 @pytest.mark.parametrize(
     ("text", "faults"),
     [
