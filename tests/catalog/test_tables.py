@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tacos_framework.catalog import find_catalog, read_catalog
+from tacos_framework.errors import UserError
 from tests.catalog.catalog_files import TABLE, faults_of, write
 
 
