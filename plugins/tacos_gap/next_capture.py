@@ -103,7 +103,7 @@ def _benches(template: RealCapture) -> Iterator[RealCapture]:
             template,
             id=f"bench {kind}",
             kind=kind,
-            real_dn=np.zeros((2, *expected.shape[1:]), np.float32),
+            real_dn=np.repeat(expected, 2, axis=0),  # margins go by what is seen
             expected_dn=expected,
             valid=np.ones(_SIZE, bool),
             geometry=geometry,
