@@ -6,7 +6,13 @@ import textwrap
 from collections.abc import Iterator
 
 from tacos_framework.plan import Plan
-from tacos_framework.plan.notes import DoubtedParts, doubted_parts, notes_on_catalogs, notes_on_constraints
+from tacos_framework.plan.notes import (
+    DoubtedParts,
+    doubted_parts,
+    notes_on_catalogs,
+    notes_on_constraints,
+    notes_on_search,
+)
 
 SHOWN = 5
 """Doubts that are listed unless all are asked for."""
@@ -28,7 +34,7 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
     verbose
         All doubts about parts in full, in place of a short list.
     """
-    for note in (*notes_on_catalogs(plan), *notes_on_constraints(plan)):
+    for note in (*notes_on_search(plan), *notes_on_catalogs(plan), *notes_on_constraints(plan)):
         yield f"note: {note}"
     for doubted in doubted_parts(plan):
         yield from _all_of(doubted) if verbose else _first_of(doubted)

@@ -111,6 +111,9 @@ class Optimizer(Protocol):
     ``choose(finalists) -> int``
         The place, among those candidates as they were `Evaluated` on fresh episodes, of the best one. Their
         numbers of episodes name other scenes than those of `tell`. Without it, that of highest fitness is.
+    ``notes(config, space) -> Iterable[str]``
+        A class method: what whoever reads the plan should know of a search with these settings, in
+        sentences, such as that it ends before anything is learnt.
     ``budget: ClassVar[str]``
         The setting (a whole number) that says how long it goes on, where `restore` of a state from before
         goes on with a larger one as if it had been that large from the start: such studies can be extended.

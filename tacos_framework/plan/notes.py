@@ -30,6 +30,14 @@ def notes_on_constraints(plan: Plan) -> Iterator[str]:
         yield f"{titles[product]} ({product}) breaks a constraint: {why}."
 
 
+def notes_on_search(plan: Plan) -> Iterator[str]:
+    """What the optimizer says of a search with its settings."""
+    optimizer = plan.optimizer
+    if callable(notes := getattr(optimizer.cls, "notes", None)):
+        with optimizer.calling("notes"):
+            yield from list(notes(optimizer.config, plan.space))
+
+
 def notes_on_catalogs(plan: Plan) -> Iterator[str]:
     """On parts that cannot be chosen, as a number is unknown."""
     for variable in _catalog_choices(plan):

@@ -9,7 +9,7 @@ from typing import Any
 from tacos_framework import __version__
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
-from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints
+from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints, notes_on_search
 from tacos_framework.simulation import Evaluation
 from tacos_framework.study.degenerate import degenerate
 from tacos_framework.study.kept_evaluation import as_data
@@ -152,6 +152,7 @@ class Outcome:
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
         yield from self._scores_all_alike()
+        yield from notes_on_search(self.plan)
         yield from notes_on_constraints(self.plan)
         if (best := self.searches[0].best) is not None:
             yield from notes_on_camera(self.plan, best.values)

@@ -221,6 +221,13 @@ class OptimizerConformance(ComponentConformance):
                 "it asks for others once it recommends"
             )
 
+    def test_its_notes_are_sentences(self) -> None:
+        notes = getattr(self.component, "notes", None)
+        if not callable(notes):
+            return
+        for note in notes(self.component.Config(**self.config), self.space()):
+            assert isinstance(note, str) and note.strip(), f"a note is {note!r}"
+
     def test_of_finalists_it_chooses_one_that_is_there(self) -> None:
         optimizer = self.make()
         if not callable(getattr(optimizer, "choose", None)):

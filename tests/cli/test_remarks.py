@@ -14,6 +14,7 @@ LONG = "The data sheet says another thing than the table, " * 4
 def test_equal_doubts_are_one_line_and_the_list_is_short(monkeypatch):
     by_doubt = {LONG: tuple("ABCDE"), **{f"Doubt {number}.": ("F",) for number in range(6)}}
     monkeypatch.setattr(remarks, "doubted_parts", lambda plan: [DoubtedParts("mine", 9, by_doubt)])
+    monkeypatch.setattr(remarks, "notes_on_search", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_catalogs", lambda plan: ["a note"])
     monkeypatch.setattr(remarks, "notes_on_constraints", lambda plan: [])
     note, title, first, *others = remarks.remarks(None, verbose=False)
@@ -36,3 +37,23 @@ def test_the_shipped_catalog_of_sensors_fits_a_screen(capsys, options, lines):
     assert said[:1] == ["headset_quick: no faults."]
     assert "Doubts about 13 of 43 parts of image_sensors" in said[1]
     assert len(said) == lines
+
+
+@pytest.mark.parametrize(
+    ("settings", "is_short"),
+    [
+        (["optimizer.evaluations=6"], True),
+        (["optimizer.evaluations=9"], False),
+        (["optimizer={use: optimizer.genetic, generations: 1}"], True),
+        (["optimizer={use: optimizer.genetic, generations: 2}"], False),
+        (["optimizer={use: optimizer.cma-es, evaluations: 12}"], True),
+        (["optimizer={use: optimizer.cma-es, evaluations: 13}"], False),
+        (["optimizer={use: optimizer.optuna, evaluations: 10}"], True),
+        (["optimizer={use: optimizer.optuna, evaluations: 11}"], False),
+        (["optimizer={use: optimizer.random, evaluations: 4}"], False),
+    ],
+)
+def test_a_search_that_ends_before_it_has_learnt_anything_is_named_one(capsys, settings, is_short):
+    options = [word for setting in settings for word in ("--set", setting)]
+    assert main(["headset_quick", "--check", *options]) == 0
+    assert ("note: Nothing is searched for: the first" in capsys.readouterr().out) is is_short

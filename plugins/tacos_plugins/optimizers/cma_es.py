@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 from tacos_plugins.optimizers.observed_results import validate_results
 from tacos_plugins.optimizers.restarts import Descent, Restarts
+from tacos_plugins.optimizers.short_searches import spread_only
 from tacos_plugins.optimizers.unit_cube import UnitCube
 
 NARROW = 0.003
@@ -120,6 +121,12 @@ class CmaEs:
         self._restarts = Restarts(self.config.restarts, population, self.config.sigma, self._rng)
         self._strategy: Any = None
         self._draw_initial()
+
+    @classmethod
+    def notes(cls, config: Config, space: DesignSpace) -> Iterator[str]:
+        """That nothing is learnt, where all evaluations are spread over the space."""
+        if config.evaluations <= config.initial:
+            yield spread_only(config.evaluations, config.initial)
 
     @property
     def expected_candidates(self) -> int | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables import Gene
 from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_plugins.optimizers.short_searches import spread_only
 
 
 class Genetic:
@@ -109,6 +110,12 @@ class Genetic:
         self._add = _offset_per_gene(config.add, space.genes)
         self._generations_observed = 0
         self._population = self._first_generation()
+
+    @classmethod
+    def notes(cls, config: Config, space: DesignSpace) -> Iterator[str]:
+        """That nothing is bred, in a single generation."""
+        if config.generations == 1:
+            yield spread_only(config.population, config.population)
 
     @property
     def expected_candidates(self) -> int:

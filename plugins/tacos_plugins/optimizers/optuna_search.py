@@ -16,6 +16,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, Categorical, DesignSpace
 from tacos_plugins.optimizers.observed_results import validate_results
+from tacos_plugins.optimizers.short_searches import spread_only
 
 if TYPE_CHECKING:
     import optuna
@@ -95,6 +96,12 @@ class OptunaSearch:
         self._problem = problem
         self._distributions = _distributions_of(space)
         self._begin([])
+
+    @classmethod
+    def notes(cls, config: Config, space: DesignSpace) -> Iterator[str]:
+        """That nothing is learnt, where all evaluations are drawn at random."""
+        if config.evaluations <= config.initial:
+            yield spread_only(config.evaluations, config.initial)
 
     def _begin(self, observed: Sequence[Mapping[str, Any]]) -> None:
         import optuna

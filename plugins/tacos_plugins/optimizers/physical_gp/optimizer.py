@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,6 +17,7 @@ from tacos_plugins.optimizers.physical_gp.model import Fitted, SearchModel
 from tacos_plugins.optimizers.physical_gp.pool import Genes, Located, Pool
 from tacos_plugins.optimizers.physical_gp.proposals import might_be_best, proposed, recommended
 from tacos_plugins.optimizers.physical_gp.starts import spread_out
+from tacos_plugins.optimizers.short_searches import spread_only
 from tacos_plugins.surrogate.candidates import FeasibleCandidates
 
 QUIET_ROUNDS = 3
@@ -102,13 +103,20 @@ class PhysicalGp:
         self.config = config
         self._rng = rng
         self._problem = problem
-        self._starts = min(config.starts, 2 * len(space.variables) + 2)
+        self._starts = _first_round(config, space)
         self._feasible = FeasibleCandidates.of(space, problem)
         self._pool = Pool(self._feasible, int(rng.integers(2**32)))
         self._trials: list[Trial] = []
         self._fitted: Fitted | None = None
         self._rounds = self._quiet_rounds = 0
         self._next_round()
+
+    @classmethod
+    def notes(cls, config: Config, space: DesignSpace) -> Iterator[str]:
+        """That nothing is learnt, where all evaluations belong to the first round."""
+        starts = _first_round(config, space)
+        if config.evaluations <= starts:
+            yield spread_only(config.evaluations, starts)
 
     def _next_round(self) -> None:
         self._round_seed = int(self._rng.integers(2**32))
@@ -258,3 +266,7 @@ class PhysicalGp:
         first = (len(self._trials) + turn) * count
         done = scored_episodes(self._trials, self._problem).get(candidate.genes) or set()
         return Asked(candidate, next_episodes(count, first, self._problem.episodes, self._pool.seed, done))
+
+
+def _first_round(config: PhysicalGp.Config, space: DesignSpace) -> int:
+    return min(config.starts, 2 * len(space.variables) + 2)

@@ -1,0 +1,20 @@
+"""What is said of a search that ends before it has learnt anything."""
+
+from __future__ import annotations
+
+
+def spread_only(evaluations: int, starts: int) -> str:
+    """All evaluations belong to the first candidates, which are spread over the space or drawn from it.
+
+    Parameters
+    ----------
+    evaluations
+        Candidates evaluated in all.
+    starts
+        Candidates that are chosen before any result counts.
+    """
+    return (
+        f"Nothing is searched for: the first {starts} candidates are chosen before any result counts, and "
+        f"the optimizer evaluates {evaluations}. What is found is the best of a sample. For a search, set "
+        f"evaluations well above {starts}."
+    )
