@@ -226,7 +226,8 @@ class OptimizerConformance(ComponentConformance):
         if not callable(notes):
             return
         for note in notes(self.component.Config(**self.config), self.space()):
-            assert isinstance(note, str) and note.strip(), f"a note is {note!r}"
+            assert isinstance(note, str), f"a note is {note!r}"
+            assert note.strip(), "a note is empty"
 
     def test_of_finalists_it_chooses_one_that_is_there(self) -> None:
         optimizer = self.make()
