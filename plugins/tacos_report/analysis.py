@@ -59,11 +59,15 @@ class RankedPart:
 
 @dataclass(frozen=True)
 class Equivalents:
-    """Cameras within the margin of the best; ranges are two ends, or the values of a choice."""
+    """Cameras that may be within the margin of the best; ranges are two ends, or the values of a choice.
+
+    ``probability`` is that of a part to lie there.
+    """
 
     margin: float | None
     margin_share: float | None
     parts: tuple[str, ...]
+    probability: Mapping[str, float]
     ranges: Mapping[str, Interval | tuple[str, ...]]
     tolerances: Mapping[str, Interval | tuple[str, ...]]
 
@@ -202,6 +206,11 @@ def _equivalents(row: Mapping[str, Any]) -> Equivalents | None:
         finite(row.get("margin")),
         finite(row.get("margin_share")),
         texts(row.get("parts")),
+        {
+            name: p
+            for name, given in mapping(row.get("probability")).items()
+            if (p := finite(given)) is not None
+        },
         _ranges(row.get("range")),
         _ranges(row.get("tolerance")),
     )

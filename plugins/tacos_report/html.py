@@ -43,6 +43,7 @@ def render(study: StudyData) -> str:
             story=story,
             hero=_hero(study),
             facts=_facts(study),
+            cautions=sections.cautions(study),
             answers=sections.answers(study),
             by_scenario=sections.by_scenario(study),
             moments=_moments(study),

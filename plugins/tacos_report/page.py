@@ -34,10 +34,11 @@ class Warnings:
 
 @dataclass(frozen=True)
 class Drawing:
-    """An inline SVG, as `tacos_report.figures.canvas.draw` gives it."""
+    """An inline SVG, as `tacos_report.figures.canvas.draw` gives it; ``narrow`` is the same for a phone."""
 
     svg: str
     caption: str
+    narrow: str = ""
     kind: Literal["drawing"] = "drawing"
 
 

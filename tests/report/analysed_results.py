@@ -51,7 +51,8 @@ def analysed(result: dict[str, Any], parts: int = 43) -> dict[str, Any]:
         "equivalent": {
             "margin": MARGIN,
             "margin_share": 0.01,
-            "parts": [row["part"] for row in rows[:5]],
+            "parts": [row["part"] for row in rows[:7]],
+            "probability": {row["part"]: 0.99 if place < 5 else 0.21 for place, row in enumerate(rows[:7])},
             "range": {
                 "focal_length_mm": [1.9, 4.4],
                 "pitch_deg": [-27.0, -9.5],

@@ -79,6 +79,8 @@ def page(folder: Path) -> Page:
         "LINE4K megapixels is 31.2",
         "not stated: power",
         "5 of 43 parts lie within 1 % of the best fitness (0.012)",
+        "Too little was seen of 2 more to rule them out; in brackets, how likely they are as good",
+        "(21 %)",
         "1.9 mm to 4.4 mm",
         "Pixel count (less is better)",
         "Scenario by scenario",
@@ -95,6 +97,17 @@ def test_parts_left_out_for_one_reason_share_a_row() -> None:
     analysis = Analysis(left_out={**why, "C": why["A"]})
     (table,) = ranking.blocks(StudyData({}, (), (), analysis=analysis))
     assert table.rows == (("A, C", why["A"]), ("B", "too large"))
+
+
+def test_a_note_on_a_part_to_buy_stands_with_that_part_alone(page: Page) -> None:
+    assert page.text.count("Nobody states the distortion of DSL219.") == 1
+    assert page.text.count("Before you rely on this") == 1
+
+
+def test_the_answers_are_drawn_for_phones_as_well(page: Page) -> None:
+    for opening in ("Designed camera against products: ", "43 parts by fitness"):
+        said = [attrs["aria-label"] or "" for tag, attrs in page.tags if tag == "svg"]
+        assert sum(each.startswith(opening) for each in said) == 2
 
 
 def test_each_finding_has_its_picture(page: Page) -> None:

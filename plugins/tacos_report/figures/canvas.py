@@ -42,6 +42,9 @@ _STYLE: dict[str, Any] = {
     "legend.frameon": False,
     "lines.markeredgecolor": PAPER,
 }
+NARROW_IN = 4.3
+"""Width of a drawing that a phone shows without scrolling; letters keep their size there [in]."""
+
 # Everything the writer would put into an RDF block: a report names no addresses and no dates.
 _NO_METADATA: dict[str, Any] = dict.fromkeys(("Creator", "Date", "Format", "Type"))
 

@@ -8,13 +8,17 @@ from matplotlib.figure import Figure
 
 from tacos_report import verdicts
 from tacos_report.analysis import Comparison
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.palette import INK, MUTED, RULE, camera_colour
 from tacos_report.quantities import signed
 
 
 def forest(
-    comparisons: Sequence[Comparison], titles: Mapping[str, str], indices: Mapping[str, int], margin: float
+    comparisons: Sequence[Comparison],
+    titles: Mapping[str, str],
+    indices: Mapping[str, int],
+    margin: float,
+    narrow: bool = False,
 ) -> str:
     """SVG of one row per comparison that has an interval.
 
@@ -24,6 +28,8 @@ def forest(
         What people call each product, and its place among the cameras, which gives its colour.
     margin
         Differences below it count as none [fitness].
+    narrow
+        For the width of a phone: names and verdicts stand above the bars.
     """
     said = "; ".join(
         f"{titles[each.against]} {signed(each.difference or 0.0)}, {verdicts.WORDS[each.verdict]}"
@@ -41,19 +47,29 @@ def forest(
             colour = camera_colour(indices[each.against]) if each.against in indices else INK
             axes.plot(each.interval, [place, place], color=colour, linewidth=3, solid_capstyle="butt")
             axes.plot([each.difference], [place], "o", color=colour, markersize=9, linestyle="")
-            axes.annotate(
-                verdicts.WORDS[each.verdict], (1.0, place), xycoords=("axes fraction", "data"),
-                xytext=(8, 0), textcoords="offset points", va="center", color=INK, fontsize=9.5,
-                fontweight="bold" if each.verdict in ("better", "worse") else "normal",
-            )  # fmt: skip
-        axes.set_yticks(range(len(comparisons)), [titles[each.against] for each in comparisons])
+            weight = "bold" if each.verdict in ("better", "worse") else "normal"
+            word = verdicts.WORDS[each.verdict]
+            if narrow:
+                axes.annotate(
+                    f"{titles[each.against]}: {word}", (0.0, place), xycoords=("axes fraction", "data"),
+                    xytext=(0, 10), textcoords="offset points", color=INK, fontweight=weight,
+                )  # fmt: skip
+            else:
+                axes.annotate(
+                    word, (1.0, place), xycoords=("axes fraction", "data"), xytext=(8, 0),
+                    textcoords="offset points", va="center", color=INK, fontsize=9.5, fontweight=weight,
+                )  # fmt: skip
+        names = ["" if narrow else titles[each.against] for each in comparisons]
+        axes.set_yticks(range(len(comparisons)), names)
         axes.tick_params(axis="y", labelcolor=INK)
         axes.set_ylim(len(comparisons) - 0.4, -0.6)
         axes.margins(x=0.08)
-        axes.set_xlabel("worse  ←  designed camera less product, in fitness  →  better")
+        compared = "less product" if narrow else "designed camera less product, in fitness"
+        axes.set_xlabel(f"worse  ←  {compared}  →  better")
         axes.spines[["left", "bottom"]].set_visible(False)
         light_grid(axes, "x")
 
-    return draw(
-        "forest", (9.2, 0.8 + 0.42 * len(comparisons)), f"Designed camera against products: {said}.", paint
-    )
+    name, size_in = "forest", (9.2, 0.8 + 0.42 * len(comparisons))
+    if narrow:
+        name, size_in = "forest-narrow", (NARROW_IN, 0.7 + 0.55 * len(comparisons))
+    return draw(name, size_in, f"Designed camera against products: {said}.", paint)

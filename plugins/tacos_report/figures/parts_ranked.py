@@ -7,20 +7,24 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 
 from tacos_report.analysis import RankedPart
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.palette import DOT, INK, PAPER, camera_colour
 from tacos_report.quantities import number
 
 _ROW_IN = 0.215
 
 
-def parts_ranked(parts: Sequence[RankedPart], products: Mapping[str, tuple[int, str]]) -> str:
+def parts_ranked(
+    parts: Sequence[RankedPart], products: Mapping[str, tuple[int, str]], narrow: bool = False
+) -> str:
     """SVG of one row per part: dot, 95 % interval, and the product that has it.
 
     Parameters
     ----------
     products
         By name of a part, the place of its product among the cameras (its colour) and its title.
+    narrow
+        For the width of a phone.
     """
     said = ", ".join(f"{part.part} {number(part.fitness)}" for part in parts)
 
@@ -54,6 +58,6 @@ def parts_ranked(parts: Sequence[RankedPart], products: Mapping[str, tuple[int, 
         axes.spines[["left", "bottom"]].set_visible(False)
         light_grid(axes, "x")
 
-    return draw(
-        "parts-ranked", (9.2, 0.7 + _ROW_IN * len(parts)), f"{len(parts)} parts by fitness: {said}.", paint
-    )
+    name, width_in = ("parts-ranked-narrow", NARROW_IN) if narrow else ("parts-ranked", 9.2)
+    size_in = (width_in, 0.7 + _ROW_IN * len(parts))
+    return draw(name, size_in, f"{len(parts)} parts by fitness: {said}.", paint)

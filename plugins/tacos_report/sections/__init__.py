@@ -25,6 +25,15 @@ def answers(study: StudyData) -> list[Section]:
     return [section for section in found if section.blocks]
 
 
+def cautions(study: StudyData) -> list[str]:
+    """What to know before all else: notes that stand with no part to buy, and why there was no test."""
+    of_parts = purchase.doubts(study)
+    found = [note for note in study.notes if note not in of_parts]
+    if (stopped := study.result.get("stopped")) and not study.tested:
+        found.append(f"The search ended: {stopped}")
+    return found
+
+
 def by_scenario(study: StudyData) -> list[Section]:
     """The scores of each scenario by itself, where there are several."""
     blocks = tuple(scenarios.blocks(study))

@@ -31,6 +31,7 @@ def blocks(study: StudyData) -> Iterator[Block]:
             "right of zero the designed camera is better. Bars allow for every look that "
             "was taken while scenes were added"
             + (". Within the shaded margin a difference counts as none." if margin else "."),
+            narrow=forest(drawn, titles, indices, margin, narrow=True),
         )
     yield Table(
         ("Against", "Difference in fitness", "Verdict", "Test scenes"),

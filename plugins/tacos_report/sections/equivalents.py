@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from tacos_report.analysis import Equivalents
 from tacos_report.figures.tolerances import VariableRange, tolerances
 from tacos_report.page import Block, Drawing, Paragraph, Table
 from tacos_report.plain_values import Interval, finite
 from tacos_report.quantities import number, quantity, unit_of, words
+from tacos_report.sections.ranking import chance
 from tacos_report.study_data import StudyData
 from tacos_report.verdicts import share_words
+
+MORE_LIKELY_THAN_NOT = 0.5
+"""Parts of a smaller probability to be as good are named apart: too little was seen of them."""
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
@@ -18,7 +22,10 @@ def blocks(study: StudyData) -> Iterator[Block]:
     found = study.analysis.equivalents
     if found is None or not (found.parts or found.ranges or found.tolerances):
         return
-    yield Paragraph(_parts_words(found, len(study.analysis.ranking)))
+    unsure = [part for part in found.parts if found.probability.get(part, 1.0) < MORE_LIKELY_THAN_NOT]
+    yield Paragraph(_parts_words(found, [part for part in found.parts if part not in unsure], study))
+    if unsure:
+        yield Paragraph(_unsure_words(found, unsure))
     names = list(dict.fromkeys([*found.ranges, *found.tolerances]))
     drawn = [variable for name in names if (variable := _variable(study, found, name)) is not None]
     if drawn:
@@ -40,16 +47,27 @@ def blocks(study: StudyData) -> Iterator[Block]:
     )
 
 
-def _parts_words(found: Equivalents, total: int) -> str:
+def _parts_words(found: Equivalents, parts: Sequence[str], study: StudyData) -> str:
     share = f"{share_words(found.margin_share)} of the best fitness" if found.margin_share else "the margin"
     margin = f" ({number(found.margin, 2)})" if found.margin else ""
-    if not found.parts:
+    if not parts:
         return f"Cameras within {share}{margin} of the best lie in these ranges."
-    of = f" of {total}" if total >= len(found.parts) else ""
-    one = len(found.parts) == 1
-    parts = "part lies" if one and not of else "parts lie"
-    closing = "No other is as good" if one else "Choose among them by price, supply and size"
-    return f"{len(found.parts)}{of} {parts} within {share}{margin}: {', '.join(found.parts)}. {closing}."
+    total = len(study.analysis.ranking)
+    of = f" of {total}" if total >= len(parts) else ""
+    one = len(parts) == 1
+    lie = "part lies" if one and not of else "parts lie"
+    closing = (
+        "No other is as good" if len(found.parts) == 1 else "Choose among them by price, supply and size"
+    )
+    return f"{len(parts)}{of} {lie} within {share}{margin}: {', '.join(parts)}. {closing}."
+
+
+def _unsure_words(found: Equivalents, parts: Sequence[str]) -> str:
+    """Parts that may be as good and probably are not."""
+    named = ", ".join(f"{part} ({chance(found.probability[part])})" for part in parts)
+    them, they_are = ("it", "it is") if len(parts) == 1 else ("them", "they are")
+    few = f"Too little was seen of {len(parts)} more to rule {them} out"
+    return f"{few}; in brackets, how likely {they_are} as good: {named}."
 
 
 def _variable(study: StudyData, found: Equivalents, name: str) -> VariableRange | None:

@@ -17,11 +17,8 @@ _PROSE = ("name", "source", "sources", "notes", "doubts", "grade", "provenance")
 
 def blocks(study: StudyData) -> Iterator[Block]:
     """A table per part, with a specification of the lens where it is not a part; how to mount it; doubts."""
-    designed = study.designed
-    if designed is None or study.analysis.degenerate:
-        return
-    parts = {name: value for name, value in designed.camera.items() if isinstance(value, Mapping)}
-    if not parts:
+    designed, parts = study.designed, _parts(study)
+    if designed is None or not parts:
         return
     if better := _better_product(study):
         yield Paragraph(
@@ -34,9 +31,20 @@ def blocks(study: StudyData) -> Iterator[Block]:
     fit = _fit(designed) if "lens" in parts else ()
     if together := (*fit, *_mounting(designed, study)):
         yield Table(("Together", ""), together)
-    names = [_title(part) for part in parts.values()]
-    doubts = tuple(note for note in study.notes if any(name in note for name in names))
-    yield Warnings("Before you order", doubts)
+    yield Warnings("Before you order", doubts(study))
+
+
+def doubts(study: StudyData) -> tuple[str, ...]:
+    """Notes of the study on the parts to buy; none where there is nothing to buy."""
+    parts = _parts(study)
+    return tuple(note for note in study.notes if any(_title(part) in note for part in parts.values()))
+
+
+def _parts(study: StudyData) -> dict[str, Mapping[str, Any]]:
+    """The parts of the designed camera by variable; none where no camera may be named."""
+    if study.designed is None or study.analysis.degenerate:
+        return {}
+    return {name: value for name, value in study.designed.camera.items() if isinstance(value, Mapping)}
 
 
 def _better_product(study: StudyData) -> str | None:

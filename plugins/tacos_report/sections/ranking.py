@@ -26,6 +26,7 @@ def blocks(study: StudyData) -> Iterator[Block]:
             "they are large; hollow ones are told by the model of the scores alone, and their intervals say "
             "how well. Bars hold 95 % of what is credible. Coloured diamonds are parts of products off the "
             "shelf.",
+            narrow=parts_ranked(ranked, carried, narrow=True),
         )
         heads = ("", "Part", "Its best optics", "Fitness (95 %)", *_heads(study), "Known from")
         rows = tuple(_row(place, part, study, carried) for place, part in enumerate(ranked, start=1))
