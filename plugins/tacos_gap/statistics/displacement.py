@@ -32,12 +32,15 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         return
     spots = _spots(capture)
     colour = len(sample.channels) == 3
+    if capture.own_edges and not colour:
+        return
     green = _flow(sample, 1 if colour else 0)
     at = spots.at
-    for values, axis in zip(spots.medians(green), "xy", strict=True):
-        yield StatisticBlock(
-            "displacement", "optics", values, [{**a, "axis": axis} for a in at], AMPLITUDE_PX
-        )
+    if not capture.own_edges:
+        for values, axis in zip(spots.medians(green), "xy", strict=True):
+            yield StatisticBlock(
+                "displacement", "optics", values, [{**a, "axis": axis} for a in at], AMPLITUDE_PX
+            )
     if colour:
         for channel, name in ((0, "R-G"), (2, "B-G")):
             apart = _flow(sample, channel) - green
