@@ -101,9 +101,10 @@ def least_significant(
     test = block_test(z, replicates, blocks, slack)
     p_of_block = np.exp(-(test.location - test.spread * np.log(-np.log1p(-p_value))))
     floor = np.array([np.bincount(blocks, robust(each) ** 2) for each in replicates], float)
-    mean, freedom = _floor_of(floor, np.bincount(blocks))
+    sizes = np.bincount(blocks)
+    mean, freedom = _floor_of(floor, sizes)
     critical = slack**2 * mean * fisher.isf(p_of_block, freedom, len(floor) * freedom)
-    return np.asarray(critical - np.minimum(mean, np.bincount(blocks, robust(z) ** 2)))
+    return np.asarray(np.maximum(critical, sizes) - np.minimum(mean, np.bincount(blocks, robust(z) ** 2)))
 
 
 def _p_values(
