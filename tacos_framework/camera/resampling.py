@@ -14,8 +14,8 @@ from scipy.ndimage import map_coordinates
 from tacos_framework.camera.motion import Places
 
 ORDER = 5
-"""Degree of the spline through pixels. Half-way between them it keeps 95 % of a wave of 0.35 cycles per pixel, a
-cubic 84 %; it costs 1.7 times as much."""
+"""Degree of the spline through pixels. Half-way between them it keeps 95 % of a wave of 0.35 cycles per pixel
+where a cubic one keeps 84 %, in 1.7 times the time."""
 
 SAME_SURFACE = 0.05
 """Neighbours whose depths differ by less than this share belong to one surface [1]."""
