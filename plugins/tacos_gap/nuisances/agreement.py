@@ -13,13 +13,14 @@ CONFIDENCE = 0.95
 """Probability with which poses are off by no more than said: of two captures that agree by chance little is
 said, of ten much."""
 
-LEAST_SHARE = 0.05
-"""Of a prior's deviation at least: a fortieth of a pixel, less than displacements matter."""
+LEAST_SHARE = 0.06
+"""Of a prior's deviation at least: shifts by 0.03 px, the equivalence margin of displacements."""
 
 WORTH_IT = 0.5
 """Share above which a prior stays what it is."""
 
-_ALIKE = (POSE_TERMS[:2], POSE_TERMS[2:3], POSE_TERMS[3:])  # shifts along both axes are of one size
+_ALIKE = (POSE_TERMS[:2], POSE_TERMS[2:3])
+"""Shifts along both axes are of one size. The prior of a magnification moves no pixel by more than matters."""
 
 
 def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]) -> dict[str, float]:
@@ -47,7 +48,7 @@ def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]
     --------
     >>> turned = [dict.fromkeys(POSE_TERMS, 0.6 + off) for off in (0.01, 0, 0.02, 0)]
     >>> sorted(shares_of_priors(turned, ["a", "b", "c", "d"]))
-    ['rotation_deg', 'scale', 'shift_x_px', 'shift_y_px']
+    ['rotation_deg', 'shift_x_px', 'shift_y_px']
     >>> shares_of_priors(turned, ["a"] * 4)
     {}
     """

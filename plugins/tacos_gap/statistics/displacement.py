@@ -149,17 +149,19 @@ def _displacements(sample: Sample, channel: int) -> NDArray[np.float64]:
     full = np.float32(sample.capture.context.white_level_dn)
     frame = _smoothed(_compared(sample)[..., channel])
     expected = _smoothed(np.minimum(sample.expected[0][..., channel], full))
-    slope_y, slope_x = np.gradient(expected)
+    slope_y, slope_x = (np.asarray(slope, np.float32) for slope in np.gradient(expected))
     x, y = np.meshgrid(*(np.arange(side, dtype=np.float32) for side in frame.shape[::-1]))
     moved = spots.medians(_flow(sample, channel))
     for _ in range(_STEPS):
-        moved = np.round(moved * _GRID) / _GRID
+        moved = np.asarray(np.round(moved * _GRID) / _GRID)
         dx, dy = moved.astype(np.float32)[:, spots.tile]
         read = [
-            cv2.remap(image, x - dx, y - dy, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+            np.asarray(
+                cv2.remap(image, x - dx, y - dy, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.float32
+            )
             for image in (expected, slope_x, slope_y)
         ]
-        moved = moved + _step(spots.sums([frame, *read]))
+        moved = np.asarray(moved + _step(spots.sums([frame, *read])))
     return moved
 
 
