@@ -13,14 +13,14 @@ CONFIDENCE = 0.95
 """Probability with which poses are off by no more than said: of two captures that agree by chance little is
 said, of ten much."""
 
-LEAST_SHARE = 0.06
-"""Of a prior's deviation at least: shifts by 0.03 px, the equivalence margin of displacements."""
+LEAST_SHARE = {"shift_x_px": 0.06, "shift_y_px": 0.06, "rotation_deg": 0.17, "scale": 0.6}
+"""Of a prior's deviation at least: what moves pixels of a small image by 0.03 px, the equivalence margin of
+displacements."""
 
 WORTH_IT = 0.5
 """Share above which a prior stays what it is."""
 
-_ALIKE = (POSE_TERMS[:2], POSE_TERMS[2:3])
-"""Shifts along both axes are of one size. The prior of a magnification moves no pixel by more than matters."""
+_ALIKE = (POSE_TERMS[:2], POSE_TERMS[2:3], POSE_TERMS[3:])  # shifts along both axes are of one size
 
 
 def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]) -> dict[str, float]:
@@ -41,14 +41,13 @@ def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]
     Returns
     -------
     dict
-        Share of the standard deviation by term, above 0 and at most `WORTH_IT`; without terms that keep
-        their prior.
+        Share of the standard deviation by term, above 0 and below 1; without terms that keep their prior.
 
     Examples
     --------
     >>> turned = [dict.fromkeys(POSE_TERMS, 0.6 + off) for off in (0.01, 0, 0.02, 0)]
     >>> sorted(shares_of_priors(turned, ["a", "b", "c", "d"]))
-    ['rotation_deg', 'shift_x_px', 'shift_y_px']
+    ['rotation_deg', 'scale', 'shift_x_px', 'shift_y_px']
     >>> shares_of_priors(turned, ["a"] * 4)
     {}
     """
@@ -63,5 +62,5 @@ def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]
         scatter = float(np.sum((means - means.mean(axis=0)) ** 2))
         share = float(np.sqrt(scatter / chi2.ppf(1 - CONFIDENCE, free * len(alike))))
         if share < WORTH_IT:
-            found |= dict.fromkeys(alike, max(share, LEAST_SHARE))
+            found |= {term: max(share, LEAST_SHARE[term]) for term in alike}
     return found
