@@ -127,9 +127,9 @@ def test_displacements_follow_shifts_of_hundredths_of_a_pixel():
     here = displacements(still, 0.0)
     np.testing.assert_allclose(here, 0, atol=1e-3)
     for dx in (0.01, 0.05, 0.3):
-        assert np.median(displacements(still, dx)) == pytest.approx(dx, rel=0.1)
+        assert np.median(displacements(still, dx)) == pytest.approx(dx, rel=0.06)
         slopes = (displacements(still, dx + 0.01) - displacements(still, dx)) / 0.01
-        assert np.quantile(np.abs(slopes - 1), 0.8) < 0.15
+        assert np.quantile(np.abs(slopes - 1), 0.8) < 0.25
 
 
 def test_displacements_mind_no_gain_and_no_pedestal():
@@ -163,7 +163,7 @@ def test_a_shift_that_all_captures_share_is_found_within_its_interval(effects, s
         low, high = parameters[name].interval
         half = (high - low) / 2
         assert abs(parameters[name].value - value) < 2 * half
-        assert half < 0.03
+        assert half < 0.05
 
 
 def test_shifts_of_each_capture_are_nobodys_error(effects):

@@ -30,17 +30,17 @@ _LEAST_SIDE_PX = 32
 _TEXTURED = 0.02
 """Gradient that makes a pixel count, over the range of the image per pixel."""
 
-_STEPS = 3
-"""Least squares after flow: the third moves medians of tiles by less than a thousandth of a pixel."""
+_STEPS = 2
+"""Least squares after flow: the second where the first shows that flow was off by more than half a pixel."""
 
 _DAMPED = 0.01
-"""Share of the gradients' sum of squares added to either axis: along an edge nothing is known."""
+"""Share of the slopes' sum of squares added to either axis: along an edge nothing is known."""
 
 _LEAST_GAIN = 0.1
 """Contrast of a tile over what is expected at least: without any, nothing says where it went."""
 
-_GRID = 32
-"""Places per pixel at which OpenCV's `remap` reads; it rounds others."""
+_SLOPE = np.array([1, -8, 0, 8, -1], np.float32) / 12
+"""Central difference of fourth order (Fornberg 1988)."""
 
 
 def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
@@ -69,21 +69,18 @@ def has_texture(capture: RealCapture) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Spots:
-    """Textured pixels, tile by tile, as flat indices.
+    """Textured pixels, tile by tile.
 
     Parameters
     ----------
     parts
-        The pixels of each tile.
+        The pixels of each tile, as flat indices.
     at
         What each tile is.
-    tile
-        (H, W) the tile that moves each pixel.
     """
 
     parts: Sequence[NDArray[np.int64]]
     at: Sequence[Mapping[str, Any]]
-    tile: NDArray[np.int64]
 
     def medians(self, field: NDArray[np.float32]) -> NDArray[np.float64]:
         """(2, T) medians of both components of an (H, W, 2) field in each tile."""
@@ -91,30 +88,38 @@ class _Spots:
         middles = [np.partition(flat[:, part], len(part) // 2)[:, len(part) // 2] for part in self.parts]
         return np.array(middles, np.float64).reshape(-1, 2).T
 
+    def centred(
+        self, image: NDArray[np.float32], moved_px: NDArray[np.int64] | None = None
+    ) -> NDArray[np.float64]:
+        """(P,) pixels of an (H, W) image, tiles of which may be moved, less the mean of their tile."""
+        rows, columns = np.divmod(self._pixels, image.shape[1])
+        if moved_px is not None:
+            columns, rows = (
+                np.clip(places - np.repeat(move, self._counts), 0, side - 1)
+                for places, move, side in zip((columns, rows), moved_px, image.shape[::-1], strict=True)
+            )
+        values = image[rows, columns].astype(np.float64)
+        return np.asarray(values - np.repeat(self.sums(values) / self._counts, self._counts))
+
+    def sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(T,) sums of (P,) values over tiles."""
+        return np.asarray(np.add.reduceat(values, self._starts))
+
+    def spread(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(P,) the value of its tile for each pixel, of (T,) values."""
+        return np.repeat(values, self._counts)
+
     @cached_property
     def _pixels(self) -> NDArray[np.int64]:
         return np.concatenate(self.parts)
 
     @cached_property
-    def _starts(self) -> NDArray[np.int64]:
-        return np.cumsum([0, *(len(part) for part in self.parts[:-1])])
-
-    def sums(self, images: Sequence[NDArray[np.float32]]) -> NDArray[np.float64]:
-        """(I, I, T) centred sums of products of (H, W) images in each tile."""
-        pixels = [image.ravel()[self._pixels].astype(np.float64) for image in images]
-        centred = [p - np.repeat(self._means(p), self._counts) for p in pixels]
-        found = np.empty((len(images), len(images), len(self.parts)))
-        for i, one in enumerate(centred):
-            for j, other in enumerate(centred[: i + 1]):
-                found[i, j] = found[j, i] = np.add.reduceat(one * other, self._starts)
-        return found
-
-    @cached_property
     def _counts(self) -> NDArray[np.int64]:
         return np.array([len(part) for part in self.parts])
 
-    def _means(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(np.add.reduceat(pixels, self._starts) / self._counts)
+    @cached_property
+    def _starts(self) -> NDArray[np.int64]:
+        return np.cumsum([0, *self._counts[:-1]])
 
 
 _SPOTS: WeakKeyDictionary[RealCapture, _Spots] = WeakKeyDictionary()
@@ -131,59 +136,70 @@ def _spots(capture: RealCapture) -> _Spots:
         tile = grid.index.ravel()[where]
         parts = [where[tile == k] for k in range(len(grid.at))]
         kept = [k for k, part in enumerate(parts) if len(part) > _LEAST_PIXELS]
-        number = np.zeros(len(grid.at) + 1, np.int64)  # the last is of pixels in no tile
-        number[kept] = np.arange(len(kept))
-        _SPOTS[capture] = _Spots([parts[k] for k in kept], [grid.at[k] for k in kept], number[grid.index])
+        _SPOTS[capture] = _Spots([parts[k] for k in kept], [grid.at[k] for k in kept])
     return _SPOTS[capture]
 
 
 def _displacements(sample: Sample, channel: int) -> NDArray[np.float64]:
     """(2, T) displacements in x and y of the frames' tiles against the expectation [px].
 
-    Those for which the expectation, moved by them, differs least from the frames but for a gain and an offset
-    of each tile (Lucas & Kanade 1981). Both are smoothed by binomials, which even out a mosaic.
+    The expectation is moved by whole pixels, for which nothing is interpolated. What is left is found by
+    least squares on the mean slope of both pictures (Lucas & Kanade 1981), right but for the third power of
+    half a pixel. Pictures are smoothed by binomials, which even out a mosaic.
     """
-    import cv2
-
     spots = _spots(sample.capture)
     full = np.float32(sample.capture.context.white_level_dn)
     frame = _smoothed(_compared(sample)[..., channel])
     expected = _smoothed(np.minimum(sample.expected[0][..., channel], full))
-    slope_y, slope_x = (np.asarray(slope, np.float32) for slope in np.gradient(expected))
-    x, y = np.meshgrid(*(np.arange(side, dtype=np.float32) for side in frame.shape[::-1]))
+    seen, of_seen = spots.centred(frame), [spots.centred(slope) for slope in _slopes(frame)]
+    slopes = _slopes(expected)
     moved = spots.medians(_flow(sample, channel))
     for _ in range(_STEPS):
-        moved = np.asarray(np.round(moved * _GRID) / _GRID)
-        dx, dy = moved.astype(np.float32)[:, spots.tile]
-        read = [
-            np.asarray(
-                cv2.remap(image, x - dx, y - dy, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.float32
-            )
-            for image in (expected, slope_x, slope_y)
-        ]
-        moved = np.asarray(moved + _step(spots.sums([frame, *read])))
+        whole = np.rint(moved).astype(np.int64)
+        there, of_there = (
+            spots.centred(expected, whole),
+            [spots.centred(slope, whole) for slope in slopes],
+        )
+        gain = _gain(spots, seen, there)
+        left = seen / gain - there
+        means = [(a / gain + b) / 2 for a, b in zip(of_seen, of_there, strict=True)]
+        moved = whole + _least_squares(spots, left, means, of_there)
     return moved
 
 
-def _step(products: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2, T) least squares of what is left to move [px].
+def _gain(spots: _Spots, seen: NDArray[np.float64], there: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(P,) contrast of each pixel's tile over what is expected."""
+    power = np.maximum(spots.sums(there**2), 1e-9)
+    return spots.spread(np.maximum(spots.sums(seen * there) / power, _LEAST_GAIN))
 
-    Parameters
-    ----------
-    products
-        (4, 4, T) centred sums of products of frame, expectation and its slopes in x and y.
+
+def _least_squares(
+    spots: _Spots,
+    left: NDArray[np.float64],
+    slopes: Sequence[NDArray[np.float64]],
+    noise_free: Sequence[NDArray[np.float64]],
+) -> NDArray[np.float64]:
+    """(2, T) moves that take away what is left, at most a pixel [px].
+
+    Slopes without noise are the instruments (Wald 1940): the square of noisy ones would shorten moves.
     """
-    of_frame, of_expected = products[0], products[1]
-    power = np.maximum(of_expected[1], 1e-9)
-    gain = np.maximum(of_frame[1] / power, _LEAST_GAIN)
-    xx, xy, yy = (
-        products[i, j] - of_expected[i] * of_expected[j] / power for i, j in ((2, 2), (2, 3), (3, 3))
-    )
-    tx, ty = (of_frame[i] - of_frame[1] * of_expected[i] / power for i in (2, 3))
+    xx, xy, yx, yy = (spots.sums(a * b) for a in noise_free for b in slopes)
+    tx, ty = (-spots.sums(a * left) for a in noise_free)
     damping = _DAMPED * (xx + yy) + 1e-9
     xx, yy = xx + damping, yy + damping
-    left = np.stack([yy * tx - xy * ty, xx * ty - xy * tx]) / (xx * yy - xy**2)
-    return np.asarray(np.clip(-left / gain, -1.0, 1.0))
+    found = np.stack([yy * tx - xy * ty, xx * ty - yx * tx]) / (xx * yy - xy * yx)
+    return np.asarray(np.clip(found, -1.0, 1.0))
+
+
+def _slopes(image: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+    """Slopes of an (H, W) image in x and y [1/px]."""
+    import cv2
+
+    one = np.ones(1, np.float32)
+    return [
+        np.asarray(cv2.sepFilter2D(image, cv2.CV_32F, along, across), np.float32)
+        for along, across in ((_SLOPE, one), (one, _SLOPE))
+    ]
 
 
 def _smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
