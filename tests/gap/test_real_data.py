@@ -70,3 +70,12 @@ def test_what_captures_alone_cannot_tell_is_not_named_with_confidence(diagnosed,
     found = diagnosed(name)
     assert found.verdict in ("unknown", "partly_explained")
     assert all(cause.probability < 0.5 for cause in found.causes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "effect"), [("text, motion", "motion-blur"), ("text, defocus", "defocus")])
+def test_blurred_print_leads_to_its_blur(diagnosed, name, effect):
+    first, *others = diagnosed(name).causes
+    assert first.effect == effect
+    assert first.present > 0.9
+    assert {cause.effect for cause in others if cause.present > 0.5} <= {"jpeg", "sharpening"}

@@ -117,6 +117,9 @@ class RealCapture:
         Whether ``exposure_ms`` was given.
     group, level_uncertainty, expected_frames, board
         As in ``captures.yaml``; `expected_frames` 0 stands for an expectation without noise.
+    own_edges
+        Whether `expected_dn` was read off the edges of the pictures themselves: it then says how sharp they
+        would be, and neither where they are nor how bright.
     edge_angle_deg
         Angle of a straight edge; None without one [deg].
     patches
@@ -150,6 +153,7 @@ class RealCapture:
     level_uncertainty: float = 0.0
     expected_frames: int = 0
     board: Board | None = None
+    own_edges: bool = False
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
     row_time_us: float = 0.0

@@ -50,10 +50,13 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         return
     spots = _spots(capture)
     colour = len(sample.channels) == 3
+    if capture.own_edges and not colour:
+        return
     green = _displacements(sample, 1 if colour else 0)
-    for values, axis in zip(green, "xy", strict=True):
-        at = [{**a, "axis": axis} for a in spots.at]
-        yield StatisticBlock("displacement", "optics", values, at, AMPLITUDE_PX)
+    if not capture.own_edges:
+        for values, axis in zip(green, "xy", strict=True):
+            at = [{**a, "axis": axis} for a in spots.at]
+            yield StatisticBlock("displacement", "optics", values, at, AMPLITUDE_PX)
     if colour:
         for channel, name in ((0, "R-G"), (2, "B-G")):
             apart = _displacements(sample, channel) - green
