@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.motion import Places
 from tacos_framework.formation import PlacedSensor
 from tacos_framework.values import ImageContext, ImageGeometry
 
@@ -77,6 +78,22 @@ class Objects:
 
 
 @dataclass(frozen=True, eq=False)
+class Unmoved:
+    """An expectation before another pose moved it, so that effects that move it further read it only once.
+
+    Parameters
+    ----------
+    expected_dn
+        (1 or N, H, W, C) float32 expected values [DN].
+    source
+        (H, W) columns and rows where the moved expectation looks in this one [px].
+    """
+
+    expected_dn: NDArray[np.float32]
+    source: Places
+
+
+@dataclass(frozen=True, eq=False)
 class RealCapture:
     """Real frames of one thing under one setting, and what the simulator expects.
 
@@ -119,6 +136,8 @@ class RealCapture:
         (K, 3) points of the board [mm] and (K, 2) where they are seen [px]; None until they were found.
     objects
         What a still shows, for tasks that find things; None where nobody labelled it.
+    unmoved
+        What `expected_dn` was before it was moved to another pose; None where it was not.
     """
 
     id: str
@@ -145,6 +164,7 @@ class RealCapture:
     unstated: frozenset[str] = frozenset()
     corners: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
     objects: Objects | None = None
+    unmoved: Unmoved | None = None
 
     @property
     def frames(self) -> int:

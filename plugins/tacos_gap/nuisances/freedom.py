@@ -7,7 +7,7 @@ focus of a structured picture are never known exactly, so each of them has a pri
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -56,16 +56,23 @@ class Freedom:
         Standard deviation of its prior, which is Gaussian around 0, in the unit of the name.
     channel
         The channel it holds for; None for all.
+    share
+        `sigma` over that of the prior, where captures disagree by less than that allows.
     """
 
     name: str
     sigma: float
     channel: int | None = None
+    share: float = 1.0
 
     @property
     def is_followed(self) -> bool:
         """Whether an expectation can be made that has it; noise cannot be taken out of one."""
         return self.name != "noise_share"
+
+    def within(self, share: float) -> Freedom:
+        """The same within a share of its prior."""
+        return replace(self, sigma=self.sigma * share / self.share, share=share)
 
 
 LIGHT_TERMS = ("light_x", "light_y", "light_xy", "light_saddle")
