@@ -45,8 +45,8 @@ class Unexplained:
     by_stage, by_capture
         The probability for the statistics of a stage, or of a capture, alone.
     negligible
-        Whether the block that differs most significantly lies within the noise floor: equivalence margins are
-        part of it, and a steady simulator makes differences within them significant.
+        Whether all blocks that differ significantly lie within the noise floor: equivalence margins are part
+        of it, and a steady simulator makes differences within them significant.
     """
 
     probability: float
@@ -81,7 +81,7 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     share = max(gap - SLACK, 0.0) / max(before - 1.0, 1e-9) if before > SLACK else 0.0
     probability = _doubt(share) * (1 - p_value) if p_value < SIGNIFICANT else 0.0
     own = np.bincount(blocks, robust(z) ** 2, len(names))
-    first = int(np.argmin(test.p_values)) if len(own) else 0
+    significant = test.p_values <= test.least_p_value(SIGNIFICANT)
     worst = int(np.argmax(own)) if len(own) else 0
     stages = {block: label.stage for block, label in zip(blocks.tolist(), problem.labels, strict=True)}
     part = _PartwiseDoubt(z, null, residuals.replicates, blocks, test)
@@ -93,7 +93,7 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
         names[worst][1] if probability > 0.1 else None,
         part.by([stages[k] for k in range(len(names))]),
         part.by([capture for capture, _ in names]),
-        negligible=bool(len(own) and own[first] <= np.count_nonzero(blocks == first)),
+        negligible=not np.any(significant & (own > np.bincount(blocks, minlength=len(names)))),
     )
 
 
