@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,6 +27,14 @@ class Candidates:
     effects: Mapping[str, type[Any]]
     distributions: Mapping[str, str] = field(default_factory=dict)
     limitations: tuple[str, ...] = ()
+
+    def without_these(self, names: Collection[str]) -> Candidates:
+        """The candidates without some that captures cannot show."""
+        if not names:
+            return self
+        kept = {name: cls for name, cls in self.effects.items() if name not in names}
+        said = f"Pictures of nothing but edges cannot show {', '.join(sorted(names))}: not considered."
+        return Candidates(kept, self.distributions, (*self.limitations, said))
 
     def without(self, name: str, error: BaseException) -> Candidates:
         """The candidates without one that raised."""

@@ -16,6 +16,7 @@ from tacos_gap.attribution import Attribution, ForwardSelection
 from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
+from tacos_gap.captures.coverage import beyond_own_edges
 from tacos_gap.captures.mean_of_files import without_clipped_expectation
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
@@ -77,6 +78,7 @@ def diagnose(
     """
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
+    considered = considered.without_these(beyond_own_edges(folder.captures, considered.effects))
     tell("measuring the captures")
     folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)

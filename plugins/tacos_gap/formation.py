@@ -8,15 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.motion import Places
+from tacos_framework.camera.resampling import composed, resample
+from tacos_framework.contracts import moves_pixels
 from tacos_framework.formation import EffectChain, EpisodeDraws, PlacedEffect, form_files
 from tacos_framework.formation.chain import ActingEffect
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 from tacos_gap.captures import RealCapture
+from tacos_gap.nuisances.mosaic import resampled_mosaic
 from tacos_gap.sensing import dark_signal, sensor_at
 from tacos_plugins.effects.mosaic import bilinear, mosaic
 
@@ -62,8 +67,11 @@ def simulate(
     def acting(effect: ActingEffect) -> Step:
         return _step_of(effect, capture.geometry, context)
 
+    moving = list(takewhile(lambda each: moves_pixels(type(each.effect)), chain.light))
+    further = chain.light[len(moving) :]
     steps: list[Step] = [
-        *_on_light(map(acting, chain.light), context.cfa),
+        *([_moved_at_once(moving, capture, context)] if moving else []),
+        *_on_light(map(acting, further), context.cfa),
         lambda samples, draws, frame: samples + pedestal,
         *map(acting, chain.pixel),
     ]
@@ -98,6 +106,32 @@ def lit_by(
     for step in _on_light(steps, capture.context.cfa):
         light = step(light, draws, 0)
     return light
+
+
+def _moved_at_once(moving: Sequence[ActingEffect], capture: RealCapture, context: ImageContext) -> Step:
+    """Effects that move pixels as one step, with the pose of the expectation: what is read once keeps detail.
+
+    Of a mosaic each plane of one colour is read by itself, as nuisances read it.
+    """
+    unmoved = capture.unmoved if context.cfa is None else None
+
+    def step(samples: Samples, draws: EpisodeDraws, frame: int) -> Samples:
+        places: Places | None = None
+        for effect in moving:
+            known = _of_frame(context, frame)
+            source = effect.source(geometry=capture.geometry, context=known, frames=1)
+            if source is not None:
+                places = source if places is None else composed(places, source)
+        if places is None:
+            return samples
+        if context.cfa is not None:
+            return resampled_mosaic(samples, places)
+        if unmoved is None:
+            return resample(samples, *places)
+        still = unmoved.expected_dn[frame if len(unmoved.expected_dn) > 1 else 0][None]
+        return resample(still - np.float32(context.black_level_dn), *composed(unmoved.source, places))
+
+    return step
 
 
 def _step_of(effect: ActingEffect, geometry: ImageGeometry, context: ImageContext) -> Step:
@@ -176,6 +210,13 @@ def _shared(light: Samples, steps: Sequence[Step], draws: EpisodeDraws) -> tuple
 
 class _WhereKnown(ActingEffect):
     """An effect that is left out where too little is known of the capture."""
+
+    def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
+        """See `ActingEffect.source`."""
+        try:
+            return super().source(geometry=geometry, context=context, frames=frames)
+        except ContextMissing:
+            return None
 
     def on(
         self,

@@ -8,7 +8,7 @@ capture shows. Their variances add, and that of maps: each sensor, real or simul
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,31 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
     """
     if not len(fitted.steps):
         return np.zeros(0)
+    every = of_every_parameter(problem, fitted, confidence)
+    return every.half_width[_kept(fitted.hypothesis, every.hypothesis)]
+
+
+@dataclass(frozen=True, eq=False)
+class EveryParameter:
+    """What is known of all parameters of an explanation, those put back to neutral among them.
+
+    Parameters
+    ----------
+    hypothesis
+        The explanation with all of them free.
+    half_width
+        (P,) half of each one's interval, in the parameters' units.
+    move
+        (P,) how far they would move if they were fitted together, to first order, likewise.
+    """
+
+    hypothesis: Hypothesis
+    half_width: NDArray[np.float64]
+    move: NDArray[np.float64]
+
+
+def of_every_parameter(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> EveryParameter:
+    """Intervals of all parameters of an explanation that has some; see `half_widths`."""
     hypothesis = tuple(_all_free(term) for term in fitted.hypothesis)
     jacobian, steps = jacobian_at(problem, hypothesis)
     noise, replicates = noise_variance(problem, fitted, jacobian)
@@ -63,7 +88,8 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
     variance = noise + excess + unseen + map_variance(problem, hypothesis) / steps**2
     own = np.maximum(noise**2 / (replicates - 1) + excess**2 / freedom, 1e-300)
     quantile = stdtrit(np.clip((noise + excess) ** 2 / own, FEWEST, 1e6), 0.5 + confidence / 2)
-    return np.asarray((quantile * np.sqrt(variance) * steps)[_kept(fitted.hypothesis, hypothesis)])
+    move = -_estimator(jacobian)[0] @ robust(fitted.z)
+    return EveryParameter(hypothesis, quantile * np.sqrt(variance) * steps, move * steps)
 
 
 def noise_variance(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
 from tacos_gap.evidence import Evidence, ImageEvidence, Label, ReplicateResiduals
+from tacos_gap.nuisances import shares_of_priors
 from tacos_gap.parameters import HypothesisTerm
 
 ROBUST_SCALE = 10.0
@@ -21,6 +22,9 @@ ROBUST_SCALE = 10.0
 
 LEAST_FLOOR = 0.2
 """Least noise floor, in units of which a negligible difference is 1: darks without a pedestal have none."""
+
+CLOSE_SHARES = 2.0
+"""Factor by which narrowed priors of pose may change without anything being simulated anew."""
 
 Hypothesis = tuple[HypothesisTerm, ...]
 
@@ -69,6 +73,23 @@ def placed_in(hypothesis: Hypothesis, evidence: Evidence) -> list[PlacedEffect]:
     return placed(hypothesis, evidence.capture.id if isinstance(evidence, ImageEvidence) else None)
 
 
+def _shares_of_priors(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> dict[str, float]:
+    """How far captures disagree about poses beside a hypothesis; see `shares_of_priors`."""
+    poses, groups = [], []
+    for each in evidence:
+        if isinstance(each, ImageEvidence) and (pose := each.pose(placed_in(hypothesis, each))) is not None:
+            poses.append(pose)
+            groups.append(each.capture.group or each.capture.id)
+    return shares_of_priors(poses, groups)
+
+
+def _are_close(shares: dict[str, float], others: dict[str, float]) -> bool:
+    """Whether the same priors are narrowed, by factors within `CLOSE_SHARES`."""
+    return shares.keys() == others.keys() and all(
+        1 / CLOSE_SHARES < share / others[name] < CLOSE_SHARES for name, share in shares.items()
+    )
+
+
 @dataclass(frozen=True)
 class Slot:
     """Where the numbers of a capture stand in the whole."""
@@ -97,6 +118,8 @@ class Problem:
         self.scale = np.ones(len(self.labels))
         self.draws = 1
         self.evaluations = 0
+        self._stated = self.evidence
+        self._shares: dict[str, float] = {}
         self._kept: dict[str, NDArray[np.float64]] = {}
         self._replicate_residuals: dict[str, ReplicateResiduals] = {}
         self._lock = Lock()
@@ -144,15 +167,22 @@ class Problem:
         return other
 
     def renuisanced(self, hypothesis: Hypothesis) -> Problem:
-        """The evidence with nuisances estimated anew beside a hypothesis; itself where all of them stay."""
-        evidence = [
+        """The evidence with nuisances estimated anew beside a hypothesis; itself where all of them stay.
+
+        Poses are first estimated within their priors, and then as far as captures disagree about them.
+        """
+        stated = [
             e.renuisanced(placed_in(hypothesis, e)) if isinstance(e, ImageEvidence) else e
-            for e in self.evidence
+            for e in self._stated
         ]
-        if all(new is old for new, old in zip(evidence, self.evidence, strict=True)):
+        shares = _shares_of_priors(stated, hypothesis)
+        if all(new is old for new, old in zip(stated, self._stated, strict=True)) and _are_close(
+            shares, self._shares
+        ):
             return self
+        evidence = [e.agreeing(shares) if isinstance(e, ImageEvidence) else e for e in stated]
         other = copy(self)
-        other.evidence = evidence
+        other.evidence, other._stated, other._shares = evidence, stated, shares
         other.null = np.concatenate([e.residual(()) for e in evidence]) / self.scale
         other._kept, other._replicate_residuals = {}, {}
         return other

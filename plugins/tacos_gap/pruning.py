@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from tacos_gap.by_capture import is_of_one_capture
-from tacos_gap.fit import Fitted, fit, settled
+from tacos_gap.fit import Fitted, finished, fit, settled
+from tacos_gap.intervals import of_every_parameter
 from tacos_gap.parameters import neutral_value
 from tacos_gap.problem import Hypothesis, Problem, robust
 
@@ -24,6 +25,28 @@ def pruned(problem: Problem, fitted: Fitted, least: float) -> Fitted:
         if not kept:
             return fitted
         fitted = max(kept, key=lambda f: f.score)
+
+
+def restored(problem: Problem, fitted: Fitted) -> Fitted:
+    """A finished fit with those parameters free again that would leave neutral by more than their interval.
+
+    Where much is explained, a parameter that gains little of it goes, though it is known well; the others
+    then take its part, and miss by many of their intervals.
+    """
+    if not len(fitted.steps):
+        return fitted
+    every = of_every_parameter(problem, fitted)
+    column, hypothesis = 0, []
+    for term, wide in zip(fitted.hypothesis, every.hypothesis, strict=True):
+        free = dict(term.free)
+        for name, step in wide.free.items():
+            if name not in free and abs(every.move[column]) > every.half_width[column]:
+                free[name] = step
+            column += 1
+        hypothesis.append(replace(term, free=free))
+    if tuple(hypothesis) == fitted.hypothesis or (begun := fit(problem, tuple(hypothesis))) is None:
+        return fitted
+    return max(fitted, finished(problem, begun), key=lambda each: each.score)
 
 
 def _is_of_a_whole(name: str) -> bool:

@@ -5,11 +5,17 @@ What lies outside the image is not known; there the nearest pixel of its edge st
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
+
+from tacos_framework.camera.motion import Places
+
+ORDER: Final = 5
+"""Degree of the spline through pixels. Half-way between them it keeps 95 % of a wave of 0.35 cycles per pixel
+where a cubic one keeps 84 %, in 1.7 times the time."""
 
 SAME_SURFACE = 0.05
 """Neighbours whose depths differ by less than this share belong to one surface [1]."""
@@ -20,11 +26,11 @@ Samples = TypeVar("Samples", bound=np.generic)
 def resample(
     frames: NDArray[Samples], x_px: NDArray[np.floating], y_px: NDArray[np.floating]
 ) -> NDArray[Samples]:
-    """Light at any place, by a cubic spline through the pixels.
+    """Light at any place, by a quintic spline through the pixels.
 
     OpenCV's `remap` rounds places to 1/32 px and its kernels shift edges by up to 0.05 px, which a fit of
     lens parameters would take for distortion; the spline has neither fault and keeps nearly all contrast
-    (99 % at 0.2 cycles per pixel, half-way between pixels).
+    (99 % at 0.3 cycles per pixel, half-way between pixels).
 
     Parameters
     ----------
@@ -50,9 +56,46 @@ def resample(
     for frame, x, y, out in zip(frames, x_px, y_px, moved, strict=True):
         for channel in range(frame.shape[-1]):
             values = frame[..., channel]
-            spline = map_coordinates(values, (y, x), order=3, mode="nearest", output=values.dtype)
+            spline = map_coordinates(values, (y, x), order=ORDER, mode="nearest", output=values.dtype)
             np.clip(spline, values.min(), values.max(), out=out[..., channel])
     return moved
+
+
+def composed(first: Places, then: Places) -> Places:
+    """Where a picture that was moved twice looks in the first one: light that is moved at once is read once.
+
+    Parameters
+    ----------
+    first
+        (H, W) or (N, H, W) where the picture in between looks [px].
+    then
+        Likewise where the last picture looks in the one in between [px].
+
+    Returns
+    -------
+    Places
+        Where the last picture looks. Between the pixels of the picture in between its moves are linear;
+        outside of it they go on as at its edge.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:4, :6].astype(float)
+    >>> column, row = composed((x + 0.25, y), (x, y - 1.5))
+    >>> float(column[2, 3]), float(row[2, 3])
+    (3.25, 0.5)
+    """
+    size = np.broadcast_shapes(first[0].shape, then[0].shape)
+    x, y = (np.broadcast_to(each, size) for each in then)
+    found = []
+    pixels = np.arange(size[-1]), np.arange(size[-2])[:, None]
+    for places, here, own in zip(first, (x, y), pixels, strict=True):
+        moves = np.broadcast_to(places - own, size).reshape(-1, *size[-2:])
+        moved = [
+            map_coordinates(move, (rows, columns), order=1, mode="nearest")
+            for move, rows, columns in zip(moves, y.reshape(moves.shape), x.reshape(moves.shape), strict=True)
+        ]
+        found.append(here + np.reshape(moved, size))
+    return found[0], found[1]
 
 
 def nearest(

@@ -52,6 +52,10 @@ class ObservedCapture(Protocol):
         """Whether it shows edges or texture, rather than an even field."""
 
     @property
+    def own_edges(self) -> bool:
+        """Whether the expectation was read off the picture's own edges: it tells no level and no place."""
+
+    @property
     def edge_angle_deg(self) -> float | None:
         """Angle of a straight edge; None without one [deg]."""
 

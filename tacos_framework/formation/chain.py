@@ -9,6 +9,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from tacos_framework.camera.motion import Places
 from tacos_framework.camera.resampling import resample
 from tacos_framework.contracts import (
     FILE_STAGES,
@@ -45,7 +46,7 @@ class ActingEffect:
         """Samples of one frame, (1, H, W, C), with the effect; the very array where it is off."""
         with calling(self.use, doing="on_array"):
             if moves_pixels(type(self.effect)):
-                places = self.effect.source(geometry=geometry, context=context, frames=len(samples))
+                places = self.source(geometry=geometry, context=context, frames=len(samples))
                 return samples if places is None else resample(samples, *places)
             changed = self.effect.on_array(
                 samples,
@@ -54,6 +55,12 @@ class ActingEffect:
                 rng=draws.rng(frame, "effect", self.name, geometry.camera),
             )
             return samples if changed is samples else checked_samples(self.use, changed, samples)
+
+    def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
+        """Where each pixel looks, of an effect that moves pixels; None where it is off [px]."""
+        with calling(self.use, doing="source"):
+            places: Places | None = self.effect.source(geometry=geometry, context=context, frames=frames)
+        return places
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,7 @@ def seen(real, expected=None, kind="flat", **changes):
         frames=len(real),
         is_structured=kind not in ("dark", "flat", "board") and expected is not None,
         edge_angle_deg=None,
+        own_edges=False,
         patches=None,
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -17,7 +18,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_gap.ambiguity import confused_with
 from tacos_gap.candidates import Candidates, candidates
 from tacos_gap.captures import CaptureFolder
-from tacos_gap.captures.coverage import untold
+from tacos_gap.captures.coverage import beyond_own_edges, untold
 from tacos_gap.diagnosis import diagnose
 from tests.gap.small_captures import BLACK_DN, bench, capture, placed, taken
 
@@ -167,3 +168,18 @@ def test_what_a_stranger_needs_is_said_with_who_needs_it():
     captures = [capture("dark", "dark", BLACK_DN)]
     assert untold(captures, {"dimming": Dimming, "fog": Broken}) == {"more of everything": ["dimming", "fog"]}
     assert untold(captures * 10, {"dimming": Dimming}) == {}
+
+
+def test_pictures_of_nothing_but_edges_are_not_asked_for_light_tone_and_place(plugins):
+    edge = replace(capture("edge", "edge", 100.0), own_edges=True)
+    dark, simulated = capture("dark", "dark", BLACK_DN), capture("flat", "flat", 100.0)
+    effects = candidates(plugins).effects
+    beyond = beyond_own_edges([edge, dark], effects)
+    assert beyond >= {"nonlinearity", "vignetting", "veiling-glare", "exposure-error", "pose-error"}
+    assert beyond.isdisjoint({"defocus", "lens-blur", "motion-blur", "sharpening", "jpeg"})
+    assert beyond_own_edges([edge, simulated], effects) == set()
+    assert beyond_own_edges([dark], effects) == set()
+    left = Candidates(effects).without_these(beyond)
+    assert set(left.effects) == set(effects) - beyond
+    assert "vignetting" in left.limitations[0]
+    assert Candidates(effects).without_these(set()).limitations == ()

@@ -39,7 +39,8 @@ def test_chessboards_of_a_wide_lens_lead_to_its_distortion(diagnosed):
     found = diagnosed("chessboards, first half")
     assert [cause.effect for cause in found.causes] == ["lens-distortion"]
     assert found.verdict == "explained"
-    assert found.causes[0].parameters["k1"].value == pytest.approx(-0.281, rel=0.1)  # a fit of all views
+    # of a fit of all views by k1 alone, of which k2 and k3 take a part here
+    assert found.causes[0].parameters["k1"].value == pytest.approx(-0.281, rel=0.15)
     assert found.causes[0].closure >= 0.9
 
 
@@ -70,3 +71,12 @@ def test_what_captures_alone_cannot_tell_is_not_named_with_confidence(diagnosed,
     found = diagnosed(name)
     assert found.verdict in ("unknown", "partly_explained")
     assert all(cause.probability < 0.5 for cause in found.causes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "effect"), [("text, motion", "motion-blur"), ("text, defocus", "defocus")])
+def test_blurred_print_leads_to_its_blur(diagnosed, name, effect):
+    first, *others = diagnosed(name).causes
+    assert first.effect == effect
+    assert first.present > 0.9
+    assert {cause.effect for cause in others if cause.present > 0.5} <= {"jpeg", "sharpening"}

@@ -25,7 +25,7 @@ from tacos_gap.fit import DRAWS, Fitted, finished, fit
 from tacos_gap.forms import in_its_best_form
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Hypothesis, Problem, robust
-from tacos_gap.pruning import pruned
+from tacos_gap.pruning import pruned, restored
 from tacos_gap.rivals import standard_error
 from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
 from tacos_gap.unknown import Unexplained, unexplained
@@ -109,7 +109,7 @@ class ForwardSelection:
                 if better is None:
                     break
                 best = better
-            best = finished(self.problem, best)
+            best = restored(self.problem, finished(self.problem, best))
             return self._attribution(best, slots)
 
     def _attribution(self, best: Fitted, slots: Mapping[str, Mapping[str, Fitted]]) -> Attribution:

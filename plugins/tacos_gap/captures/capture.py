@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.motion import Places
 from tacos_framework.formation import PlacedSensor
 from tacos_framework.values import ImageContext, ImageGeometry
 
@@ -77,6 +78,22 @@ class Objects:
 
 
 @dataclass(frozen=True, eq=False)
+class Unmoved:
+    """An expectation before another pose moved it, so that effects that move it further read it only once.
+
+    Parameters
+    ----------
+    expected_dn
+        (1 or N, H, W, C) float32 expected values [DN].
+    source
+        (H, W) columns and rows where the moved expectation looks in this one [px].
+    """
+
+    expected_dn: NDArray[np.float32]
+    source: Places
+
+
+@dataclass(frozen=True, eq=False)
 class RealCapture:
     """Real frames of one thing under one setting, and what the simulator expects.
 
@@ -100,6 +117,9 @@ class RealCapture:
         Whether ``exposure_ms`` was given.
     group, level_uncertainty, expected_frames, board
         As in ``captures.yaml``; `expected_frames` 0 stands for an expectation without noise.
+    own_edges
+        Whether `expected_dn` was read off the edges of the pictures themselves: it then says how sharp they
+        would be, and neither where they are nor how bright.
     edge_angle_deg
         Angle of a straight edge; None without one [deg].
     patches
@@ -116,6 +136,8 @@ class RealCapture:
         (K, 3) points of the board [mm] and (K, 2) where they are seen [px]; None until they were found.
     objects
         What a still shows, for tasks that find things; None where nobody labelled it.
+    unmoved
+        What `expected_dn` was before it was moved to another pose; None where it was not.
     """
 
     id: str
@@ -131,6 +153,7 @@ class RealCapture:
     level_uncertainty: float = 0.0
     expected_frames: int = 0
     board: Board | None = None
+    own_edges: bool = False
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
     row_time_us: float = 0.0
@@ -141,6 +164,7 @@ class RealCapture:
     unstated: frozenset[str] = frozenset()
     corners: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
     objects: Objects | None = None
+    unmoved: Unmoved | None = None
 
     @property
     def frames(self) -> int:

@@ -32,3 +32,22 @@ def untold(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) ->
             if not met:
                 lacking.setdefault(need.remedy, []).append(name)
     return lacking
+
+
+def beyond_own_edges(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> set[str]:
+    """Effects that pictures which expect nothing but their own edges to be sharp cannot show.
+
+    Light, tone and place are then read off the picture that is to be judged. Whatever acts on them changes
+    the sharpness of an edge a little as well, and would explain what another blur has done.
+
+    Parameters
+    ----------
+    captures
+        The captures.
+    effects
+        The classes of all effects by name.
+    """
+    lit = [capture for capture in captures if capture.kind != "dark"]
+    if not lit or not all(capture.own_edges for capture in lit):
+        return set()
+    return {name for names in untold(captures, effects).values() for name in names}

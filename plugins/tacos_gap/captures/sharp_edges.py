@@ -35,4 +35,4 @@ def with_sharp_edges(capture: RealCapture) -> RealCapture:
         planes.append(np.where(plane > (high + low) / 2, high, low))
         near &= contrast > _LEAST_CONTRAST * max(float(np.ptp(plane)), 1.0)
     expected = np.stack(planes, axis=-1).astype(np.float32)[None]
-    return replace(capture, expected_dn=expected, valid=capture.valid & near)
+    return replace(capture, expected_dn=expected, valid=capture.valid & near, own_edges=True)

@@ -6,7 +6,7 @@ differs by less than that, or by less than the equivalence margin of its statist
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from typing import Any
@@ -19,7 +19,7 @@ from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence.contract import N_NULL_REPLICATES, Label, ReplicateResiduals
 from tacos_gap.evidence.simulated_statistics import SimulatedStatistics
-from tacos_gap.nuisances import Marginal, disturbed, freedoms_of, registered, stated
+from tacos_gap.nuisances import POSE_TERMS, Marginal, disturbed, freedoms_of, registered, stated
 
 N_REPLICATES = 16
 """Simulated replicates that the noise floor of a hypothesis is made of."""
@@ -162,12 +162,35 @@ class ImageEvidence:
 
     def _moved_to(self, nu: NDArray[np.float64]) -> ImageEvidence:
         """The evidence with the expectation at other nuisances, as far as those are followed."""
-        followed = [freedom.is_followed for freedom in self._freedoms]
+        followed = [freedom.is_followed and freedom.share == 1 for freedom in self._freedoms]
         nu = np.where(followed, np.clip(nu, -FARTHEST, FARTHEST), 0.0)
         if np.abs(nu).max() < NEARBY:
             nu = np.zeros_like(nu)
         if np.abs(nu - self._nu).max() < NEARBY:
             return self
+        return self._at(nu)
+
+    def agreeing(self, shares: Mapping[str, float]) -> ImageEvidence:
+        """The evidence where terms of pose are off by shares of their priors alone; itself where none is.
+
+        What was taken for a nuisance of each capture then is a gap of all.
+        """
+        if not shares or not any(freedom.name in shares for freedom in self._freedoms):
+            return self
+        nearer = copy(self)
+        nearer._freedoms = tuple(f.within(shares[f.name]) if f.name in shares else f for f in self._freedoms)
+        return nearer._at(np.where([f.name in shares for f in self._freedoms], 0.0, self._nu))
+
+    def pose(self, effects: Sequence[PlacedEffect]) -> dict[str, float] | None:
+        """What its pose is off by beside effects, by term [standard deviations]; None where it has none."""
+        names = [freedom.name for freedom in self._freedoms]
+        if POSE_TERMS[0] not in names:
+            return None
+        likely = self._marginal.most_likely(self._difference(effects))
+        return {term: float(likely[names.index(term)]) for term in POSE_TERMS}
+
+    def _at(self, nu: NDArray[np.float64]) -> ImageEvidence:
+        """The evidence with the expectation at other nuisances."""
         moved = copy(self)
         for name in ("_marginal", "null_replicates"):
             moved.__dict__.pop(name, None)
@@ -197,7 +220,7 @@ class ImageEvidence:
         for k, freedom in enumerate(self._freedoms):
             if freedom.is_followed:
                 nearby = self._nu.copy()
-                step = _DIFFERENCE if nearby[k] <= 0 else -_DIFFERENCE
+                step = (_DIFFERENCE if nearby[k] <= 0 else -_DIFFERENCE) / freedom.share
                 nearby[k] += step
                 other = disturbed(self.capture, self._freedoms, nearby)
                 change = (self._simulations.simulated(other, (), 0, share) - here) / step

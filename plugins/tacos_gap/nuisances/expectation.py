@@ -8,9 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.motion import Places
+from tacos_framework.camera.resampling import resample
 from tacos_gap.captures import RealCapture
+from tacos_gap.captures.capture import Unmoved
 from tacos_gap.nuisances.freedom import LIGHT_TERMS, POSE_TERMS, Freedom
-from tacos_gap.nuisances.mosaic import in_plane, of_each_plane
+from tacos_gap.nuisances.mosaic import of_each_plane, resampled_mosaic
 
 
 def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> RealCapture:
@@ -32,16 +35,19 @@ def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.
     black = np.float32(capture.context.black_level_dn)
     signal = capture.expected_dn - black
     mosaic = capture.context.cfa is not None
-    if any(value.get((name, None)) for name in POSE_TERMS):
-        dx, dy, rotation_deg, scale = (value[name, None] for name in POSE_TERMS)
-        matrix = similarity(capture.geometry.centre_px, dx, dy, rotation_deg, scale)
-        signal = np.stack([_moved(frame, matrix, mosaic) for frame in signal])
     if blur_px2 := value.get(("blur_px2", None)):
         signal = np.stack([_defocused(frame, blur_px2, mosaic) for frame in signal])
     if light := _light(value, signal.shape[1:]):
         for factor in light:
             signal = signal * factor
-    return replace(capture, expected_dn=np.asarray(signal + black, np.float32))
+    still = np.asarray(signal + black, np.float32)
+    if not any(value.get((name, None)) for name in POSE_TERMS):
+        return replace(capture, expected_dn=still, unmoved=None)
+    dx, dy, rotation_deg, scale = (value[name, None] for name in POSE_TERMS)
+    source = looks_at(similarity(capture.geometry.centre_px, dx, dy, rotation_deg, scale), still.shape[1:3])
+    if mosaic:
+        return replace(capture, expected_dn=resampled_mosaic(still, source))
+    return replace(capture, expected_dn=resample(still, *source), unmoved=Unmoved(still, source))
 
 
 def similarity(
@@ -54,26 +60,18 @@ def similarity(
     return np.column_stack([linear, centre - linear @ centre + (dx_px, dy_px)])
 
 
-def _moved(frame: NDArray[np.float32], matrix: NDArray[np.float64], mosaic: bool) -> NDArray[np.float32]:
-    if not mosaic:
-        return _warped(frame, matrix)
-    return of_each_plane(frame, lambda plane, origin: _warped(plane, in_plane(matrix, origin)))
+def looks_at(matrix: NDArray[np.float64], shape: tuple[int, ...]) -> Places:
+    """(H, W) columns and rows that a (2, 3) affine map takes to the pixels of a picture [px]."""
+    x, y = np.broadcast_arrays(np.arange(shape[1], dtype=float), np.arange(shape[0], dtype=float)[:, None])
+    (xx, xy), (yx, yy) = np.linalg.inv(matrix[:, :2])
+    x, y = x - matrix[0, 2], y - matrix[1, 2]
+    return xx * x + xy * y, yx * x + yy * y
 
 
 def _defocused(frame: NDArray[np.float32], variance_px2: float, mosaic: bool) -> NDArray[np.float32]:
     if not mosaic:
         return _blurred(frame, variance_px2)
-    return of_each_plane(frame, lambda plane, _: _blurred(plane, variance_px2 / 4))
-
-
-def _warped(frame: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[np.float32]:
-    import cv2
-
-    height, width = frame.shape[:2]
-    moved = cv2.warpAffine(
-        frame, matrix, (width, height), flags=cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REPLICATE
-    )
-    return np.asarray(moved, np.float32).reshape(frame.shape)
+    return of_each_plane(frame, lambda plane: _blurred(plane, variance_px2 / 4))
 
 
 def _blurred(frame: NDArray[np.float32], variance_px2: float) -> NDArray[np.float32]:

@@ -7,7 +7,7 @@ focus of a structured picture are never known exactly, so each of them has a pri
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -56,16 +56,23 @@ class Freedom:
         Standard deviation of its prior, which is Gaussian around 0, in the unit of the name.
     channel
         The channel it holds for; None for all.
+    share
+        `sigma` over that of the prior, where captures disagree by less than that allows.
     """
 
     name: str
     sigma: float
     channel: int | None = None
+    share: float = 1.0
 
     @property
     def is_followed(self) -> bool:
         """Whether an expectation can be made that has it; noise cannot be taken out of one."""
         return self.name != "noise_share"
+
+    def within(self, share: float) -> Freedom:
+        """The same within a share of its prior."""
+        return replace(self, sigma=self.sigma * share / self.share, share=share)
 
 
 LIGHT_TERMS = ("light_x", "light_y", "light_xy", "light_saddle")
@@ -86,8 +93,9 @@ def freedoms_of(capture: RealCapture) -> tuple[Freedom, ...]:
         found += [Freedom("gain", capture.level_uncertainty, None if one else c) for c in range(channels)]
         found += [Freedom(name, UNEVENNESS * capture.level_uncertainty) for name in LIGHT_TERMS]
     if _is_registrable(capture):
-        found += [Freedom(name, SHIFT_PX) for name in POSE_TERMS[:2]]
-        found += [Freedom("rotation_deg", ROTATION_DEG), Freedom("scale", SCALE)]
+        if not capture.own_edges:  # those stand where the picture has them
+            found += [Freedom(name, SHIFT_PX) for name in POSE_TERMS[:2]]
+            found += [Freedom("rotation_deg", ROTATION_DEG), Freedom("scale", SCALE)]
         found += [Freedom("blur_px2", BLUR_PX2)]
         if not capture.expected_frames:
             share = NOISE_SHARE_OF_BRACKET if capture.kind == "bracket" else NOISE_SHARE
@@ -129,6 +137,7 @@ def stated(freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> dict[str, An
         plain["shift_px"] = [round(value[name, None], 3) for name in POSE_TERMS[:2]]
         plain["rotation_deg"] = round(value["rotation_deg", None], 4)
         plain["scale"] = round(1 + value["scale", None], 6)
+    if "blur_px2" in names:
         plain["blur_px2"] = round(value["blur_px2", None], 4)
     if "noise_share" in names:
         plain["noise_share"] = round(value["noise_share", None], 3)

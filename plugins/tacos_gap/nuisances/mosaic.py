@@ -11,12 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.motion import Places
+from tacos_framework.camera.resampling import resample
+
 Image = NDArray[np.float32]
 
 _ORIGINS = ((0, 0), (1, 0), (0, 1), (1, 1))  # x, y of the first pixel of each plane
 
 
-def of_each_plane(frame: Image, change: Callable[[Image, NDArray[np.float64]], Image]) -> Image:
+def of_each_plane(frame: Image, change: Callable[[Image], Image]) -> Image:
     """A mosaic whose planes were changed one by one.
 
     Parameters
@@ -24,18 +27,29 @@ def of_each_plane(frame: Image, change: Callable[[Image, NDArray[np.float64]], I
     frame
         (H, W, 1) the mosaic.
     change
-        Called with each plane and its origin (x, y) in the mosaic.
+        Called with each plane.
     """
     changed = np.empty_like(frame)
     for x, y in _ORIGINS:
-        changed[y::2, x::2] = change(np.ascontiguousarray(frame[y::2, x::2]), np.array([x, y], float))
+        changed[y::2, x::2] = change(np.ascontiguousarray(frame[y::2, x::2]))
     return changed
 
 
-def in_plane(matrix: NDArray[np.float64], origin: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2, 3) affine map of the points of a mosaic as a map of the points of one of its planes."""
-    linear, moved = matrix[:, :2], matrix[:, 2]
-    return np.column_stack([linear, (linear @ origin + moved - origin) / 2])
+def resampled_mosaic(frames: Image, source: Places) -> Image:
+    """(N, H, W, 1) mosaics whose photosites look elsewhere, each among those of its own colour.
+
+    Parameters
+    ----------
+    frames
+        (N, H, W, 1) mosaics.
+    source
+        (H, W) or (N, H, W) columns and rows of the mosaic where its photosites look [px].
+    """
+    moved = np.empty_like(frames)
+    for x, y in _ORIGINS:
+        columns, rows = ((places[..., y::2, x::2] - o) / 2 for places, o in zip(source, (x, y), strict=True))
+        moved[:, y::2, x::2] = resample(frames[:, y::2, x::2], columns, rows)
+    return moved
 
 
 def cell_means(image: NDArray[Any]) -> Image:

@@ -28,7 +28,7 @@ def code_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     top = len(histogram) - 1
     ends = np.array([histogram[int(np.ceil(white)) :].sum(), histogram[0]]) / values.size
     yield StatisticBlock("clipped", "pixel", ends, [{"end": "white"}, {"end": "zero"}], 0.003)
-    if sample.capture.kind != "dark":
+    if sample.capture.kind != "dark" and not sample.capture.own_edges:
         yield StatisticBlock(
             "top_level",
             "pixel",

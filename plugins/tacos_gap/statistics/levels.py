@@ -22,7 +22,7 @@ OVER_TIME = 0.003
 
 def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Mean of real less expected in bins of the expected level, per channel [DN]."""
-    for channel, name in enumerate(sample.channels):
+    for channel, name in enumerate(sample.channels if not sample.capture.own_edges else ()):
         bins = levels(sample.capture, channel)
         if not bins.at:
             continue

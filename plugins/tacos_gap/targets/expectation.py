@@ -18,6 +18,7 @@ from tacos_gap.targets.chart import expected_patches, find_chart, light_on, patc
 from tacos_gap.targets.even_noise import even_noise
 from tacos_gap.targets.photon_transfer import pooled_noise
 from tacos_gap.targets.slanted_edge import find_edge, sharp_edge
+from tacos_gap.targets.two_tone import with_print
 from tacos_gap.targets.wall import even_expectation
 
 LEVEL_UNCERTAINTY = 0.05
@@ -129,12 +130,12 @@ def _wall(capture: RealCapture) -> Expected:
 
 
 def _edge(capture: RealCapture) -> RealCapture:
-    """One straight edge by its line and its two sides; edges of any direction window by window."""
+    """One straight edge by its line and its two sides; print by its ink; other edges window by window."""
     mean = capture.real_dn.mean(axis=0)
     green = mean.shape[-1] // 2
     edge = find_edge(mean[..., green])
     if edge is None:
-        return with_sharp_edges(capture)
+        return with_print(capture) or with_sharp_edges(capture)
     planes, near = zip(*(sharp_edge(mean[..., c], edge) for c in range(mean.shape[-1])), strict=True)
     return replace(
         capture,
@@ -142,6 +143,7 @@ def _edge(capture: RealCapture) -> RealCapture:
         valid=capture.valid & near[0],
         edge_angle_deg=capture.edge_angle_deg if capture.edge_angle_deg is not None else edge.angle_deg,
         level_uncertainty=max(capture.level_uncertainty, LEVEL_UNCERTAINTY),
+        own_edges=True,
     )
 
 

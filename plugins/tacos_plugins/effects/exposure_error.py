@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import LEVELS
 
 
 class ExposureError:
@@ -32,6 +33,7 @@ class ExposureError:
         {"scale": 1.1},
         {"scale": 0.9},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (LEVELS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

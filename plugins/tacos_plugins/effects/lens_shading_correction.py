@@ -8,11 +8,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.radial import darkens, even_polynomial
+from tacos_plugins.effects.shown_by import FLAT
 
 
 class LensShadingCorrection:
@@ -40,6 +41,7 @@ class LensShadingCorrection:
         {"k1": 0.3},
         {"k2": 0.3},
     )
+    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

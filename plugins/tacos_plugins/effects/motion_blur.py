@@ -13,7 +13,7 @@ from tacos_framework.contracts.observed import Captures, structured
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.blur import blur, kernel_of, line_transfer
-from tacos_plugins.effects.shown_by import MOTION
+from tacos_plugins.effects.shown_by import EDGES_OR_MOTION
 
 _DIRECTIONAL = 1.5
 """Gradients kept in one direction, over those in another, from which on blur seems to have a direction."""
@@ -57,7 +57,7 @@ class MotionBlur:
         {"length_px": 5.0, "angle_deg": 90.0},
         {"length_px": 5.0, "angle_deg": 135.0},
     )
-    shown_by: ClassVar[Sequence[ShownBy]] = (MOTION,)
+    shown_by: ClassVar[Sequence[ShownBy]] = (EDGES_OR_MOTION,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

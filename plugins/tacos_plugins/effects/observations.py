@@ -87,6 +87,22 @@ def structured_of_kind(*kinds: str) -> Callable[[Captures], bool]:
     return lambda captures: bool(structured(of_kind(captures, *kinds)))
 
 
+def levels_expected(captures: Captures) -> bool:
+    """A lit capture of which it is known how bright it should be."""
+    return any(not capture.own_edges for capture in lit(captures))
+
+
+def places_expected(captures: Captures) -> bool:
+    """A board, or structure of which it is known where it should be."""
+    return bool(of_kind(captures, "board")) or any(not each.own_edges for each in structured(captures))
+
+
+def edges_or_known_motion(captures: Captures) -> bool:
+    """Edges in all directions, or a sequence of something that moves at a known velocity."""
+    edges = [each for each in structured(captures) if each.edge_angle_deg is None]
+    return known_motion(captures) or bool(edges)
+
+
 def two_dark_exposures(captures: Captures) -> bool:
     """Two exposure times with the cap on."""
     return len({capture.context.exposure_s for capture in of_kind(captures, "dark")}) > 1

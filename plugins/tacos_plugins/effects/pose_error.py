@@ -12,10 +12,11 @@ from scipy.spatial.transform import Rotation
 from tacos_framework.camera.geometry import invert_pose
 from tacos_framework.camera.motion import Places, inverse_depth, reprojected
 from tacos_framework.camera.resampling import resample_inverse_depth
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.pixel_sources import source_of
+from tacos_plugins.effects.shown_by import PLACES
 
 
 class PoseError:
@@ -46,6 +47,7 @@ class PoseError:
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = dict.fromkeys(("rx", "ry", "rz", "tx", "ty", "tz"), 0.0)
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"rx": 0.2}, {"ry": 0.2}, {"rz": 0.3})
+    shown_by: ClassVar[Sequence[ShownBy]] = (PLACES,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -9,7 +9,10 @@ from tacos_plugins.effects.observations import (
     a_series_of_exposures,
     any_of_kind,
     colours_or_mono,
+    edges_or_known_motion,
     known_motion,
+    levels_expected,
+    places_expected,
     repeated,
     structured_of_kind,
     two_dark_exposures,
@@ -29,6 +32,12 @@ BRACKET = ShownBy(
     f"kind bracket: {FEWEST_TIMES} or more exposure times under the same light, in one group",
 )
 EDGES = ShownBy(structured_of_kind("edge", "scene", "chart"), "kind edge: sharp edges all over the field")
+LEVELS = ShownBy(levels_expected, "kind flat, chart or scene with `simulated`: light of a known level")
+PLACES = ShownBy(places_expected, "kind board, or scene with `simulated`: things of a known place")
+EDGES_OR_MOTION = ShownBy(
+    edges_or_known_motion,
+    "kind edge: print or a photograph on the wall, with edges in all directions; or kind sequence",
+)
 BOARDS = ShownBy(
     views_of_a_board,
     f"kind board: {FEWEST_VIEWS} or more views, tilted by 20 to 40 degrees to different sides",

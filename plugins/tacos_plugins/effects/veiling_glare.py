@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
+from tacos_framework.contracts import ShownBy, Stage
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_plugins.effects.shown_by import LEVELS
 
 _COARSE_PX = 64
 """Stray light is smooth: it is spread on an image of this size."""
@@ -48,6 +49,7 @@ class VeilingGlare:
     rank: ClassVar[int] = 50
     neutral: ClassVar[Mapping[str, Any]] = {"share": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"share": 0.03},)
+    shown_by: ClassVar[Sequence[ShownBy]] = (LEVELS,)
 
     def __init__(self, config: Config) -> None:
         self.config = config
