@@ -20,7 +20,7 @@ from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.pictures import share_of_pictures
-from tacos_gap.presence import share_explained, shown
+from tacos_gap.presence import BY_PICTURES, BY_STATISTICS, share_explained
 from tacos_gap.problem import Hypothesis, Problem, robust
 from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained
@@ -80,10 +80,11 @@ def causes_of(
         without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
         share = 0.0 if without is None else share_explained(problem, best.z, without)
         near = [name for name in rivals if probabilities[name] > 0.05]
-        sure = max(shown(share), 1 - left.probability)
+        sure = max(BY_STATISTICS.by(share), 1 - left.probability)
         if sure < 1 and certainty > LEAST_CERTAIN:
             rivals_of_it = _in_place_of(attribution, term)
-            sure = max(sure, shown(share_of_pictures(problem, best.hypothesis, term, rivals_of_it, seed)))
+            in_pictures = share_of_pictures(problem, best.hypothesis, term, rivals_of_it, seed)
+            sure = max(sure, BY_PICTURES.by(in_pictures))
         causes.append(
             Cause(
                 effect=term.name,

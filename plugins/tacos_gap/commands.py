@@ -159,12 +159,13 @@ def _check(arguments: argparse.Namespace) -> int:
 def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
     """What a folder holds, and what it cannot tell of the effects."""
     from tacos_gap.captures.coverage import untold
+    from tacos_gap.report.words import captures_in_words
 
     first = folder.captures[0]
     geometry, context = first.geometry, first.context
     kind = context.cfa or {1: "mono", 3: "RGB"}[first.real_dn.shape[-1]]
     yield (
-        f"{folder.path}: {len(folder.captures)} captures by a sensor of "
+        f"{folder.path}: {captures_in_words(len(folder.captures))} by a sensor of "
         f"{geometry.full_width_px} x {geometry.full_height_px}, {kind}, "
         f"{context.black_level_dn:g} to {context.white_level_dn:g} DN"
     )

@@ -2,15 +2,46 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.problem import Problem, robust
 from tacos_gap.unknown import SLACK, block_index
 
-MIMICKED, PROVEN = 0.6, 0.9
-"""Shares of the squared gap that an effect explains where it shows. Up to the first something else could look
-so; from the second on nothing would, whatever is left elsewhere."""
+
+@dataclass(frozen=True)
+class Proof:
+    """Which shares of the squared gap prove an effect.
+
+    Parameters
+    ----------
+    mimicked
+        Up to this share something else could look so.
+    proven
+        From this one on nothing would, whatever is left elsewhere.
+    """
+
+    mimicked: float
+    proven: float
+
+    def by(self, share: float) -> float:
+        """Probability that nothing unknown looks like an effect which explains such a share where it shows.
+
+        Examples
+        --------
+        >>> BY_STATISTICS.by(0.5), round(BY_STATISTICS.by(0.8), 2), BY_STATISTICS.by(0.95)
+        (0.0, 0.4, 1.0)
+        """
+        return float(np.clip((share - self.mimicked) / (self.proven - self.mimicked), 0.0, 1.0))
+
+
+BY_STATISTICS = Proof(0.7, 0.95)
+"""Effects that bend a statistic the same way explain much of what another one does to it."""
+
+BY_PICTURES = Proof(0.6, 0.9)
+"""Of a share that is the least of many resamples, and that no rival reaches."""
 
 
 def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> float:
@@ -38,14 +69,3 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
     explained = np.clip(1 - np.maximum(after - SLACK**2 * sizes, 0.0) / above, 0.0, 1.0)
     explained[before <= SLACK**2 * sizes] = 0.0
     return float(np.average(explained, weights=gains))
-
-
-def shown(share: float) -> float:
-    """Probability that nothing unknown looks like an effect which explains such a share where it shows.
-
-    Examples
-    --------
-    >>> shown(0.5), round(shown(0.75), 2), shown(0.95)
-    (0.0, 0.5, 1.0)
-    """
-    return float(np.clip((share - MIMICKED) / (PROVEN - MIMICKED), 0.0, 1.0))

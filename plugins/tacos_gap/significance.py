@@ -33,6 +33,10 @@ class BlockTest:
     location: float
     spread: float
 
+    def least_p_value(self, p_value: float) -> float:
+        """The p-value of a block by itself at which the family's is `p_value`."""
+        return float(np.exp(-(self.location - self.spread * np.log(-np.log1p(-p_value)))))
+
     def family_p_value(self, part: NDArray[np.bool_] | None = None) -> float:
         """p-value of the most extreme block of all, or of some.
 
@@ -99,11 +103,11 @@ def least_significant(
     smaller than the noise floor, which equivalence margins are part of.
     """
     test = block_test(z, replicates, blocks, slack)
-    p_of_block = np.exp(-(test.location - test.spread * np.log(-np.log1p(-p_value))))
     floor = np.array([np.bincount(blocks, robust(each) ** 2) for each in replicates], float)
-    mean, freedom = _floor_of(floor, np.bincount(blocks))
-    critical = slack**2 * mean * fisher.isf(p_of_block, freedom, len(floor) * freedom)
-    return np.asarray(critical - np.minimum(mean, np.bincount(blocks, robust(z) ** 2)))
+    sizes = np.bincount(blocks)
+    mean, freedom = _floor_of(floor, sizes)
+    critical = slack**2 * mean * fisher.isf(test.least_p_value(p_value), freedom, len(floor) * freedom)
+    return np.asarray(np.maximum(critical, sizes) - np.minimum(mean, np.bincount(blocks, robust(z) ** 2)))
 
 
 def _p_values(

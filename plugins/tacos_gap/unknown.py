@@ -44,6 +44,9 @@ class Unexplained:
         Statistic that holds most of it; None where nothing is left.
     by_stage, by_capture
         The probability for the statistics of a stage, or of a capture, alone.
+    negligible
+        Whether all blocks that differ significantly lie within the noise floor: equivalence margins are part
+        of it, and a steady simulator makes differences within them significant.
     """
 
     probability: float
@@ -53,11 +56,12 @@ class Unexplained:
     where: str | None
     by_stage: Mapping[str, float] = field(default_factory=dict)
     by_capture: Mapping[str, float] = field(default_factory=dict)
+    negligible: bool = False
 
     @property
     def is_significant(self) -> bool:
         """Whether anything is left to explain."""
-        return self.p_value < SIGNIFICANT
+        return self.p_value < SIGNIFICANT and not self.negligible
 
 
 def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
@@ -77,6 +81,7 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     share = max(gap - SLACK, 0.0) / max(before - 1.0, 1e-9) if before > SLACK else 0.0
     probability = _doubt(share) * (1 - p_value) if p_value < SIGNIFICANT else 0.0
     own = np.bincount(blocks, robust(z) ** 2, len(names))
+    significant = test.p_values <= test.least_p_value(SIGNIFICANT)
     worst = int(np.argmax(own)) if len(own) else 0
     stages = {block: label.stage for block, label in zip(blocks.tolist(), problem.labels, strict=True)}
     part = _PartwiseDoubt(z, null, residuals.replicates, blocks, test)
@@ -88,6 +93,7 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
         names[worst][1] if probability > 0.1 else None,
         part.by([stages[k] for k in range(len(names))]),
         part.by([capture for capture, _ in names]),
+        negligible=not np.any(significant & (own > np.bincount(blocks, minlength=len(names)))),
     )
 
 

@@ -15,7 +15,7 @@ from tacos_gap.diagnosis import diagnose
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.pictures import laid_over, share_of_pictures, tile_squares
-from tacos_gap.presence import shown
+from tacos_gap.presence import BY_PICTURES
 from tacos_gap.problem import Problem
 from tacos_plugins.effects.defocus import Defocus
 from tacos_plugins.effects.focal_length_error import FocalLengthError
@@ -105,7 +105,9 @@ def test_the_kind_of_a_blur_shows_whatever_the_pose(sharp, true):
     others = [hypothesis for kind, (_, hypothesis) in KINDS.items() if kind != true]
     assert share_of_pictures(problem, right, right[0], others, seed=0) > 0.9
     rivals = [right]
-    assert not any(shown(share_of_pictures(problem, wrong, wrong[0], rivals, seed=0)) for wrong in others)
+    assert not any(
+        BY_PICTURES.by(share_of_pictures(problem, wrong, wrong[0], rivals, seed=0)) for wrong in others
+    )
 
 
 def test_a_rival_whose_fit_went_astray_still_counts_at_its_guesses(sharp):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tacos_gap.evidence import Label, ReplicateResiduals
-from tacos_gap.presence import share_explained, shown
+from tacos_gap.presence import BY_STATISTICS, share_explained
 from tacos_gap.problem import Problem
 from tacos_gap.unknown import unexplained
 
@@ -45,13 +45,13 @@ def test_what_is_left_is_left_in_a_stage_and_in_captures(problem):
 
 def test_what_flats_prove_is_there_although_scenes_stay_unexplained(problem):
     without = problem.null + np.where(np.arange(len(problem.null)) % 60 < 30, 5.0, 0.0)
-    assert shown(share_explained(problem, problem.null, without)) == 1.0
+    assert BY_STATISTICS.by(share_explained(problem, problem.null, without)) == 1.0
 
 
 def test_what_leaves_much_where_it_shows_is_in_doubt(problem):
     in_scenes = np.array([label.kind == "scene" and label.stage == "pixel" for label in problem.labels])
     share = share_explained(problem, problem.null, problem.null + 3.0 * in_scenes)
-    assert shown(share) == 0.0  # 8 of 11 units are left
+    assert BY_STATISTICS.by(share) == 0.0  # 8 of 11 units are left
 
 
 def test_an_effect_that_explains_nothing_is_shown_by_nothing(problem):

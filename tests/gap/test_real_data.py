@@ -39,7 +39,8 @@ def test_chessboards_of_a_wide_lens_lead_to_its_distortion(diagnosed):
     found = diagnosed("chessboards, first half")
     assert [cause.effect for cause in found.causes] == ["lens-distortion"]
     assert found.verdict == "explained"
-    assert found.causes[0].parameters["k1"].value == pytest.approx(-0.281, rel=0.1)  # a fit of all views
+    # of a fit of all views by k1 alone, of which k2 and k3 take a part here
+    assert found.causes[0].parameters["k1"].value == pytest.approx(-0.281, rel=0.15)
     assert found.causes[0].closure >= 0.9
 
 

@@ -155,8 +155,8 @@ def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> 
     untimed = [stack.first.path.name for stack in stacks if stack.first.facts.exposure_ms is None]
     if untimed:
         yield (
-            f"{len(untimed)} pictures do not say how long they were exposed ({untimed[0]}, ...): darks need "
-            f"it, brackets are found by it. Write exposure_ms, or put it into the names (dark_10ms.png)."
+            f"{_untimed_words(untimed)}: darks need it, brackets are found by it. Write exposure_ms, or put "
+            f"it into the names (dark_10ms.png)."
         )
     if board is not None and given.inner_corners is None:
         columns, rows = board.inner_corners
@@ -233,3 +233,9 @@ def _copied(stack: Stack, out: Path, name: str) -> list[str]:
         shutil.copy2(picture.path, out / own)
         files.append(own)
     return files
+
+
+def _untimed_words(names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return f"One picture does not say how long it was exposed ({names[0]})"
+    return f"{len(names)} pictures do not say how long they were exposed ({names[0]}, ...)"

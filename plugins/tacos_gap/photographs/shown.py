@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.targets.chart import find_chart
 from tacos_gap.targets.slanted_edge import find_edge
+from tacos_gap.targets.two_tone import darkness, find_print, paper_level
 from tacos_gap.targets.wall import shading
 
 DARK_SHARE = 0.1
@@ -88,6 +89,8 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> S
         return replace(seen, kind="edge")
     if _two_levels(grey):
         return replace(seen, kind="edge", doubt="it is taken for sharp edges of a print.")
+    if find_print(darkness(grey, paper_level(grey))) is not None:
+        return replace(seen, kind="edge", doubt="it is taken for print, blurred.")
     doubt = "it may be a wall with marks on it, and is taken for a scene." if unevenness < 2 * _EVEN else ""
     return replace(seen, doubt=doubt)
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tacos_gap.photographs.importing import Imported
+from tacos_gap.report.words import captures_in_words
 
 
 def summary(imported: Imported) -> Iterator[str]:
@@ -15,7 +16,7 @@ def summary(imported: Imported) -> Iterator[str]:
     folder = imported.path.parent
     kinds = Counter(entry["kind"] for entry in imported.entries)
     said = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    yield f"{imported.path}: {len(imported.entries)} captures ({said})"
+    yield f"{imported.path}: {captures_in_words(len(imported.entries))} ({said})"
     yield ""
     for entry in imported.entries:
         yield "  " + _line(entry)

@@ -20,7 +20,7 @@ from tacos_gap.evidence import ImageEvidence
 from tacos_gap.nuisances import freedoms_of
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_for
 from tacos_gap.pictures.misfit import TILES, tile_squares
-from tacos_gap.presence import shown
+from tacos_gap.presence import BY_PICTURES
 from tacos_gap.problem import Hypothesis, Problem, placed_in
 
 RESAMPLES = 400
@@ -65,7 +65,7 @@ def share_of_pictures(
     with_it, before = squares
     share = 1 - with_it / np.maximum(before, 1e-9)
     least = float(np.clip(np.percentile(share, LOW), 0.0, 1.0))
-    if shown(least) == 0.0:
+    if BY_PICTURES.by(least) == 0.0:
         return least
     for rival in _with_guesses(without, rivals, [each.capture for each in pictures]):
         both = drawn.squares_of([hypothesis, rival])

@@ -18,6 +18,15 @@ _ABBREVIATIONS = frozenset({"CFA", "DSNU", "HDR", "ISP", "JPEG", "LED", "MTF", "
 _UNITS = {"1": "", "DN^2": "DN²", "um": "µm"}
 
 
+def captures_in_words(count: int) -> str:
+    """So many captures.
+
+    >>> captures_in_words(1), captures_in_words(4)
+    ('1 capture', '4 captures')
+    """
+    return f"{count} capture" if count == 1 else f"{count} captures"
+
+
 def effect_words(name: str) -> str:
     """An effect as it stands in a sentence: ``lens-distortion`` becomes ``lens distortion``."""
     return " ".join(w.upper() if w.upper() in _ABBREVIATIONS else w for w in name.split("-"))

@@ -106,8 +106,6 @@ def with_print(capture: RealCapture) -> RealCapture | None:
         With one frame or more of the same, and without an expectation.
     """
     mean = capture.real_dn.mean(axis=0)
-    if min(mean.shape[:2]) < 4 * BORDER_PX:
-        return None
     black = np.float32(capture.context.black_level_dn)
     planes = [np.ascontiguousarray(mean[..., c] - black) for c in range(mean.shape[-1])]
     paper = [paper_level(plane) for plane in planes]
@@ -142,6 +140,8 @@ def find_print(dark: NDArray[np.float32]) -> Print | None:
     dark
         (H, W) as `darkness` gives it.
     """
+    if min(dark.shape) < 4 * BORDER_PX:
+        return None
     part = _Spectrum.of(_with_most_ink(dark))
     ink = np.percentile(part.dark, 99)
     if ink <= 0 or np.mean(part.dark < _LIGHT * ink) < _LEAST_PAPER:

@@ -17,6 +17,8 @@ from tacos_gap.photographs.facts import read_facts
 from tacos_gap.photographs.importing import import_photographs
 from tests.gap.targets.test_chart import photographed
 from tests.gap.targets.test_slanted_edge import edge
+from tests.gap.targets.test_two_tone import page
+from tests.gap.targets.test_two_tone import photographed as print_photographed
 
 DATA = Path(__file__).parents[4] / "shared" / "data" / "real"
 SHAPE = (240, 320)
@@ -162,3 +164,13 @@ def test_frames_of_a_machine_vision_camera_are_sorted_by_their_names(tmp_path):
     darks = {entry["exposure_ms"]: len(entry["real"]) for entry in entries if entry["kind"] == "dark"}
     assert darks == dict.fromkeys((25.0, 50.0, 100.0, 250.0, 500.0, 2000.0, 3916.0), 2)
     assert sum(entry["kind"] == "bracket" for entry in entries) >= 6
+
+
+def test_blurred_print_is_taken_for_edges_and_that_is_said(tmp_path):
+    blurred = cv2.blur(page(400, 600), (25, 1))
+    save(tmp_path / "page.png", np.repeat(print_photographed(blurred)[..., None], 3, axis=-1))
+    found = import_photographs([tmp_path], tmp_path / "out")
+    assert [entry["kind"] for entry in found.entries] == ["edge"]
+    assert any("page.png: it is taken for print, blurred." in text for text in found.doubts)
+    folder = read_captures(found.path.parent)
+    assert folder.captures[0].own_edges
