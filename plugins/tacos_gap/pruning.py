@@ -12,6 +12,9 @@ from tacos_gap.intervals import of_every_parameter
 from tacos_gap.parameters import neutral_value
 from tacos_gap.problem import Hypothesis, Problem, robust
 
+WOULD_MOVE = 0.5
+"""Share of its interval by which a parameter would leave neutral, from which on it is tried."""
+
 REFITTED = 2
 """How many candidates for going are tried, the least missed first."""
 
@@ -27,11 +30,11 @@ def pruned(problem: Problem, fitted: Fitted, least: float) -> Fitted:
         fitted = max(kept, key=lambda f: f.score)
 
 
-def restored(problem: Problem, fitted: Fitted) -> Fitted:
-    """A finished fit with those parameters free again that would leave neutral by more than their interval.
+def restored(problem: Problem, fitted: Fitted, least: float) -> Fitted:
+    """A finished fit with parameters free again that are worth `least` on held-out conditions [nat].
 
-    Where much is explained, a parameter that gains little of it goes, though it is known well; the others
-    then take its part, and miss by many of their intervals.
+    Where much is explained, a parameter goes that gains a small share of it, though captures show it; the
+    others then take its part, and miss by many of their intervals.
     """
     if not len(fitted.steps):
         return fitted
@@ -40,13 +43,14 @@ def restored(problem: Problem, fitted: Fitted) -> Fitted:
     for term, wide in zip(fitted.hypothesis, every.hypothesis, strict=True):
         free = dict(term.free)
         for name, step in wide.free.items():
-            if name not in free and abs(every.move[column]) > every.half_width[column]:
+            if name not in free and abs(every.move[column]) > WOULD_MOVE * every.half_width[column]:
                 free[name] = step
             column += 1
         hypothesis.append(replace(term, free=free))
     if tuple(hypothesis) == fitted.hypothesis or (begun := fit(problem, tuple(hypothesis))) is None:
         return fitted
-    return max(fitted, finished(problem, begun), key=lambda each: each.score)
+    wider = finished(problem, begun)
+    return wider if wider.score > fitted.score + least else fitted
 
 
 def _is_of_a_whole(name: str) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -29,11 +30,31 @@ class InThisProcess:
         """Nothing to let go of."""
 
 
+@dataclass(frozen=True)
+class FinishedRun:
+    """What a run gave and left, whatever becomes of its folder.
+
+    Parameters
+    ----------
+    result
+        What the procedure returned.
+    files
+        Paths of the files in its folder, below it.
+    beside
+        Names in the folder above, its own among them.
+    """
+
+    result: Mapping[str, Any]
+    files: frozenset[Path]
+    beside: frozenset[str]
+
+
 class ProcedureConformance(ComponentConformance):
     """The suite for procedures; give settings under which it takes seconds, and name the files it leaves."""
 
     kind: ClassVar[str] = "procedure"
     files: ClassVar[tuple[str, ...]] = ()
+    _finished: ClassVar[FinishedRun | None] = None
 
     def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
         """What the procedure returns, run into an empty folder."""
@@ -53,6 +74,17 @@ class ProcedureConformance(ComponentConformance):
         )
         return result
 
+    def finished(self, tmp_path: Path) -> FinishedRun:
+        """The run that several tests look at, since one may take seconds; the first of them makes it."""
+        kept: FinishedRun | None = vars(type(self)).get("_finished")  # not that of a class inherited from
+        if kept is None:
+            out = tmp_path / "run"
+            result = self.run(out)
+            files = frozenset(path.relative_to(out) for path in out.rglob("*") if path.is_file())
+            kept = FinishedRun(result, files, frozenset(path.name for path in tmp_path.iterdir()))
+            type(self)._finished = kept
+        return kept
+
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         """The part of a result that equal seeds must repeat; override to leave out times."""
         return {name: value for name, value in result.items() if name not in ("summary", "seconds")}
@@ -63,20 +95,19 @@ class ProcedureConformance(ComponentConformance):
             assert name in SUPPLIED, f"nothing supplies {name!r}; known are {', '.join(SUPPLIED)}"
 
     def test_its_result_is_json_with_a_summary(self, tmp_path: Path) -> None:
-        result = self.run(tmp_path / "run")
+        result = self.finished(tmp_path).result
         assert isinstance(result, Mapping)
         json.dumps(dict(result), allow_nan=False)
         assert isinstance(result.get("summary"), str), "the entry 'summary' is a text of a few lines"
         assert result["summary"].strip()
 
     def test_it_leaves_the_files_it_should(self, tmp_path: Path) -> None:
-        self.run(tmp_path / "run")
-        missing = [name for name in self.files if not (tmp_path / "run" / name).is_file()]
+        left = self.finished(tmp_path).files
+        missing = [name for name in self.files if Path(name) not in left]
         assert not missing, f"it left no {', '.join(missing)}"
 
     def test_it_writes_into_its_folder_alone(self, tmp_path: Path) -> None:
-        self.run(tmp_path / "run")
-        assert [path.name for path in tmp_path.iterdir()] == ["run"]
+        assert self.finished(tmp_path).beside == {"run"}
 
     def test_equal_seeds_give_equal_results(self, tmp_path: Path) -> None:
         first, second = (self.comparable(self.run(tmp_path / name)) for name in ("first", "second"))

@@ -123,7 +123,7 @@ def test_results_that_cannot_be_written_are_refused_before_any_work(recipe, tmp_
 @pytest.mark.parametrize("ended_by", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_and_sigterm_keep_what_was_computed(recipe, tmp_path, ended_by):
     out = tmp_path / "out"
-    sets = ["--set", "optimizer.evaluations=100000", "--set", "nodes.world.frames=4"]
+    sets = ["--set", "optimizer.evaluations=100000", "--set", "study.renew_episodes=never"]
     running = command(
         str(recipe), "--out", str(out), *sets, "--set", "optimizer.batch=2", start_new_session=True
     )

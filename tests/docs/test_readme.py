@@ -1,4 +1,4 @@
-"""The example of the README runs; its study is cut down to a small floor and few frames."""
+"""The example of the README runs; its study is cut down to one small floor, few frames and coarse pixels."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from tests.docs.pages import ROOT, blocks
 
 _SMALLER = {
+    "rig.binning": 8,
     "nodes.world.frames": 4,
     "nodes.world.size_m": [11, 6],
     "nodes.capture.light_texel_m": 0.2,

@@ -15,6 +15,7 @@ from tacos_gap.fit import finished, fit, jacobian_of, rescored
 from tacos_gap.intervals import FEWEST, half_widths, spread_between
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
+from tacos_gap.pruning import restored
 
 
 class Bump:
@@ -133,6 +134,18 @@ def test_a_parameter_that_was_put_to_neutral_still_makes_others_uncertain():
         assert found is not None
         reaches.append(half_widths(of, finished(of, found))[0])
     assert reaches[1] == pytest.approx(reaches[0], rel=0.2)
+
+
+@pytest.mark.parametrize(("second", "is_free"), [(0.0, False), (20.0, True)])
+def test_a_parameter_at_neutral_is_freed_where_captures_ask_for_it(second, is_free):
+    """However little that is of all that the effect explains."""
+    of = Problem([Slope(60.0, second, seed) for seed in range(4)])
+    pruned = HypothesisTerm("slope", Slope.Effect, {"first": 60.0, "second": 0.0}, {"first": 1.0})
+    found = fit(of, (pruned,))
+    assert found is not None
+    (term,) = restored(of, finished(of, found), least=2.0).hypothesis
+    assert ("second" in term.free) == is_free
+    assert term.values["first"] == pytest.approx(60.0, abs=4.0)
 
 
 def test_the_end_of_a_fit_is_where_no_step_helps():

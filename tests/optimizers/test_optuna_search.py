@@ -52,7 +52,7 @@ def test_tpe_finds_an_optimum_in_120_evaluations_closer_than_random_search():
 
 def test_gp_finds_an_optimum_in_40_evaluations_where_random_search_does_not():
     pytest.importorskip("torch", reason="torch is not installed")
-    found = regret(lambda seed: make(seed=seed, sampler="gp", evaluations=40), mixed, seeds=3)
+    found = regret(lambda seed: make(seed=seed, sampler="gp", evaluations=40, batch=4), mixed, seeds=3)
     drawn = regret(lambda seed: draws(seed, 40), mixed, seeds=3)
     assert found < 0.1
     assert drawn > 0.2

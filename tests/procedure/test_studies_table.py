@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -83,6 +84,13 @@ def tabled(problem, toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
     return run(asked(problem, seeds=2), out=out, plugins=toys), out
 
 
+@pytest.fixture(scope="module")
+def unbroken(problem, toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
+    """A table of one seed that nothing happened to: its result and its folder."""
+    out = tmp_path_factory.mktemp("unbroken") / "out"
+    return run(asked(problem), out=out, plugins=toys), out
+
+
 def test_the_table_has_the_figures_of_the_studies(tabled):
     result, out = tabled
     assert [row["title"] for row in result["table"]] == ["Flea3", "Random", "Ours"]
@@ -130,9 +138,9 @@ def test_the_report_says_what_differs_and_what_was_left_out(tabled):
     assert any(note.startswith("ghost was left out") for note in result["comparison_notes"])
 
 
-def test_a_broken_run_keeps_the_studies_that_are_done(problem, toys, tmp_path):
-    out = tmp_path / "out"
-    whole = run(asked(problem), out=out, plugins=toys)
+def test_a_broken_run_keeps_the_studies_that_are_done(unbroken, problem, toys, tmp_path):
+    whole, folder = unbroken
+    out = shutil.copytree(folder, tmp_path / "out")
     kept = (out / "studies/genetic_3/result.json").read_bytes()
     (out / "studies/random_3/result.json").unlink()
     before = toy_plugin.WidthTask.begun
@@ -149,13 +157,13 @@ class BrokenOff(InThisProcess):
         raise KeyboardInterrupt
 
 
-def test_ctrl_c_ends_all_of_it_not_one_study(problem, toys, tmp_path):
+def test_ctrl_c_ends_all_of_it_not_one_study(unbroken, problem, toys, tmp_path):
     out = tmp_path / "out"
     with pytest.raises(KeyboardInterrupt):
         run(asked(problem), out=out, plugins=toys, executor=BrokenOff())
     assert [folder.name for folder in (out / "studies").iterdir()] == ["genetic_3"]
     again = run(asked(problem), out=out, plugins=toys, resume=True)
-    assert again["table"] == run(asked(problem), out=tmp_path / "whole", plugins=toys)["table"]
+    assert again["table"] == unbroken[0]["table"]
 
 
 @pytest.mark.parametrize(

@@ -41,10 +41,21 @@ def _run_in_child(recipe, out):
     tacos_framework.run(recipe, out=out, plugins=plugins, report=False)
 
 
+LONG = {"optimizer": {"generations": 6}, "nodes": {"world": {"frames": 80}}, "study": {"episodes": 4}}
+"""A study whose generations take long beside the time until it is seen that one has ended."""
+
+
+@pytest.fixture(scope="module")
+def unbroken(toys, tmp_path_factory):
+    """The study of `LONG` when nothing happens to it: its result and its folder."""
+    out = tmp_path_factory.mktemp("unbroken") / "whole"
+    return run(toy_recipe(**LONG), toys, out), out
+
+
 @pytest.mark.parametrize("generations_before_death", [1, 3])
-def test_a_killed_run_resumes_to_the_same_result(toys, tmp_path, generations_before_death):
-    recipe = toy_recipe(optimizer={"generations": 6}, nodes={"world": {"frames": 200}}, study={"episodes": 4})
-    whole = run(recipe, toys, tmp_path / "whole")
+def test_a_killed_run_resumes_to_the_same_result(unbroken, toys, tmp_path, generations_before_death):
+    recipe = toy_recipe(**LONG)
+    whole, folder = unbroken
     out = tmp_path / "killed"
     child = multiprocessing.get_context("spawn").Process(target=_run_in_child, args=(recipe, out))
     child.start()
@@ -61,8 +72,8 @@ def test_a_killed_run_resumes_to_the_same_result(toys, tmp_path, generations_bef
     resumed = run(recipe, toys, out, resume=True)
     assert comparable(resumed) == comparable(whole)
     records = [_timeless(json.loads(line)) for line in lines.read_text().splitlines()]
-    unbroken = (tmp_path / "whole" / "generations.jsonl").read_text().splitlines()
-    assert records == [_timeless(json.loads(line)) for line in unbroken]
+    of_whole = (folder / "generations.jsonl").read_text().splitlines()
+    assert records == [_timeless(json.loads(line)) for line in of_whole]
 
 
 def _dying(*arguments: object) -> None:

@@ -205,7 +205,7 @@ class TestOptunaTpe(OptimizerConformance):
 
 class TestOptunaGp(OptimizerConformance):
     component = OptunaSearch
-    config = {"sampler": "gp", "evaluations": 10, "batch": 2, "initial": 4}
+    config = {"sampler": "gp", "evaluations": 8, "batch": 2, "initial": 4}
 
     @pytest.fixture(autouse=True)
     def _needs_optuna_and_torch(self):

@@ -109,7 +109,7 @@ class ForwardSelection:
                 if better is None:
                     break
                 best = better
-            best = restored(self.problem, finished(self.problem, best))
+            best = restored(self.problem, finished(self.problem, best), COMPLEXITY_PENALTY / 3)
             return self._attribution(best, slots)
 
     def _attribution(self, best: Fitted, slots: Mapping[str, Mapping[str, Fitted]]) -> Attribution:

@@ -31,7 +31,10 @@ _TEXTURED = 0.02
 """Gradient that makes a pixel count, over the range of the image per pixel."""
 
 _STEPS = 2
-"""Least squares after flow: the second where the first shows that flow was off by more than half a pixel."""
+"""Least squares after flow; the second where the first shows that flow was far off."""
+
+_NEAR_PX = 0.75
+"""A move beyond the whole pixels by less is as good as from the pixels nearest to it."""
 
 _DAMPED = 0.01
 """Share of the slopes' sum of squares added to either axis: along an edge nothing is known."""
@@ -92,25 +95,28 @@ class _Spots:
         return np.array(middles, np.float64).reshape(-1, 2).T
 
     def centred(
-        self, image: NDArray[np.float32], moved_px: NDArray[np.int64] | None = None
+        self, images: NDArray[np.float32], moved_px: NDArray[np.int64] | None = None
     ) -> NDArray[np.float64]:
-        """(P,) pixels of an (H, W) image, tiles of which may be moved, less the mean of their tile."""
-        rows, columns = np.divmod(self._pixels, image.shape[1])
-        if moved_px is not None:
-            columns, rows = (
-                np.clip(places - np.repeat(move, self._counts), 0, side - 1)
-                for places, move, side in zip((columns, rows), moved_px, image.shape[::-1], strict=True)
-            )
-        values = image[rows, columns].astype(np.float64)
-        return np.asarray(values - np.repeat(self.sums(values) / self._counts, self._counts))
+        """(I, P) pixels of (I, H, W) images, tiles of which may be moved, less the mean of their tile."""
+        flat = images.reshape(len(images), -1)
+        if moved_px is None or not moved_px.any():
+            values = flat[:, self._pixels].astype(np.float64)
+        else:
+            height, width = images.shape[1:]
+            rows, columns = np.divmod(self._pixels, width)
+            columns = np.clip(columns - self.spread(moved_px[0]), 0, width - 1)
+            rows = np.clip(rows - self.spread(moved_px[1]), 0, height - 1)
+            values = flat[:, rows * width + columns].astype(np.float64)
+        values -= self.spread(self.sums(values) / self._counts)
+        return values
 
     def sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(T,) sums of (P,) values over tiles."""
-        return np.asarray(np.add.reduceat(values, self._starts))
+        """(..., T) sums of (..., P) values over tiles."""
+        return np.asarray(np.add.reduceat(values, self._starts, axis=-1))
 
-    def spread(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(P,) the value of its tile for each pixel, of (T,) values."""
-        return np.repeat(values, self._counts)
+    def spread(self, values: NDArray[Any]) -> NDArray[Any]:
+        """(..., P) the value of its tile for each pixel, of (..., T) values."""
+        return values[..., self._tile]
 
     @cached_property
     def _pixels(self) -> NDArray[np.int64]:
@@ -123,6 +129,10 @@ class _Spots:
     @cached_property
     def _starts(self) -> NDArray[np.int64]:
         return np.cumsum([0, *self._counts[:-1]])
+
+    @cached_property
+    def _tile(self) -> NDArray[np.int64]:
+        return np.repeat(np.arange(len(self.parts)), self._counts)
 
 
 _SPOTS: WeakKeyDictionary[RealCapture, _Spots] = WeakKeyDictionary()
@@ -151,23 +161,51 @@ def _displacements(sample: Sample, channel: int) -> NDArray[np.float64]:
     half a pixel. Pictures are smoothed by binomials, which even out a mosaic.
     """
     spots = _spots(sample.capture)
-    full = np.float32(sample.capture.context.white_level_dn)
-    frame = _smoothed(_compared(sample)[..., channel])
-    expected = _smoothed(np.minimum(sample.expected[0][..., channel], full))
-    seen, of_seen = spots.centred(frame), [spots.centred(slope) for slope in _slopes(frame)]
-    slopes = _slopes(expected)
+    expected = _reference(sample, channel)
+    frame = _with_slopes(_compared(sample)[..., channel])
+    seen, *slopes = spots.centred(frame)
     moved = spots.medians(_flow(sample, channel))
     for _ in range(_STEPS):
         whole = np.rint(moved).astype(np.int64)
-        there, of_there = (
-            spots.centred(expected, whole),
-            [spots.centred(slope, whole) for slope in slopes],
-        )
+        there, *slopes_there = expected.pixels if not whole.any() else spots.centred(expected.images, whole)
         gain = _gain(spots, seen, there)
-        left = seen / gain - there
-        means = [(a / gain + b) / 2 for a, b in zip(of_seen, of_there, strict=True)]
-        moved = whole + _least_squares(spots, left, means, of_there)
+        means = [(a / gain + b) / 2 for a, b in zip(slopes, slopes_there, strict=True)]
+        moved = whole + _least_squares(spots, seen / gain - there, means, slopes_there)
+        if np.abs(moved - whole).max(initial=0.0) < _NEAR_PX:
+            break
     return moved
+
+
+@dataclass(frozen=True, eq=False)
+class _Reference:
+    """What frames are held against.
+
+    Parameters
+    ----------
+    of
+        (N, H, W, C) the expectation that it was made of.
+    images
+        (3, H, W) it smoothed, and its slopes in x and y.
+    pixels
+        (3, P) those of tiles; see `_Spots.centred`.
+    """
+
+    of: NDArray[np.float32]
+    images: NDArray[np.float32]
+    pixels: NDArray[np.float64]
+
+
+_REFERENCES: WeakKeyDictionary[RealCapture, dict[int, _Reference]] = WeakKeyDictionary()
+
+
+def _reference(sample: Sample, channel: int) -> _Reference:
+    """Worked out once as long as the expectation is the same array."""
+    known = _REFERENCES.setdefault(sample.capture, {})
+    if channel not in known or known[channel].of is not sample.expected:
+        full = np.float32(sample.capture.context.white_level_dn)
+        images = _with_slopes(np.minimum(sample.expected[0][..., channel], full))
+        known[channel] = _Reference(sample.expected, images, _spots(sample.capture).centred(images))
+    return known[channel]
 
 
 def _gain(spots: _Spots, seen: NDArray[np.float64], there: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -194,21 +232,14 @@ def _least_squares(
     return np.asarray(np.clip(found, -1.0, 1.0))
 
 
-def _slopes(image: NDArray[np.float32]) -> list[NDArray[np.float32]]:
-    """Slopes of an (H, W) image in x and y [1/px]."""
+def _with_slopes(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(3, H, W) an image smoothed by binomials, and its slopes in x and y [1/px]."""
     import cv2
 
+    smooth = cv2.GaussianBlur(np.ascontiguousarray(image), (5, 5), 0)  # 1 4 6 4 1
     one = np.ones(1, np.float32)
-    return [
-        np.asarray(cv2.sepFilter2D(image, cv2.CV_32F, along, across), np.float32)
-        for along, across in ((_SLOPE, one), (one, _SLOPE))
-    ]
-
-
-def _smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    import cv2
-
-    return np.asarray(cv2.GaussianBlur(np.ascontiguousarray(image), (5, 5), 0), np.float32)  # 1 4 6 4 1
+    slopes = [cv2.sepFilter2D(smooth, cv2.CV_32F, *taps) for taps in ((_SLOPE, one), (one, _SLOPE))]
+    return np.stack([smooth, *slopes]).astype(np.float32)
 
 
 def _compared(sample: Sample) -> NDArray[np.float32]:
