@@ -77,8 +77,10 @@ STEPS = (
         (
             "A sheet of black paper on white, or a sharp print, in focus, turned by about 5 degrees.",
             "Two pictures with the edge in the middle, two with it in a corner; upright, and then lying.",
+            "One of a page of print that fills the picture, taken as the camera takes its pictures: its blur "
+            "is told by direction and size.",
         ),
-        "lens blur, defocus, sharpening, lateral colour",
+        "lens blur, defocus, motion blur, sharpening, lateral colour",
     ),
     Step(
         "board",
