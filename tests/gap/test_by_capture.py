@@ -64,7 +64,8 @@ def test_each_picture_has_the_focus_it_was_taken_with(effects):
     assert first.present > 0.5
     radius = first.parameters["radius_px"]
     for name, true in radii.items():
-        assert radius.by_capture[name].value == pytest.approx(true, rel=0.1)
+        # the blur that each capture may have, 0.03 px^2, is an eighth of that of a disc of 1 px
+        assert radius.by_capture[name].value == pytest.approx(true, rel=0.1, abs=0.15)
     assert radius.value == pytest.approx(3.0, rel=0.1)
     assert first.settings["radius_px"] == pytest.approx(radius.value)
     assert any("set it anew for each capture" in text for text in found.limitations)
