@@ -23,8 +23,9 @@ from tacos_gap.unknown import block_index
 PRIOR = 0.1
 """Precision of a parameter that nothing bears on: it stays within some steps that matter [1 / step^2]."""
 
-UNSEEN = 0.005
-"""Coherent share of what the explanation changed in a block that its formula may miss unseen."""
+UNSEEN = 0.0125
+"""Coherent share of what the explanation changed in a block that its formula may miss unseen: so far apart
+are makers of the same effect that share no formula (docs/how-to/check_the_diagnosis.md)."""
 
 FEWEST = 2.0
 """Degrees of freedom of a spread between captures at least: with fewer its own luck would rule."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
 from tacos_framework.plugins.guarded import calling
+from tacos_framework.settings import period_of
 from tacos_gap.by_capture import captures_with_values, guesses_by_capture, setting_of, values_in
 from tacos_gap.captures import RealCapture
 
@@ -81,8 +82,13 @@ class HypothesisTerm:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Its values as a recipe has them, for all captures."""
-        return _nested(values_in(self.values))
+        """Its values as a recipe has them, for all captures; angles from 0 on."""
+        values = _nested(values_in(self.values))
+        return {name: self._from_zero(name, value) for name, value in values.items()}
+
+    def _from_zero(self, name: str, value: Any) -> Any:
+        period = period_of(self.cls.Config, name)
+        return value if period is None else value % period
 
 
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:

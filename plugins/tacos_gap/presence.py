@@ -48,7 +48,9 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
     """Share of the squared gap that an effect explains in the statistics of captures where it shows.
 
     They count by what they gain. What flats prove, scenes that nothing explains do not disprove; and where a
-    capture shows no gap, there is nothing to explain that could prove anything.
+    capture shows no gap, there is nothing to explain that could prove anything. What an effect mends of a
+    statistic is held against all that was wrong with it: the rest that another effect leaves there may come
+    of that one's exact form, and proves no further effect.
 
     Parameters
     ----------
@@ -61,11 +63,12 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
         return 0.0
     blocks = block_index(problem)
     sizes = np.bincount(blocks)
-    before, after = (np.bincount(blocks, robust(z) ** 2) for z in (without, with_it))
+    before, after, alone = (np.bincount(blocks, robust(z) ** 2) for z in (without, with_it, problem.null))
     gains = np.maximum(before - after, 0.0)
     if not gains.any():
         return 0.0
     above = np.maximum(before - sizes, 1e-9)
     explained = np.clip(1 - np.maximum(after - SLACK**2 * sizes, 0.0) / above, 0.0, 1.0)
     explained[before <= SLACK**2 * sizes] = 0.0
-    return float(np.average(explained, weights=gains))
+    of_all = np.clip(gains / np.maximum(alone - after, 1e-9), 0.0, 1.0)
+    return float(np.average(explained * np.where(alone > after, of_all, 1.0), weights=gains))

@@ -40,6 +40,7 @@ def setting(
     is_path: bool = False,
     averaging: Averaging | None = None,
     with_pedestal: bool = False,
+    period: float | None = None,
     **bounds: Any,
 ) -> Any:
     """Declare one setting.
@@ -58,6 +59,8 @@ def setting(
         For the spread of something: what in it is independent. Binning then makes it smaller.
     with_pedestal
         For a level in digital numbers: whether it includes the pedestal.
+    period
+        For an angle: after how much it means the same again. Estimates are given from 0 to it.
     bounds
         pydantic's ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``, ``alias``.
     """
@@ -68,6 +71,8 @@ def setting(
         extra["averaging"] = averaging
     if with_pedestal:
         extra["with_pedestal"] = True
+    if period is not None:
+        extra["period"] = period
     return Field(default, description=help, json_schema_extra=extra, **bounds)
 
 
@@ -106,6 +111,12 @@ def averaging_of(config: type[BaseModel], name: str) -> Averaging | None:
 def includes_pedestal(config: type[BaseModel], name: str) -> bool:
     """Whether a level counts from 0 rather than from the pedestal."""
     return bool(_extra(config, name).get("with_pedestal"))
+
+
+def period_of(config: type[BaseModel], name: str) -> float | None:
+    """After how much a setting means the same again; None where it never does."""
+    period: Any = _extra(config, name).get("period")
+    return period
 
 
 @cache

@@ -20,6 +20,8 @@ from tacos_gap.candidates import Candidates, candidates
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.captures.coverage import beyond_own_edges, untold
 from tacos_gap.diagnosis import diagnose
+from tacos_gap.parameters import HypothesisTerm
+from tacos_plugins.effects.motion_blur import MotionBlur
 from tests.gap.small_captures import BLACK_DN, bench, capture, placed, taken
 
 
@@ -183,3 +185,9 @@ def test_pictures_of_nothing_but_edges_are_not_asked_for_light_tone_and_place(pl
     assert set(left.effects) == set(effects) - beyond
     assert "vignetting" in left.limitations[0]
     assert Candidates(effects).without_these(set()).limitations == ()
+
+
+def test_an_angle_is_given_from_zero_on():
+    """A path of a shake has no sense: half a turn is the same, and a search may end anywhere."""
+    term = HypothesisTerm("motion-blur", MotionBlur, {"length_px": 9.0, "angle_deg": -202.5}, {})
+    assert term.settings == {"length_px": 9.0, "angle_deg": 157.5}

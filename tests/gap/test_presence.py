@@ -62,3 +62,13 @@ def test_small_gains_where_there_is_no_gap_prove_nothing(problem):
     in_flats = np.array([label.kind == "flat" for label in problem.labels])
     noisier = problem.null * np.where(in_flats, 1.05, 1.0)
     assert share_explained(problem, problem.null, noisier) == 0.0
+
+
+def test_the_rest_that_another_effect_leaves_in_a_statistic_proves_no_further_one(problem):
+    """A disc took most of the detail away, a sharpening what its form left; scenes stay unexplained."""
+    in_flats = np.array([label.kind == "flat" and label.stage == "optics" for label in problem.labels])
+    far_off = Problem(problem.evidence)
+    far_off.null = problem.null + 15.0 * in_flats
+    rest = problem.null + 5.0 * in_flats
+    assert BY_STATISTICS.by(share_explained(far_off, problem.null, rest)) == 0.0
+    assert BY_STATISTICS.by(share_explained(far_off, problem.null, far_off.null)) == 1.0

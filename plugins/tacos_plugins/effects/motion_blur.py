@@ -46,6 +46,7 @@ class MotionBlur:
             unit="deg",
             ge=-360,
             le=360,
+            period=180.0,
         )
 
     stage: ClassVar[Stage] = "exposure"
