@@ -66,11 +66,13 @@ def test_clipping_below_the_believed_white_level_is_saturation_first(diagnosed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["focus stack, step 1", "focus stack, step 4"])
-def test_what_captures_alone_cannot_tell_is_not_named_with_confidence(diagnosed, name):
-    found = diagnosed(name)
+@pytest.mark.parametrize("step", [1, 4, 7])
+def test_nothing_strange_is_named_with_confidence_in_a_focus_stack(diagnosed, step):
+    """The lens breathes, and depth spreads the blur: the blur may be found, and little else may."""
+    found = diagnosed(f"focus stack, step {step}")
     assert found.verdict in ("unknown", "partly_explained")
-    assert all(cause.probability < 0.5 for cause in found.causes)
+    known = {case.name: case.known for case in real_cases(DATA)}[f"focus stack, step {step}"]
+    assert {cause.effect for cause in found.causes if cause.present > 0.5} <= {*known.accept, *known.also}
 
 
 @pytest.mark.slow
@@ -78,5 +80,5 @@ def test_what_captures_alone_cannot_tell_is_not_named_with_confidence(diagnosed,
 def test_blurred_print_leads_to_its_blur(diagnosed, name, effect):
     first, *others = diagnosed(name).causes
     assert first.effect == effect
-    assert first.present > 0.9
+    assert first.present > 0.7
     assert {cause.effect for cause in others if cause.present > 0.5} <= {"jpeg", "sharpening"}

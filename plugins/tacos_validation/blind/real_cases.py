@@ -93,10 +93,7 @@ def _flea3(folder: Path) -> Iterator[RealCase]:
         yield RealCase(name, known, partial(_darks, frames={k: darks[k] for k in times}))
     # Series of shorter times than these have no known truth: from 50 ms on green clips, and dim red beside it
     # gains half its light, more the longer it takes.
-    for (
-        name,
-        times,
-    ) in (
+    for name, times in (
         ("series to 500 ms, believed wider", (25, 50, 100, 250, 500)),
         ("series to 2000 ms, believed wider", (50, 100, 250, 500, 2000)),
     ):
