@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.randomness import generator
-from tacos_framework.settings import unit_of
+from tacos_framework.settings import includes_pedestal, unit_of
 from tacos_gap.ambiguity import NextCapture, confused_with
 from tacos_gap.attribution import Attribution
 from tacos_gap.by_capture import of_capture, own_values
@@ -32,6 +32,9 @@ LEAST_CERTAIN = 0.5
 """Probability against rivals up to which pictures are not asked: they could not make the effect likely."""
 
 _LARGEST_PROBABILITY = 0.99
+
+HALF_A_CODE_DN = 0.5
+"""How far a level may lie from the code that files round it to: where all ends there, no noise tells."""
 
 
 def causes_of(
@@ -142,7 +145,8 @@ def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> 
             }
             found[name] = Parameter(short(value), None, unit, by_capture=each)
         elif name in reach:
-            found[name] = _within(value, float(reach[name]), unit)
+            least = HALF_A_CODE_DN if includes_pedestal(term.cls.Config, name) else 0.0
+            found[name] = _within(value, max(float(reach[name]), least), unit)
         elif isinstance(value, tuple):
             rows = [[short(v) for v in row] for row in value]
             found[name] = Parameter(rows, None, unit)

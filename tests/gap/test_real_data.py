@@ -44,6 +44,18 @@ def test_chessboards_of_a_wide_lens_lead_to_its_distortion(diagnosed):
     assert found.causes[0].closure >= 0.9
 
 
+def test_chessboards_of_a_compact_camera_lead_to_its_distortion(diagnosed):
+    first = diagnosed("chessboards by a compact").causes[0]
+    assert (first.effect, first.present > 0.9) == ("lens-distortion", True)
+    # the calibration that comes with the pictures; k3 takes a part here
+    assert first.parameters["k1"].value == pytest.approx(-0.256, rel=0.15)
+
+
+@pytest.mark.slow
+def test_a_processed_bracket_leads_to_its_tone_curve(diagnosed):
+    assert [cause.effect for cause in diagnosed("processed bracket").causes] == ["tone-curve"]
+
+
 @pytest.mark.parametrize("times", ["25 and 50 ms", "50 and 100 ms", "25 to 100 ms"])
 def test_short_darks_show_no_gap(diagnosed, times):
     found = diagnosed(f"short darks, {times}")

@@ -31,6 +31,19 @@ FLEA3 = {
     "cfa": "GRBG",
 }
 
+OPENCV = {
+    "camera": {"focal_length_mm": 0.5359, "principal_point_px": [342.28, 235.57]},
+    "board": {"inner_corners": [9, 6], "square_mm": 25},
+}
+HX5V = {
+    "camera": {"focal_length_mm": 0.7, "principal_point_px": [308.5, 246.8], "channels": 3},
+    "board": {"inner_corners": [6, 4], "square_mm": 30},
+}
+"""Boards and who saw them, with pixels of a micrometre: focal lengths are given in pixels."""
+
+BRACKET_5D2_MS = {"IMG_2600": 125, "IMG_2601": 1000, "IMG_2602": 8000}
+"""Exposure times by their EXIF."""
+
 LINEAR_MS = 250
 """Exposure time up to which the signal of the Flea3 is linear where it does not clip."""
 
@@ -40,6 +53,11 @@ UNCLIPPED_DN = 240
 
 SMALL = KnownTruth(("quantisation",), expect_verdict=("no_gap",))
 """Half a code lost to rounding down, at most."""
+
+BENT = KnownTruth(("lens-distortion",), ("focal-length-error", "pose-error", "jpeg"))
+
+PROCESSED = KnownTruth(("tone-curve",), ("jpeg", "sharpening", "denoise", "saturation", "colour-matrix"))
+"""What a camera does to the files that it finishes."""
 
 SEEN_BESIDE_BLUR = ("jpeg", "sharpening", "tone-curve", "denoise")
 """What pictures from finished files may have beside their blur."""
@@ -56,8 +74,12 @@ def real_cases(data: Path) -> Iterator[RealCase]:
     if (boards := data / "opencv_boards").is_dir():
         files = sorted(boards.glob("left*.jpg"))
         for name, chosen in (("all", files), ("first half", files[:7]), ("second half", files[6:])):
-            known = KnownTruth(("lens-distortion",), ("focal-length-error", "pose-error", "jpeg"))
-            yield RealCase(f"chessboards, {name}", known, partial(_boards, files=chosen))
+            yield RealCase(f"chessboards, {name}", BENT, partial(_boards, files=chosen, seen_by=OPENCV))
+    if (boards := data / "boards_hx5v").is_dir():
+        files = sorted(boards.glob("frame*.jpg"))
+        yield RealCase("chessboards by a compact", BENT, partial(_boards, files=files, seen_by=HX5V))
+    if (bracket := data / "bracket_5d2").is_dir():
+        yield RealCase("processed bracket", PROCESSED, partial(_bracket, folder=bracket))
     if (flea := data / "flea3_raw").is_dir():
         yield from _flea3(flea)
     if (blur := data / "opencv_blur").is_dir():
@@ -130,25 +152,28 @@ def _folder(out: Path) -> Path:
     return folder
 
 
-def _boards(out: Path, files: Sequence[Path]) -> None:
-    camera = {
-        "width_px": 640,
-        "height_px": 480,
-        "pixel_um": 1.0,
-        "focal_length_mm": 0.5359,
-        "principal_point_px": [342.28, 235.57],
-        "bit_depth": 8,
-    }
+def _boards(out: Path, files: Sequence[Path], seen_by: Mapping[str, Any]) -> None:
+    camera = {"width_px": 640, "height_px": 480, "pixel_um": 1.0, "bit_depth": 8, **seen_by["camera"]}
     captures = [
-        {
-            "id": file.stem,
-            "kind": "board",
-            "real": str(file.resolve()),
-            "board": {"inner_corners": [9, 6], "square_mm": 25},
-        }
+        {"id": file.stem, "kind": "board", "real": str(file.resolve()), "board": seen_by["board"]}
         for file in files
     ]
     _write(_folder(out), camera, captures)
+
+
+def _bracket(out: Path, folder: Path) -> None:
+    """Three times, of which the pictures are all that is known."""
+    captures = [
+        {
+            "id": name,
+            "kind": "bracket",
+            "real": [str((folder / f"{name}.jpg").resolve())],
+            "exposure_ms": time,
+            "group": "view",
+        }
+        for name, time in BRACKET_5D2_MS.items()
+    ]
+    _write(_folder(out), {"width_px": 640, "height_px": 426, "bit_depth": 8, "channels": 3}, captures)
 
 
 def _darks(out: Path, frames: Mapping[int, Sequence[Path]]) -> None:
