@@ -88,7 +88,7 @@ class HypothesisTerm:
 
     def _from_zero(self, name: str, value: Any) -> Any:
         period = period_of(self.cls.Config, name)
-        return value if period is None else value % period
+        return value % period if period is not None and isinstance(value, float) else value
 
 
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
