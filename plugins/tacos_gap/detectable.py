@@ -8,7 +8,7 @@ Noise adds in squares (p = 2), most else in proportion (p = 1); a second simulat
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from tacos_gap.boards import BoardEvidence
 from tacos_gap.evidence import Evidence, ImageEvidence
 from tacos_gap.findings import short
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
-from tacos_gap.problem import Problem, placed
+from tacos_gap.problem import Map, Problem, placed
 from tacos_gap.significance import least_significant
 from tacos_gap.unknown import SIGNIFICANT, SLACK, block_index
 
@@ -28,8 +28,6 @@ EXPONENTS = (0.5, 3.0)
 """Powers that are believed."""
 
 _NEARER = 0.3  # share of the way to a guess at which the power is taken
-
-Map = Callable[[Callable[[HypothesisTerm], Any], Iterable[HypothesisTerm]], Iterable[Any]]
 
 
 def detection_limits(

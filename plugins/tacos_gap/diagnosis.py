@@ -84,7 +84,7 @@ def diagnose(
     evidence, limitations = gather(folder, seed, workers)
     if not any(each.labels for each in evidence):
         raise nothing_measured(folder, limitations)
-    problem = Problem(evidence)
+    problem = Problem(evidence, workers)
     while True:
         try:
             found = _explained(problem, folder.captures, considered.effects, seed, workers, tell)

@@ -1,12 +1,13 @@
 """Parameters of a hypothesis: a quasi-Newton search in a trust region, and what they are worth.
 
-A simulation of all captures is what costs, so the Jacobian is taken once and then kept up with what the steps
-themselves show (Broyden 1965); it is taken anew where a step fails with one that is no longer that of the
-place.
+A simulation of all captures is what costs, so the Jacobian is taken once, as far as no fit nearby knows it,
+and then kept up with what the steps themselves show (Broyden 1965); it is taken anew where a step fails with
+one that is no longer that of the place.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,9 +73,28 @@ class Fitted:
         """The effects, in order."""
         return tuple(term.name for term in self.hypothesis)
 
+    @property
+    def cost(self) -> float:
+        """Sum of the squares of the robust residuals."""
+        return _cost(self.z)
 
-def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) -> Fitted | None:
+
+def fit(
+    problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS, near: Fitted | None = None
+) -> Fitted | None:
     """Fit all free parameters of a hypothesis together, well enough to tell whether it is worth finishing.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    hypothesis
+        The effects, where the search begins.
+    iterations
+        Steps at most.
+    near
+        A fit of most of its effects in the same units: how residuals move with the parameters that both have
+        is not simulated again.
 
     Returns
     -------
@@ -83,7 +103,8 @@ def fit(problem: Problem, hypothesis: Hypothesis, iterations: int = ITERATIONS) 
     z = problem.residual(hypothesis)
     if z is None:
         return None
-    state = _State(hypothesis, z, *jacobian_of(problem, hypothesis, z))
+    known = {} if near is None else _columns(near, z)
+    state = _State(hypothesis, z, *jacobian_of(problem, hypothesis, z, known), is_exact=not known)
     return _searched(problem, problem, state, iterations, WORTH_A_SKETCH)
 
 
@@ -199,14 +220,38 @@ def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis
     return tuple(changed)
 
 
+Column = tuple[str, str, float]
+"""Which derivative: of an effect, by a free parameter, per step."""
+
+
+def _columns(fitted: Fitted, z: NDArray[np.float64]) -> dict[Column, NDArray[np.float64]]:
+    """The columns of a fit's Jacobian, as they are for robust residuals of (K,) `z`."""
+    here = fitted.jacobian * (robust_derivative(z) / robust_derivative(fitted.z))[:, None]
+    return dict(zip(_columns_of(fitted.hypothesis), here.T, strict=True))
+
+
+def _columns_of(hypothesis: Hypothesis) -> list[Column]:
+    return [(term.name, name, step) for term in hypothesis for name, step in term.free.items()]
+
+
 def jacobian_of(
-    problem: Problem, hypothesis: Hypothesis, z: NDArray[np.float64]
+    problem: Problem,
+    hypothesis: Hypothesis,
+    z: NDArray[np.float64],
+    known: Mapping[Column, NDArray[np.float64]] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(K, P) change of the robust residuals per step of each free parameter, and (P,) those steps."""
+    """(K, P) change of the robust residuals per step of each free parameter, and (P,) those steps.
+
+    Columns that are `known` are taken as they are.
+    """
     theta = theta_of(hypothesis)
     steps = np.array([step for term in hypothesis for step in term.free.values()])
     columns = []
-    for k, step in enumerate(steps):
+    for k, column in enumerate(_columns_of(hypothesis)):
+        if known and column in known:
+            columns.append(known[column])
+            continue
+        step = steps[k]
         for side in (1, -1):
             nearby = theta.copy()
             nearby[k] += side * STEP * step

@@ -36,7 +36,7 @@ def in_its_best_form(
     best = fitted
     for alike in forms.values():
         starts = [(_cost(problem, (*rest, guess)), guess) for guess in alike]
-        begun = fit(problem, (*rest, min(starts, key=lambda start: start[0])[1]))
+        begun = fit(problem, (*rest, min(starts, key=lambda start: start[0])[1]), near=fitted)
         if begun is None:
             continue
         other = settled(problem, begun)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,9 @@ CLOSE_SHARES = 2.0
 """Factor by which narrowed priors of pose may change without anything being simulated anew."""
 
 Hypothesis = tuple[HypothesisTerm, ...]
+
+Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+"""A map that may work side by side."""
 
 
 def robust(z: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -73,6 +78,13 @@ def placed_in(hypothesis: Hypothesis, evidence: Evidence) -> list[PlacedEffect]:
     return placed(hypothesis, evidence.capture.id if isinstance(evidence, ImageEvidence) else None)
 
 
+def _renuisanced(evidence: Evidence, hypothesis: Hypothesis) -> Evidence:
+    """Evidence with its nuisances estimated anew beside a hypothesis; poses of boards have no such."""
+    if not isinstance(evidence, ImageEvidence):
+        return evidence
+    return evidence.renuisanced(placed_in(hypothesis, evidence))
+
+
 def _shares_of_priors(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> dict[str, float]:
     """How far captures disagree about poses beside a hypothesis; see `shares_of_priors`."""
     poses, groups = [], []
@@ -105,10 +117,13 @@ class Problem:
     ----------
     evidence
         One per capture, or view.
+    workers
+        Threads that captures are simulated in, side by side.
     """
 
-    def __init__(self, evidence: Sequence[Evidence]):
+    def __init__(self, evidence: Sequence[Evidence], workers: int = 1):
         self.evidence = list(evidence)
+        self._of_each: Map = map if workers == 1 else ThreadPoolExecutor(workers).map
         sizes = [len(e.labels) for e in self.evidence]
         ends = np.cumsum([0, *sizes])
         self.slots = [Slot(int(a), int(b)) for a, b in pairwise(ends)]
@@ -133,10 +148,8 @@ class Problem:
             if key in self._kept:
                 return self._kept[key] / self.scale
             self.evaluations += 1
-        z = np.empty(len(self.labels))
-        for evidence, slot in zip(self.evidence, self.slots, strict=True):
-            z[slot.start : slot.stop] = evidence.residual(placed_in(hypothesis, evidence), self.draws)
-        z = np.nan_to_num(z, nan=1e3, posinf=1e3, neginf=-1e3)
+        parts = self._of_each(lambda e: e.residual(placed_in(hypothesis, e), self.draws), self.evidence)
+        z = np.nan_to_num(np.concatenate([*parts, np.zeros(0)]), nan=1e3, posinf=1e3, neginf=-1e3)
         with self._lock:
             self._kept[key] = z
         return z / self.scale
@@ -149,7 +162,7 @@ class Problem:
         return self._replicate_residuals[key]
 
     def _simulate_replicates(self, hypothesis: Hypothesis) -> ReplicateResiduals:
-        parts = [evidence.replicate_residuals(placed_in(hypothesis, evidence)) for evidence in self.evidence]
+        parts = list(self._of_each(lambda e: e.replicate_residuals(placed_in(hypothesis, e)), self.evidence))
         return ReplicateResiduals(
             np.concatenate([part.z for part in parts]),
             _side_by_side([part.replicates for part in parts]),
@@ -171,10 +184,7 @@ class Problem:
 
         Poses are first estimated within their priors, and then as far as captures disagree about them.
         """
-        stated = [
-            e.renuisanced(placed_in(hypothesis, e)) if isinstance(e, ImageEvidence) else e
-            for e in self._stated
-        ]
+        stated = list(self._of_each(lambda e: _renuisanced(e, hypothesis), self._stated))
         shares = _shares_of_priors(stated, hypothesis)
         if all(new is old for new, old in zip(stated, self._stated, strict=True)) and _are_close(
             shares, self._shares
@@ -183,7 +193,7 @@ class Problem:
         evidence = [e.agreeing(shares) if isinstance(e, ImageEvidence) else e for e in stated]
         other = copy(self)
         other.evidence, other._stated, other._shares = evidence, stated, shares
-        other.null = np.concatenate([e.residual(()) for e in evidence]) / self.scale
+        other.null = np.concatenate(list(self._of_each(lambda e: e.residual(()), evidence))) / self.scale
         other._kept, other._replicate_residuals = {}, {}
         return other
 

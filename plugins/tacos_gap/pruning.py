@@ -22,7 +22,7 @@ REFITTED = 2
 def pruned(problem: Problem, fitted: Fitted, least: float) -> Fitted:
     """A fit without the parameters that are worth less than `least` each on held-out conditions [nat]."""
     while True:
-        begun = [fit(problem, hypothesis) for hypothesis in _with_one_less(fitted)[:REFITTED]]
+        begun = [fit(problem, hypothesis, near=fitted) for hypothesis in _with_one_less(fitted)[:REFITTED]]
         fewer = [settled(problem, f) for f in begun if f is not None]
         kept = [f for f in fewer if f.score > fitted.score - least]
         if not kept:
@@ -47,7 +47,10 @@ def restored(problem: Problem, fitted: Fitted, least: float) -> Fitted:
                 free[name] = step
             column += 1
         hypothesis.append(replace(term, free=free))
-    if tuple(hypothesis) == fitted.hypothesis or (begun := fit(problem, tuple(hypothesis))) is None:
+    if (
+        tuple(hypothesis) == fitted.hypothesis
+        or (begun := fit(problem, tuple(hypothesis), near=fitted)) is None
+    ):
         return fitted
     wider = finished(problem, begun)
     return wider if wider.score > fitted.score + least else fitted

@@ -5,7 +5,7 @@ What each changes in the residuals is kept as a direction: rounds are screened w
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,12 +16,10 @@ from tacos_gap.boards import BoardEvidence
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.fit import theta_of
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_for, neutral_value
-from tacos_gap.problem import Problem, robust, robust_derivative
+from tacos_gap.problem import Map, Problem, robust, robust_derivative
 
 SHARES = (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
 """Multiples of a direction's change that are looked at."""
-
-Map = Callable[[Callable[[HypothesisTerm], Any], Iterable[HypothesisTerm]], Iterable[Any]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.settings import Settings, setting
+from tacos_gap.attribution.fits import Fits
 from tacos_gap.evidence import Label, ReplicateResiduals
 from tacos_gap.fit import finished, fit, jacobian_of, rescored
 from tacos_gap.intervals import FEWEST, half_widths, spread_between
@@ -112,6 +113,77 @@ def test_at_its_end_a_fit_costs_its_jacobian_alone():
     again = finished(counted, ended)
     assert again.hypothesis == ended.hypothesis
     assert counted.evaluations == 3, "the place, and a neighbour for each of two parameters"
+
+
+def _bump(config: Bump.Config) -> np.ndarray:
+    return shape(config.height, config.bend)
+
+
+class Sum(Curve):
+    """Evidence of a bump and a tilt."""
+
+    class Tilt:
+        """A slope."""
+
+        class Config(Settings):
+            slope: float = setting(0.0, help="Slope.")
+
+        neutral: ClassVar = {"slope": 0.0}
+
+        def __init__(self, config: Config) -> None:
+            self.config = config
+
+    def residual(self, effects: Sequence[Any], draws: int = 1) -> np.ndarray:
+        bump = sum(
+            (shape(e.config.height, e.config.bend) for e in effects if e.cls is Bump), np.zeros(len(X))
+        )
+        tilt = sum((e.config.slope for e in effects if e.cls is Sum.Tilt), 0.0)
+        return self.real - bump - tilt * np.cos(3 * X)
+
+
+def tilt(slope: float) -> HypothesisTerm:
+    return HypothesisTerm("tilt", Sum.Tilt, {"slope": slope}, {"slope": 1.0})
+
+
+def tilted(count: int = 4) -> Problem:
+    of = [Sum(6.0, 1.2, seed) for seed in range(count)]
+    for evidence in of:
+        evidence.real = evidence.real + 5.0 * np.cos(3 * X)
+    return Problem(of)
+
+
+def test_how_residuals_move_with_parameters_of_a_fit_nearby_is_not_simulated_again():
+    sketch = fit(tilted(), start())
+    assert sketch is not None
+    base = finished(tilted(), sketch)
+    hypothesis = (*base.hypothesis, tilt(1.0))
+    of = tilted()
+    begun = fit(of, hypothesis, iterations=0, near=base)
+    assert begun is not None
+    assert of.evaluations == 2, "the place, and a neighbour for the slope"
+    assert begun.jacobian == pytest.approx(jacobian_of(of, hypothesis, begun.z)[0], abs=0.05)
+    found = fit(of, hypothesis, near=base)
+    assert found is not None
+    assert found.hypothesis[1].values["slope"] == pytest.approx(5.0, abs=0.5)
+
+
+def test_a_fit_that_ends_below_one_of_fewer_effects_is_made_again_by_itself():
+    """Columns from nearby point the wrong way here, as they do where one effect bends what another does."""
+    fits = Fits(tilted())
+    base = fit(fits.problem, start())
+    assert base is not None
+    wrong = fits.keep(replace(base, jacobian=-base.jacobian))
+    far = tuple(replace(term, values={**term.values, "height": 2.0}) for term in base.hypothesis)
+    (found,) = fits.fitted([(*far, tilt(1.0))], near=wrong)
+    assert found.cost < base.cost
+    assert found.hypothesis[0].values["height"] == pytest.approx(6.0, abs=0.5)
+    assert found.hypothesis[1].values["slope"] == pytest.approx(5.0, abs=0.5)
+
+
+def test_captures_simulated_side_by_side_give_the_same_residuals():
+    one, two = (Problem([Curve(6.0, 1.2, seed) for seed in range(5)], workers) for workers in (1, 2))
+    assert np.array_equal(one.residual(start()), two.residual(start()))
+    assert np.array_equal(one.replicate_residuals(()).z, two.replicate_residuals(()).z)
 
 
 def test_captures_that_disagree_widen_the_interval():

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.discrete import searched
 from tacos_gap.fit import Fitted, fit, rescored, settled
-from tacos_gap.problem import Hypothesis, Problem
+from tacos_gap.problem import Hypothesis, Map, Problem
 
 CLOSE = 30.0
 """Effects whose first fits score so much less than another are no rivals of it [nat]; all others are
 compared by several simulations."""
-
-Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 
 
 class Fits:
@@ -62,25 +59,37 @@ class Fits:
         self.known[_key(fitted.hypothesis)] = fitted
         return fitted
 
-    def compared(self, hypotheses: Sequence[Hypothesis], reference: Fitted | None = None) -> list[Fitted]:
-        """Fits of which those that come close to the best, or to the reference, are of several draws."""
-        fits = self.fitted(hypotheses)
-        best = max([f.score for f in [*fits, *([reference] if reference else [])]], default=0.0)
-        near = [fitted for fitted in fits if fitted.score > best - CLOSE]
-        for ended in self._each(lambda fitted: settled(self.problem, fitted), near):
+    def compared(self, hypotheses: Sequence[Hypothesis], near: Fitted) -> list[Fitted]:
+        """Fits of which those that come close to the best, or to the fit nearby, are of several draws."""
+        fits = self.fitted(hypotheses, near)
+        best = max(fitted.score for fitted in (*fits, near))
+        close = [fitted for fitted in fits if fitted.score > best - CLOSE]
+        for ended in self._each(lambda fitted: settled(self.problem, fitted), close):
             self.keep(ended)
         return [self.again(fitted) for fitted in fits]
 
-    def fitted(self, hypotheses: Sequence[Hypothesis]) -> list[Fitted]:
-        """Fit them, in parallel; each set of effects once."""
+    def fitted(self, hypotheses: Sequence[Hypothesis], near: Fitted) -> list[Fitted]:
+        """Fit them, in parallel, from what a fit nearby knows; each set of effects once."""
         wanted = [h for h in hypotheses if _key(h) not in self.known]
-        for fitted in self._each(self._fit, wanted):
+        for fitted in self._each(lambda hypothesis: self._fit(hypothesis, near), wanted):
             if fitted is not None:
                 self.keep(fitted)
         return [self.known[_key(h)] for h in hypotheses if _key(h) in self.known]
 
-    def _fit(self, hypothesis: Hypothesis) -> Fitted | None:
-        return fit(self.problem, searched(self.problem, hypothesis) if hypothesis else hypothesis)
+    def _fit(self, hypothesis: Hypothesis, near: Fitted) -> Fitted | None:
+        """A fit from what one nearby knows; where it ends below one of fewer effects, that misled it."""
+        begun = searched(self.problem, hypothesis) if hypothesis else hypothesis
+        found = fit(self.problem, begun, near=near)
+        if found is None or found.cost <= self._least_of_fewer(hypothesis):
+            return found
+        return fit(self.problem, found.hypothesis)
+
+    def _least_of_fewer(self, hypothesis: Hypothesis) -> float:
+        """What fits of some of its effects leave at least."""
+        names = {term.name for term in hypothesis}
+        return min(
+            (fitted.cost for key, fitted in list(self.known.items()) if names > set(key)), default=np.inf
+        )
 
     def renuisanced(self, best: Fitted) -> Fitted:
         """An explanation fitted again where the nuisances of captures moved beside it.

@@ -150,7 +150,7 @@ class ForwardSelection:
             if not self._directions:
                 self._directions = try_all(self.problem, self._effects, self._each)
                 if codec := codec_of_files(self.problem, self._directions):
-                    best = self._fits.fitted([codec])[0]
+                    best = self._fits.fitted([codec], near=best)[0]
                     self._notify(" + ".join(best.names))
                     continue
             better = self._extended(best)
@@ -212,7 +212,7 @@ class ForwardSelection:
         """The best explanation with one more effect; None when none is worth its complexity penalty."""
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
         guesses = self._screened(base, TRIED, among=among, least=least)
-        tried = self._fits.compared([(*base.hypothesis, guess) for guess in guesses])
+        tried = self._fits.compared([(*base.hypothesis, guess) for guess in guesses], near=base)
         tried = [fitted for fitted in tried if shows(self.problem, base, fitted)]
         if not tried:
             return None
@@ -265,13 +265,13 @@ class ForwardSelection:
             hypothesis = searched(averaged, (*_without(hypothesis, name), term), farthest=1)
         if {term.name: term for term in hypothesis} == {term.name: term for term in fitted.hypothesis}:
             return fitted
-        begun = fit(self.problem, hypothesis)
+        begun = fit(self.problem, hypothesis, near=fitted)
         return fitted if begun is None else max(fitted, finished(self.problem, begun), key=lambda f: f.score)
 
     def _backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""
         for name in fitted.names:
-            fewer = self._fits.compared([_without(fitted.hypothesis, name)], reference=fitted)
+            fewer = self._fits.compared([_without(fitted.hypothesis, name)], near=fitted)
             if fewer and not is_worth_it(self.problem, fewer[0], fitted):
                 fitted = fewer[0]
         return fitted
@@ -279,9 +279,9 @@ class ForwardSelection:
     def _rivals(self, fitted: Fitted, name: str) -> dict[str, Fitted]:
         """Fits with other effects in the place of `name`, and with none."""
         rest = _without(fitted.hypothesis, name)
-        (without,) = self._fits.compared([rest], reference=fitted)
+        (without,) = self._fits.compared([rest], near=fitted)
         guesses = self._screened(without, TRIED, without=[name])
-        rivals = self._fits.compared([(*rest, guess) for guess in guesses], reference=fitted)
+        rivals = self._fits.compared([(*rest, guess) for guess in guesses], near=fitted)
         return {"": without, **{(set(rival.names) - set(fitted.names)).pop(): rival for rival in rivals}}
 
     def _better_rival(self, best: Fitted, slots: Mapping[str, Mapping[str, Fitted]]) -> Fitted | None:

@@ -2,7 +2,7 @@
 
 Dense flow finds large displacements, but jumps as noise and shape have it: a picture moved by a fiftieth of a
 pixel by an effect and by a nuisance gave numbers 60 % apart. So flow is where least squares begin, whose end
-is a smooth function of the frames.
+is a smooth function of the frames; those of red and blue begin where green was found.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ _LEAST_SIDE_PX = 32
 _TEXTURED = 0.02
 """Gradient that makes a pixel count, over the range of the image per pixel."""
 
-_STEPS = 2
-"""Least squares after flow; the second where the first shows that flow was far off."""
+_STEPS = 3
+"""Least squares at most; a further one where the last shows that it began far off."""
 
 _NEAR_PX = 0.75
 """A move beyond the whole pixels by less is as good as from the pixels nearest to it."""
@@ -55,14 +55,15 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     colour = len(sample.channels) == 3
     if capture.own_edges and not colour:
         return
-    green = _displacements(sample, 1 if colour else 0)
+    channel = 1 if colour else 0
+    green = _displacements(sample, channel, spots.medians(_flow(sample, channel)))
     if not capture.own_edges:
         for values, axis in zip(green, "xy", strict=True):
             at = [{**a, "axis": axis} for a in spots.at]
             yield StatisticBlock("displacement", "optics", values, at, AMPLITUDE_PX)
     if colour:
         for channel, name in ((0, "R-G"), (2, "B-G")):
-            apart = _displacements(sample, channel) - green
+            apart = _displacements(sample, channel, green) - green
             for values, axis in zip(apart, "xy", strict=True):
                 places = [{**a, "axis": axis, "channels": name} for a in spots.at]
                 yield StatisticBlock("colour_displacement", "optics", values, places, AMPLITUDE_PX)
@@ -153,8 +154,8 @@ def _spots(capture: RealCapture) -> _Spots:
     return _SPOTS[capture]
 
 
-def _displacements(sample: Sample, channel: int) -> NDArray[np.float64]:
-    """(2, T) displacements in x and y of the frames' tiles against the expectation [px].
+def _displacements(sample: Sample, channel: int, begun: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2, T) displacements in x and y of the frames' tiles against the expectation, from (2, T) guesses [px].
 
     The expectation is moved by whole pixels, for which nothing is interpolated. What is left is found by
     least squares on the mean slope of both pictures (Lucas & Kanade 1981), right but for the third power of
@@ -164,7 +165,7 @@ def _displacements(sample: Sample, channel: int) -> NDArray[np.float64]:
     expected = _reference(sample, channel)
     frame = _with_slopes(_compared(sample)[..., channel])
     seen, *slopes = spots.centred(frame)
-    moved = spots.medians(_flow(sample, channel))
+    moved = begun
     for _ in range(_STEPS):
         whole = np.rint(moved).astype(np.int64)
         there, *slopes_there = expected.pixels if not whole.any() else spots.centred(expected.images, whole)
