@@ -44,13 +44,18 @@ BY_PICTURES = Proof(0.6, 0.9)
 """Of a share that is the least of many resamples, and that no rival reaches."""
 
 
+A_PART = 1 / 3
+"""Share of what was wrong with a statistic and is mended, from which on an effect is no rest of another:
+of two effects that both bend it, each mends about half."""
+
+
 def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> float:
     """Share of the squared gap that an effect explains in the statistics of captures where it shows.
 
     They count by what they gain. What flats prove, scenes that nothing explains do not disprove; and where a
     capture shows no gap, there is nothing to explain that could prove anything. What an effect mends of a
     statistic is held against all that was wrong with it: the rest that another effect leaves there may come
-    of that one's exact form, and proves no further effect.
+    of that one's exact form, and proves no further effect; but see `A_PART`.
 
     Parameters
     ----------
@@ -70,5 +75,5 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
     above = np.maximum(before - sizes, 1e-9)
     explained = np.clip(1 - np.maximum(after - SLACK**2 * sizes, 0.0) / above, 0.0, 1.0)
     explained[before <= SLACK**2 * sizes] = 0.0
-    of_all = np.clip(gains / np.maximum(alone - after, 1e-9), 0.0, 1.0)
+    of_all = np.clip(gains / np.maximum(alone - after, 1e-9) / A_PART, 0.0, 1.0)
     return float(np.average(explained * np.where(alone > after, of_all, 1.0), weights=gains))

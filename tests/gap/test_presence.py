@@ -72,3 +72,12 @@ def test_the_rest_that_another_effect_leaves_in_a_statistic_proves_no_further_on
     rest = problem.null + 5.0 * in_flats
     assert BY_STATISTICS.by(share_explained(far_off, problem.null, rest)) == 0.0
     assert BY_STATISTICS.by(share_explained(far_off, problem.null, far_off.null)) == 1.0
+
+
+def test_two_effects_that_bend_the_same_statistic_prove_each_other_no_rest(problem):
+    """A chart through colour filters and beside an offset: each mends about half of what is wrong."""
+    in_flats = np.array([label.kind == "flat" and label.stage == "optics" for label in problem.labels])
+    far_off = Problem(problem.evidence)
+    far_off.null = problem.null + 15.0 * in_flats
+    without = problem.null + 10.0 * in_flats
+    assert BY_STATISTICS.by(share_explained(far_off, problem.null, without)) == 1.0

@@ -52,6 +52,14 @@ def test_chessboards_of_a_compact_camera_lead_to_its_distortion(diagnosed):
 
 
 @pytest.mark.slow
+def test_a_chart_through_raw_colour_filters_leads_to_their_matrix(diagnosed):
+    first = diagnosed("chart in the sun").causes[0]
+    assert (first.effect, first.present > 0.7) == ("colour-matrix", True)
+    matrix = first.parameters["matrix"].value
+    assert all(0.4 < matrix[k][k] < 0.95 for k in range(3))  # filters overlap, and none passes another's most
+
+
+@pytest.mark.slow
 def test_a_processed_bracket_leads_to_its_tone_curve(diagnosed):
     assert [cause.effect for cause in diagnosed("processed bracket").causes] == ["tone-curve"]
 

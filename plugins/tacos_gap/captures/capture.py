@@ -12,6 +12,9 @@ from tacos_framework.camera.motion import Places
 from tacos_framework.formation import PlacedSensor
 from tacos_framework.values import ImageContext, ImageGeometry
 
+PRINTED_WITHIN = 0.02
+"""Relative accuracy of the reflectance of a printed patch."""
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -178,6 +181,14 @@ class RealCapture:
         if self.frames <= enough or self.expected_dn is None or len(self.expected_dn) > 1:
             return self
         return replace(self, real_dn=self.real_dn[:enough])
+
+    @property
+    def target_within(self) -> float:
+        """Relative accuracy to which the target's reflectances are known; 0 where nobody printed them.
+
+        Prints of charts differ and fade, and gloss adds to them.
+        """
+        return PRINTED_WITHIN if self.patches is not None else 0.0
 
     @property
     def is_structured(self) -> bool:

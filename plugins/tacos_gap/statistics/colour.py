@@ -14,10 +14,8 @@ from tacos_gap.statistics.block import Sample, StatisticBlock, expected_signal
 _LEAST_SPREAD = 0.01
 """Spread of colours, over full scale, below which a matrix cannot be told."""
 
-
-_PRINTED_WITHIN = 0.02
-"""Relative accuracy to which the reflectance of a printed patch is known: prints differ and fade, and gloss
-adds to them."""
+_MATRIX = 0.005
+"""Equivalence margin of an entry of the matrix."""
 
 _LEAST_PATCH_DN = 0.3
 """Least equivalence margin of a patch [DN]."""
@@ -38,11 +36,12 @@ def colour_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         real = (sample.mean.reshape(-1, 3)[used] - black) / white
         matrix = np.linalg.lstsq(expected, real, rcond=None)[0].T
         at = [{"from": "RGB"[column], "to": "RGB"[row]} for row in range(3) for column in range(3)]
-        yield StatisticBlock("colour_matrix", "isp", matrix.ravel(), at, 0.005)
+        margin = np.hypot(_MATRIX, sample.capture.target_within / 2)  # of two dozen patches
+        yield StatisticBlock("colour_matrix", "isp", matrix.ravel(), at, margin)
     if sample.capture.patches is not None:
         boxes, _ = sample.capture.patches
         places = [{"patch": int(k), "channel": c} for k in range(len(boxes)) for c in "RGB"]
-        margins = np.hypot(_LEAST_PATCH_DN, _PRINTED_WITHIN * _means_of(boxes, sample.signal))
+        margins = np.hypot(_LEAST_PATCH_DN, sample.capture.target_within * _means_of(boxes, sample.signal))
         yield StatisticBlock("patches", "isp", _means_of(boxes, sample.residual), places, margins)
 
 

@@ -27,6 +27,9 @@ _LEAST_PIXELS = 40
 _LEAST_SIDE_PX = 32
 """Side of an image below which no flow is looked for."""
 
+_REACH_PX = 4
+"""How far from a pixel its smoothed slope looks."""
+
 _TEXTURED = 0.02
 """Gradient that makes a pixel count, over the range of the image per pixel."""
 
@@ -144,7 +147,7 @@ def _spots(capture: RealCapture) -> _Spots:
         assert capture.expected_dn is not None
         level = capture.expected_dn[0].mean(axis=-1)
         gy, gx = np.gradient(level)
-        textured = (np.hypot(gx, gy) > _TEXTURED * max(np.ptp(level), 1)) & capture.valid
+        textured = (np.hypot(gx, gy) > _TEXTURED * max(np.ptp(level), 1)) & _well_inside(capture.valid)
         grid = tiles(capture)
         where = np.flatnonzero(textured)
         tile = grid.index.ravel()[where]
@@ -152,6 +155,14 @@ def _spots(capture: RealCapture) -> _Spots:
         kept = [k for k, part in enumerate(parts) if len(part) > _LEAST_PIXELS]
         _SPOTS[capture] = _Spots([parts[k] for k in kept], [grid.at[k] for k in kept])
     return _SPOTS[capture]
+
+
+def _well_inside(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(H, W) whether all pixels that a slope is made of are valid; beyond the picture's border they are."""
+    import cv2
+
+    around = np.ones((2 * _REACH_PX + 1,) * 2, np.uint8)
+    return np.asarray(cv2.erode(valid.astype(np.uint8), around), bool)
 
 
 def _displacements(sample: Sample, channel: int, begun: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -27,7 +27,8 @@ def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
             scale = np.ones_like(signal) if dark else np.maximum(signal, 2.0)
             shape = levels[:, channel] / scale
             seen = np.clip(scale + levels[:, channel], 0.0, scale)  # full pixels show no more
-            margin = OFFSET_DN if dark else np.hypot(RELATIVE * seen, OFFSET_DN)
+            relative = np.hypot(RELATIVE, capture.target_within)
+            margin = OFFSET_DN if dark else np.hypot(relative * seen, OFFSET_DN)
             yield StatisticBlock(
                 "dark_field" if dark else "relative_illumination",
                 "pixel" if dark else "optics",

@@ -28,12 +28,13 @@ def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
             continue
         signal = expected_in(bins, sample.capture, channel)
         off = bins.mean(sample.residual[..., channel])
+        relative = np.hypot(RELATIVE, sample.capture.target_within)
         yield StatisticBlock(
             "dark_level" if sample.capture.kind == "dark" else "level",
             "readout" if sample.capture.kind == "dark" else "exposure",
             off,
             [{**at, "channel": name} for at in bins.at],
-            np.hypot(OFFSET_DN, RELATIVE * np.clip(signal + off, 0.0, signal)),  # full pixels show no more
+            np.hypot(OFFSET_DN, relative * np.clip(signal + off, 0.0, signal)),  # full pixels show no more
         )
     if sample.capture.kind == "sequence" and len(sample.frames) >= FEWEST_IN_A_ROW:
         yield from _over_time(sample)

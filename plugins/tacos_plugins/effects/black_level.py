@@ -50,6 +50,12 @@ class BlackLevel:
             "dark",
             "with the cap on there is no stray light, but still an offset",
         ),
+        LookAlike(
+            "dark-current",
+            observations.one_exposure_no_dark,
+            "dark",
+            "darks of two exposure times show whether an offset grows with time",
+        ),
     )
     shown_by: ClassVar[Sequence[ShownBy]] = (DARK,)
 

@@ -43,6 +43,11 @@ def one_scene_no_dark(captures: Captures) -> bool:
     return not of_kind(captures, "dark") and len(captures) == 1
 
 
+def one_exposure_no_dark(captures: Captures) -> bool:
+    """One exposure time, and the cap never on: what grows with time is as large as what does not."""
+    return not of_kind(captures, "dark") and len({each.context.exposure_s for each in captures}) == 1
+
+
 def one_depth_one_place(captures: Captures) -> bool:
     """Sharpness is seen on one straight edge alone: at one distance and one place in the field."""
     seen = structured(captures)

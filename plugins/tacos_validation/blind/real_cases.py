@@ -59,6 +59,12 @@ BENT = KnownTruth(("lens-distortion",), ("focal-length-error", "pose-error", "jp
 PROCESSED = KnownTruth(("tone-curve",), ("jpeg", "sharpening", "denoise", "saturation", "colour-matrix"))
 """What a camera does to the files that it finishes."""
 
+UNMIXED = KnownTruth(
+    ("colour-matrix",),
+    ("white-balance", "black-level", "veiling-glare", "dark-current", "crosstalk", "tone-curve", "jpeg"),
+)
+"""Colours as the filters of a sensor gave them, and what light and the editing of a picture add."""
+
 SEEN_BESIDE_BLUR = ("jpeg", "sharpening", "tone-curve", "denoise")
 """What pictures from finished files may have beside their blur."""
 
@@ -80,6 +86,8 @@ def real_cases(data: Path) -> Iterator[RealCase]:
         yield RealCase("chessboards by a compact", BENT, partial(_boards, files=files, seen_by=HX5V))
     if (bracket := data / "bracket_5d2").is_dir():
         yield RealCase("processed bracket", PROCESSED, partial(_bracket, folder=bracket))
+    if (chart := data / "chart_asi533" / "color_target_sun.tif").is_file():
+        yield RealCase("chart in the sun", UNMIXED, partial(_chart, file=chart))
     if (flea := data / "flea3_raw").is_dir():
         yield from _flea3(flea)
     if (blur := data / "opencv_blur").is_dir():
@@ -174,6 +182,13 @@ def _bracket(out: Path, folder: Path) -> None:
         for name, time in BRACKET_5D2_MS.items()
     ]
     _write(_folder(out), {"width_px": 640, "height_px": 426, "bit_depth": 8, "channels": 3}, captures)
+
+
+def _chart(out: Path, file: Path) -> None:
+    """One picture of a ColorChecker, of which nothing is said."""
+    image = read_samples(file)
+    camera = {"width_px": image.shape[1], "height_px": image.shape[0], "bit_depth": 8, "channels": 3}
+    _write(_folder(out), camera, [{"id": file.stem, "kind": "chart", "real": [str(file.resolve())]}])
 
 
 def _darks(out: Path, frames: Mapping[int, Sequence[Path]]) -> None:
