@@ -24,8 +24,8 @@ PRIOR = 0.1
 """Precision of a parameter that nothing bears on: it stays within some steps that matter [1 / step^2]."""
 
 UNSEEN = 0.0125
-"""Coherent share of what the explanation changed in a block that its formula may miss unseen: so far apart
-are makers of the same effect that share no formula (docs/how-to/check_the_diagnosis.md)."""
+"""Share of what the explanation changed in a statistic that its formula may miss unseen, alike in all
+captures: so far apart are makers of an effect that share no formula (docs/how-to/check_the_diagnosis.md)."""
 
 FEWEST = 2.0
 """Degrees of freedom of a spread between captures at least: with fewer its own luck would rule."""
@@ -85,7 +85,7 @@ def of_every_parameter(problem: Problem, fitted: Fitted, confidence: float = 0.9
     statistics = [np.flatnonzero(blocks == k) for k in range(int(blocks.max(initial=-1)) + 1)]
     spreads = [spread_between(groups, fitted.z, jacobian) for groups in (captures, statistics)]
     excess, freedom = _larger_excess(spreads, noise)
-    unseen = unseen_variance(fitted.z - problem.null, statistics, jacobian)
+    unseen = unseen_variance(fitted.z - problem.null, _in_all_captures(problem), jacobian)
     variance = noise + excess + unseen + map_variance(problem, hypothesis) / steps**2
     own = np.maximum(noise**2 / (replicates - 1) + excess**2 / freedom, 1e-300)
     quantile = stdtrit(np.clip((noise + excess) ** 2 / own, FEWEST, 1e6), 0.5 + confidence / 2)
@@ -141,12 +141,18 @@ def spread_between(
 
 
 def unseen_variance(
-    change: NDArray[np.float64], blocks: list[NDArray[np.int64]], jacobian: NDArray[np.float64]
+    change: NDArray[np.float64], statistics: list[NDArray[np.int64]], jacobian: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(P,) variance of estimates where each block is wrong by a share of its (K,) change [step^2]."""
+    """(P,) variance of estimates where each statistic is wrong by a share of its (K,) change [step^2]."""
     estimator, _ = _estimator(jacobian)
-    moves = np.array([estimator[:, block] @ change[block] for block in blocks])
+    moves = np.array([estimator[:, own] @ change[own] for own in statistics])
     return np.asarray(UNSEEN**2 * (moves**2).sum(axis=0))
+
+
+def _in_all_captures(problem: Problem) -> list[NDArray[np.int64]]:
+    """Where the numbers of each statistic stand, in all captures: a formula is wrong in all alike."""
+    names = np.array([label.statistic for label in problem.labels])
+    return [np.flatnonzero(names == name) for name in dict.fromkeys(names.tolist())]
 
 
 def map_variance(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64]:

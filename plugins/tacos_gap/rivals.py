@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.evidence import SPREAD_OF_ONE
 from tacos_gap.fit import Fitted
 from tacos_gap.problem import Problem, robust
 from tacos_gap.unknown import block_index
@@ -18,7 +19,8 @@ def standard_error(problem: Problem, one: Fitted, other: Fitted) -> float:
 
     Noise moves both scores, and their difference only as far as their predictions differ. It counts as
     often as numbers vary together, and more in blocks that even the better one does not describe: what a
-    formula misses there could as well lean to the other side.
+    formula misses there could as well lean to the other side. So could what is negligible: all numbers of a
+    block may be off by their equivalence margins together, however little noise there is.
 
     Parameters
     ----------
@@ -36,9 +38,17 @@ def standard_error(problem: Problem, one: Fitted, other: Fitted) -> float:
         return 0.0
     blocks = block_index(problem)
     better, worse = sorted((one, other), key=lambda fitted: -fitted.score)
-    apart = np.bincount(blocks, (robust(better.held_out) - robust(worse.held_out)) ** 2)
+    apart = robust(better.held_out) - robust(worse.held_out)
     left = np.bincount(blocks, robust(better.held_out) ** 2) / np.bincount(blocks)
-    return math.sqrt(problem.weight * float(np.sum(apart * np.maximum(left, 1.0))))
+    by_noise = problem.weight * float(np.sum(np.bincount(blocks, apart**2) * np.maximum(left, 1.0)))
+    by_margins = problem.weight * np.bincount(blocks, np.abs(apart) * _margins(problem, blocks))
+    return math.sqrt(by_noise + float(np.sum(by_margins**2)))
+
+
+def _margins(problem: Problem, blocks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(K,) equivalence margins: what the noise of the simulator's replicates lacks of the units [1]."""
+    by_noise = SPREAD_OF_ONE * np.bincount(blocks, problem.null_replicates.var(axis=0)) / np.bincount(blocks)
+    return np.asarray(np.sqrt(np.clip(1 - by_noise, 0.0, 1.0)))[blocks]
 
 
 def slot_probabilities(scores: Mapping[str, float], errors: Mapping[str, float]) -> dict[str, float]:

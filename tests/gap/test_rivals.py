@@ -13,7 +13,7 @@ from tacos_gap.fit import fit
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
 from tacos_gap.rivals import discrepancy, gain_beyond, slot_probabilities, standard_error
-from tests.gap.test_fit import Bump, Curve, problem, start
+from tests.gap.test_fit import Bump, Curve, X, problem, start
 
 
 def test_scores_that_are_known_exactly_give_their_likelihood_ratio():
@@ -44,6 +44,21 @@ def test_the_standard_error_is_what_the_score_difference_spreads_over_repeated_n
         differences.append((one.score - other.score) / of.weight)
         errors.append(standard_error(of, one, other) / math.sqrt(of.weight))
     assert np.median(errors) == pytest.approx(np.std(differences), rel=0.35)
+
+
+def test_what_is_negligible_makes_no_rival_unlikely_however_little_noise_there_is():
+    """Two bumps that differ by a tenth of the margin in every number, and noise that is a hundredth of it."""
+    errors = []
+    for noise in (1.0, 0.01):
+        of = problem(6.0, 0.0)
+        for evidence in of.evidence:
+            evidence.null_replicates = noise * evidence.null_replicates  # type: ignore[misc]
+        of = Problem(of.evidence)
+        fits = [fit(of, (HypothesisTerm("bump", Bump, {"height": h, "bend": 0.0}, {}),)) for h in (6.0, 6.5)]
+        one, other = (each for each in fits if each is not None)
+        errors.append(standard_error(of, one, other) / math.sqrt(of.weight))
+    coherent = 4 * (0.5 * np.exp(-4 * X**2)).sum() ** 2  # each of four blocks off by a whole margin
+    assert errors[1] ** 2 - errors[0] ** 2 == pytest.approx(coherent, rel=0.1)
 
 
 def test_what_a_formula_may_miss_of_its_own_change_is_no_further_effect():

@@ -100,7 +100,7 @@ class Fits:
         if moved is self.problem:
             return best
         self.problem = moved
-        refitted = fit(moved, best.hypothesis)
+        refitted = fit(moved, best.hypothesis, near=best)
         self.known = {}
         for each in (fit(moved, ()), refitted):
             assert each is not None
