@@ -17,6 +17,7 @@ from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hi
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.coverage import beyond_own_edges
+from tacos_gap.captures.large import ENOUGH_PIXELS, left_out, measured_part, part_of
 from tacos_gap.captures.mean_of_files import without_clipped_expectation
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.causes import cause_set_of, causes_of
@@ -33,9 +34,6 @@ from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
 from tacos_gap.transfer import of_each_capture, of_one_specimen
 from tacos_gap.undiagnosed import nothing_measured
 from tacos_gap.unknown import Unexplained, block_index, unexplained
-
-ENOUGH_PIXELS = 500_000
-"""Repeated frames beyond so many pixels in all tell little that others do not, and cost as much."""
 
 LEAST_BESIDE_UNKNOWN = 0.1
 """Share of the gap that an effect must remove to be named where something unknown is at work."""
@@ -173,6 +171,8 @@ def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evi
     boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
     said = [each for each in pictures if isinstance(each, str)]
     said += [text for each in images for text in unmeasured(each.capture)]
+    whole = {capture.id: capture for capture in captures}
+    said += [text for each in images if (text := left_out(whole[each.capture.id], each.capture))]
     return [*images, *boards], [*said, *(text for each in images if (text := _not_taken(each)))]
 
 
@@ -208,6 +208,8 @@ def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
     capture = without_clipped_expectation(capture)
     if not capture.valid.any():
         return f"{capture.id}: white has cut off the files that its expectation is a mean of; it is left out."
+    if (part := measured_part(capture)) is not None:
+        capture = part_of(capture, part)
     return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 

@@ -1,0 +1,119 @@
+"""Captures of many megapixels: a part of each frame is measured, where it shows most."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures.capture import RealCapture
+
+MANY_PIXELS = 1_500_000
+"""Pixels of a frame beyond which a part of it is measured: every trial of an effect simulates them all."""
+
+ENOUGH_PIXELS = 500_000
+"""Pixels of that part, and of repeated frames in all: more tell little that these do not."""
+
+GRID_PX = 16
+"""Parts begin and end with the blocks of codecs, and with whole cells of mosaics."""
+
+Part = tuple[slice, slice]
+"""Rows and columns."""
+
+
+def measured_part(capture: RealCapture) -> Part | None:
+    """The part of a capture that is measured; None where that is all of it.
+
+    A band along the longer side, so that what depends on the radius is seen as far out as that: through the
+    middle, or where edges are of a capture that shows some. Of a chart all of its patches.
+
+    Parameters
+    ----------
+    capture
+        With its expectation.
+    """
+    height, width = capture.valid.shape
+    if height * width <= MANY_PIXELS or capture.expected_dn is None:
+        return None
+    if capture.patches is not None:
+        return _around(capture.patches[0], height, width)
+    upright = height > width
+    along, across = (height, width) if upright else (width, height)
+    size = max(GRID_PX, ENOUGH_PIXELS // along // GRID_PX * GRID_PX)
+    start = _where_most_is_shown(_shown(capture).sum(axis=0 if upright else 1, dtype=np.float64), size)
+    band = slice(start, min(start + size, across))
+    return (slice(0, height), band) if upright else (band, slice(0, width))
+
+
+def part_of(capture: RealCapture, part: Part) -> RealCapture:
+    """A part of a capture that nothing has moved yet, as if the sensor had been read out there alone."""
+    rows, columns = part
+    context = capture.context
+    velocity = context.velocity_px_s
+    boxes = capture.patches
+    return replace(
+        capture,
+        real_dn=capture.real_dn[:, rows, columns],
+        expected_dn=None if capture.expected_dn is None else capture.expected_dn[:, rows, columns],
+        valid=capture.valid[part],
+        geometry=capture.geometry.crop(
+            x=columns.start,
+            y=rows.start,
+            width_px=columns.stop - columns.start,
+            height_px=rows.stop - rows.start,
+        ),
+        context=replace(
+            context,
+            depth_m=None if context.depth_m is None else context.depth_m[..., rows, columns],
+            velocity_px_s=(lambda: _cut(velocity(), part)) if callable(velocity) else _cut(velocity, part),
+            reference_row=context.reference_row - rows.start,
+        ),
+        patches=boxes and (boxes[0] - np.array([columns.start, rows.start, 0, 0]), boxes[1]),
+    )
+
+
+def left_out(whole: RealCapture, measured: RealCapture) -> str:
+    """In a sentence, what of a capture was not measured; empty where all of it was."""
+    if measured.valid.shape == whole.valid.shape:
+        return ""
+    x, y = np.subtract(measured.geometry.offset_px, whole.geometry.offset_px)
+    of, seen = (f"{width} x {height}" for height, width in (whole.valid.shape, measured.valid.shape))
+    return (
+        f"{whole.id}: of {of} pixels, {seen} are measured, from column {x} and row {y} on; what only the "
+        "rest would tell is not seen."
+    )
+
+
+def _cut(velocity: Any, part: Part) -> Any:
+    """A (H, W, 2) or (N, H, W, 2) field of velocities, cut; one velocity of all pixels stays."""
+    return velocity if velocity is None or velocity.ndim == 1 else velocity[..., *part, :]
+
+
+def _around(boxes: NDArray[np.int64], height: int, width: int) -> Part:
+    """The rows and columns that hold boxes (P, 4), on the grid."""
+    low = boxes[:, :2].min(axis=0) // GRID_PX * GRID_PX
+    high = -(-(boxes[:, :2] + boxes[:, 2:]).max(axis=0) // GRID_PX) * GRID_PX
+    return slice(int(low[1]), min(int(high[1]), height)), slice(int(low[0]), min(int(high[0]), width))
+
+
+def _shown(capture: RealCapture) -> NDArray[np.float32]:
+    """(H, W) what a capture shows at each pixel: edges of which something is expected."""
+    if not capture.is_structured:
+        return np.zeros(capture.valid.shape, np.float32)
+    assert capture.expected_dn is not None
+    level = np.ascontiguousarray(capture.expected_dn[0].mean(axis=-1))
+    slope = np.hypot(cv2.Sobel(level, cv2.CV_32F, 1, 0), cv2.Sobel(level, cv2.CV_32F, 0, 1))
+    return np.asarray(slope * capture.valid, np.float32)
+
+
+def _where_most_is_shown(profile: NDArray[np.float64], size: int) -> int:
+    """Where a band of so many lines begins: on the grid, the nearest to the middle that shows most."""
+    starts = np.arange(0, max(len(profile) - size, 0) + 1, GRID_PX)
+    sums = np.concatenate([[0.0], np.cumsum(profile)])
+    inside = sums[np.minimum(starts + size, len(profile))] - sums[starts]
+    most = np.flatnonzero(inside >= 0.999 * inside.max())
+    middle = (len(profile) - size) / 2
+    return int(starts[most[np.argmin(np.abs(starts[most] - middle))]])

@@ -1,0 +1,101 @@
+"""Captures of many megapixels, of which a part is measured."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_gap.captures import CaptureFolder
+from tacos_gap.captures.capture import Noise, RealCapture
+from tacos_gap.captures.large import ENOUGH_PIXELS, GRID_PX, left_out, measured_part, part_of
+from tacos_gap.diagnosis import gather
+from tacos_gap.formation import simulate
+from tacos_plugins.effects.vignetting import Vignetting
+
+
+def capture(height: int, width: int, kind: str = "flat", **given) -> RealCapture:
+    expected = np.full((1, height, width, 1), 120.0, np.float32)
+    return RealCapture(
+        id="a",
+        kind=kind,
+        real_dn=expected.copy(),
+        expected_dn=expected,
+        valid=np.ones((height, width), bool),
+        geometry=ImageGeometry(
+            width, height, focal_length_px=width, centre_px=((width - 1) / 2, (height - 1) / 2), pixel_um=3
+        ),
+        context=ImageContext(),
+        noise=Noise((0.1,), (1.0,)),
+        **given,
+    )
+
+
+def test_a_frame_of_ordinary_size_is_measured_whole():
+    assert measured_part(capture(960, 1280)) is None
+
+
+@pytest.mark.parametrize(("height", "width"), [(3000, 4000), (4000, 3000), (1225, 1633)])
+def test_of_a_large_one_a_band_along_its_longer_side_on_the_grid_of_codecs(height, width):
+    rows, columns = measured_part(capture(height, width))
+    sides = rows.stop - rows.start, columns.stop - columns.start
+    assert max(sides) == max(height, width)
+    assert 0.6 * ENOUGH_PIXELS < np.prod(sides) <= ENOUGH_PIXELS
+    assert rows.start % GRID_PX == columns.start % GRID_PX == 0
+    middle = (rows.start + rows.stop) / 2, (columns.start + columns.stop) / 2
+    assert middle == pytest.approx((height / 2, width / 2), abs=GRID_PX)
+
+
+def test_a_band_lies_where_a_picture_shows_edges():
+    scene = capture(1200, 1600, "scene")
+    scene.expected_dn[0, 900:1000, 200:1400:8] = 30.0
+    rows, _ = measured_part(scene)
+    assert rows.start < 900 < 1000 < rows.stop
+
+
+def test_of_a_chart_all_patches_are_measured():
+    boxes = np.array([[1000, 500, 80, 80], [2000, 900, 80, 80]])
+    chart = capture(2000, 3000, "chart", patches=(boxes, np.ones((2, 3))))
+    part = part_of(chart, measured_part(chart))
+    (x, y, width, height), *_ = part.patches[0].tolist()
+    assert (part.patches[0][:, :2] >= 0).all()
+    assert part.valid.shape >= (480, 1080)
+    assert part.geometry.offset_px == (1000 - x, 500 - y)
+    assert (width, height) == (80, 80)
+
+
+def test_an_effect_does_to_a_part_what_it_does_to_it_in_the_whole():
+    whole = capture(1600, 1600)
+    rows, columns = measured_part(whole)
+    part = part_of(whole, (rows, columns))
+    effect = PlacedEffect("effect.vignetting", "effect.vignetting", Vignetting, Vignetting.Config(k1=-0.3))
+    noiseless = [replace(each, noise=Noise((0.0,), (0.0,))) for each in (whole, part)]
+    one, other = (simulate(each, [effect], EpisodeDraws(1, ("a",))) for each in noiseless)
+    assert np.array_equal(one[:, rows, columns], other)
+    assert np.ptp(other) > 10
+
+
+def test_what_varies_with_a_capture_is_cut_with_it():
+    depth = np.arange(2000 * 1000, dtype=np.float32).reshape(2000, 1000)
+    velocity = np.stack([depth, -depth], axis=-1)
+    tall = capture(2000, 1000)
+    part = (slice(16, 48), slice(32, 96))
+    for given in (velocity, lambda: velocity):
+        context = ImageContext(depth_m=depth, velocity_px_s=given, reference_row=100.0)
+        cut = part_of(replace(tall, context=context), part).context
+        assert np.array_equal(cut.depth_m, depth[part])
+        assert np.array_equal(cut.known_velocity_px_s(""), velocity[part])
+        assert cut.reference_row == 84.0
+
+
+def test_what_is_not_measured_is_said():
+    large = capture(2000, 3000)
+    _, limitations = gather(CaptureFolder(None, (large,)), seed=0)
+    assert any(
+        "of 3000 x 2000 pixels, 3000 x 160 are measured, from column 0 and row 912 on" in t
+        for t in limitations
+    )
+    assert left_out(large, large) == ""
