@@ -179,7 +179,7 @@ def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> F
     """A fit in the units of a reweighted problem, to first order; `before` is the scale it was made with."""
     factor = before / problem.scale
     z = fitted.z * factor
-    jacobian = fitted.jacobian * (factor * robust_derivative(z) / robust_derivative(fitted.z))[:, None]
+    jacobian = factor[:, None] * _jacobian_for(fitted, z)
     return replace(_fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps), draws=fitted.draws)
 
 
@@ -226,8 +226,12 @@ Column = tuple[str, str, float]
 
 def _columns(fitted: Fitted, z: NDArray[np.float64]) -> dict[Column, NDArray[np.float64]]:
     """The columns of a fit's Jacobian, as they are for robust residuals of (K,) `z`."""
-    here = fitted.jacobian * (robust_derivative(z) / robust_derivative(fitted.z))[:, None]
-    return dict(zip(_columns_of(fitted.hypothesis), here.T, strict=True))
+    return dict(zip(_columns_of(fitted.hypothesis), _jacobian_for(fitted, z).T, strict=True))
+
+
+def _jacobian_for(fitted: Fitted, z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(K, P) a fit's Jacobian, as it is for robust residuals of (K,) `z`."""
+    return np.asarray(fitted.jacobian * (robust_derivative(z) / robust_derivative(fitted.z))[:, None])
 
 
 def _columns_of(hypothesis: Hypothesis) -> list[Column]:

@@ -115,10 +115,6 @@ def test_at_its_end_a_fit_costs_its_jacobian_alone():
     assert counted.evaluations == 3, "the place, and a neighbour for each of two parameters"
 
 
-def _bump(config: Bump.Config) -> np.ndarray:
-    return shape(config.height, config.bend)
-
-
 class Sum(Curve):
     """Evidence of a bump and a tilt."""
 

@@ -64,20 +64,25 @@ def test_small_gains_where_there_is_no_gap_prove_nothing(problem):
     assert share_explained(problem, problem.null, noisier) == 0.0
 
 
-def test_the_rest_that_another_effect_leaves_in_a_statistic_proves_no_further_one(problem):
-    """A disc took most of the detail away, a sharpening what its form left; scenes stay unexplained."""
-    in_flats = np.array([label.kind == "flat" and label.stage == "optics" for label in problem.labels])
+@pytest.fixture
+def in_flats(problem):
+    """Which numbers are the optics of flats, of which the null then is far off."""
+    chosen = np.array([label.kind == "flat" and label.stage == "optics" for label in problem.labels])
     far_off = Problem(problem.evidence)
-    far_off.null = problem.null + 15.0 * in_flats
-    rest = problem.null + 5.0 * in_flats
+    far_off.null = problem.null + 15.0 * chosen
+    return far_off, chosen
+
+
+def test_the_rest_that_another_effect_leaves_in_a_statistic_proves_no_further_one(problem, in_flats):
+    """A disc took most of the detail away, a sharpening what its form left; scenes stay unexplained."""
+    far_off, chosen = in_flats
+    rest = problem.null + 5.0 * chosen
     assert BY_STATISTICS.by(share_explained(far_off, problem.null, rest)) == 0.0
     assert BY_STATISTICS.by(share_explained(far_off, problem.null, far_off.null)) == 1.0
 
 
-def test_two_effects_that_bend_the_same_statistic_prove_each_other_no_rest(problem):
+def test_two_effects_that_bend_the_same_statistic_prove_each_other_no_rest(problem, in_flats):
     """A chart through colour filters and beside an offset: each mends about half of what is wrong."""
-    in_flats = np.array([label.kind == "flat" and label.stage == "optics" for label in problem.labels])
-    far_off = Problem(problem.evidence)
-    far_off.null = problem.null + 15.0 * in_flats
-    without = problem.null + 10.0 * in_flats
+    far_off, chosen = in_flats
+    without = problem.null + 10.0 * chosen
     assert BY_STATISTICS.by(share_explained(far_off, problem.null, without)) == 1.0

@@ -8,7 +8,6 @@ a worker never waits for long to say one.
 from __future__ import annotations
 
 import logging
-import pickle
 from collections.abc import Mapping
 from multiprocessing.connection import Connection
 from threading import Thread
@@ -31,7 +30,7 @@ def send_logs(channel: Connection, levels: Mapping[str, int]) -> None:
     Parameters
     ----------
     channel
-        Takes pickled records.
+        Takes records.
     levels
         The level of each logger, as in the process that reads them (`explicit_levels`).
     """
@@ -53,7 +52,7 @@ class _ToParent(logging.Handler):
         travels = {key: value for key, value in vars(record).items() if isinstance(value, str | int | float)}
         plain = {**travels, "msg": message, "exc_text": None, "stack_info": None}  # the message has both
         try:
-            self._channel.send_bytes(pickle.dumps(plain))
+            self._channel.send(plain)
         except (BrokenPipeError, ConnectionResetError):
             logging.root.handlers = []  # the parent is gone, and this process ends with it
 
@@ -64,7 +63,7 @@ class WorkerLog:
     Parameters
     ----------
     channel
-        Brings pickled records.
+        Brings records.
     worker
         What the worker is called in front of each of its messages.
     """
@@ -82,7 +81,7 @@ class WorkerLog:
         with self._channel:
             while True:
                 try:
-                    plain: dict[str, Any] = pickle.loads(self._channel.recv_bytes())  # noqa: S301 - our own worker
+                    plain: dict[str, Any] = self._channel.recv()
                 except (EOFError, OSError):  # OSError: killed in the middle of a record
                     return
                 record = logging.makeLogRecord({**plain, "msg": f"{self._worker}: {plain['msg']}"})
