@@ -124,22 +124,50 @@ def _combined(
 ) -> tuple[float, HypothesisTerm] | None:
     """Directions of one free parameter each, combined by least squares: what they gain, and the term."""
     directions = list(single.values())
+    shares = combined_shares(directions, base)
+    term = term_at(directions, shares)
+    return None if term is None else (combined_gain(directions, shares, base), term)
+
+
+def apart(directions: Sequence[ScreeningDirection], base: NDArray[np.float64]) -> list[ScreeningDirection]:
+    """Those directions of an effect that may be added up: one for each parameter, else the best of all."""
+    return list(_of_one_parameter(directions).values()) or [
+        max(directions, key=lambda one: combined_gain([one], combined_shares([one], base), base))
+    ]
+
+
+def combined_shares(
+    directions: Sequence[ScreeningDirection], base: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(D,) multiples of directions that together leave least of (K,) residuals, to first order."""
     changes = np.stack([direction.change for direction in directions], axis=1)
     weights = robust_derivative(base)
     normal = (changes * weights[:, None]).T @ changes
     ridge = 1e-4 * float(np.trace(normal)) / len(normal)
     shares = -np.linalg.solve(normal + ridge * np.eye(len(normal)), changes.T @ (weights * base))
-    shares = np.clip(shares, -4, 4)
+    return np.clip(shares, -4, 4)
+
+
+def combined_gain(
+    directions: Sequence[ScreeningDirection], shares: NDArray[np.float64], base: NDArray[np.float64]
+) -> float:
+    """Fall of the sum of robust squares with (D,) multiples of directions added to (K,) residuals."""
+    changes = np.stack([direction.change for direction in directions], axis=1)
+    return float(np.sum(robust(base) ** 2) - np.sum(robust(base + changes @ shares) ** 2))
+
+
+def term_at(directions: Sequence[ScreeningDirection], shares: NDArray[np.float64]) -> HypothesisTerm | None:
+    """The effect with (D,) multiples of its directions, all their parameters free; None where it refuses."""
+    if len(directions) == 1:
+        return _scaled(directions[0].term, float(shares[0]))
     values: dict[str, Any] = {}
     free: dict[str, float] = {}
-    for (key, direction), share in zip(single.items(), shares, strict=True):
+    for direction, share in zip(directions, shares, strict=True):
+        (key,) = direction.term.free
         values |= {**direction.term.values, key: _scaled(direction.term, float(share)).values[key]}
         free[key] = direction.term.free[key]
     term = replace(directions[0].term, values=values, free=free)
-    if term.placed() is None:
-        return None
-    gain = float(np.sum(robust(base) ** 2)) - float(np.sum(robust(base + changes @ shares) ** 2))
-    return gain, term
+    return term if term.placed() is not None else None
 
 
 def _scaled(term: HypothesisTerm, scale: float) -> HypothesisTerm:

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from tacos_framework.contracts import FILE_STAGES
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.attribution.found import Attribution
+from tacos_gap.attribution.pairs import best_pair
+from tacos_gap.attribution.shortlist import shortlist
 from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, shows
 from tacos_gap.codec import codec_of_files
 from tacos_gap.discrete import searched
@@ -24,7 +26,7 @@ from tacos_gap.evidence import ReplicateResiduals
 from tacos_gap.fit import DRAWS, Fitted, finished, fit
 from tacos_gap.forms import in_its_best_form
 from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Hypothesis, Problem, robust
+from tacos_gap.problem import Hypothesis, Problem
 from tacos_gap.pruning import pruned, restored
 from tacos_gap.rivals import standard_error
 from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
@@ -209,46 +211,44 @@ class ForwardSelection:
     # rounds -----------------------------------------------------------------------------------------------
 
     def _extended(self, base: Fitted, among: Iterable[str] | None = None) -> Fitted | None:
-        """The best explanation with one more effect; None when none is worth its complexity penalty."""
+        """The best explanation with one more effect, or two; None when none is worth its penalty."""
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
-        guesses = self._screened(base, TRIED, among=among, least=least)
+        guesses = self._shortlist(base, self._free(base, among), least)
         tried = self._fits.compared([(*base.hypothesis, guess) for guess in guesses], near=base)
         tried = [fitted for fitted in tried if shows(self.problem, base, fitted)]
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
+        if (two := self._two_at_once(base, best, among)) is not None:
+            return two
         if not is_worth_it(self.problem, base, best):
             return None
         guesses = all_initial_guesses(self._directions[best.names[-1]])
         return self._fits.keep(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
 
-    def _screened(
-        self,
-        base: Fitted,
-        count: int,
-        *,
-        among: Iterable[str] | None = None,
-        without: Sequence[str] = (),
-        least: float = 0.0,
-    ) -> list[HypothesisTerm]:
-        """Initial guesses of the effects with the highest screening scores on `base`, above `least` [nat]."""
-        names = self._directions if among is None else [n for n in self._directions if n in set(among)]
-        free = [name for name in names if name not in base.names and name not in without]
-        scores = sorted(
-            (screening_score(self._directions[name], base.z) for name in free), key=lambda p: -p.gain
+    def _two_at_once(self, base: Fitted, best: Fitted, among: Iterable[str] | None) -> Fitted | None:
+        """Two effects that beat the best single one by more than a penalty each; None where none do."""
+        if len(best.hypothesis) == LARGEST:
+            return None
+        left = self._free(base, among)
+        alone = screening_score(self._directions[best.names[-1]], base.z).gain
+        pair = best_pair(self._directions, (name for name in left if name not in best.names), base.z)
+        if pair is None or 0.5 * self.problem.weight * (pair.gain - alone) < 2 * COMPLEXITY_PENALTY:
+            return None
+        for two in self._fits.compared([(*base.hypothesis, *pair.terms)], near=base):
+            if two.score - best.score > 2 * COMPLEXITY_PENALTY and is_worth_it(self.problem, best, two):
+                return two
+        return None
+
+    def _shortlist(self, base: Fitted, names: Sequence[str], least: float = 0.0) -> list[HypothesisTerm]:
+        return shortlist(
+            self.problem, self._directions, base, names, count=TRIED, least=least, each=self._each
         )
-        worth = 0.5 * self.problem.weight
-        shortlist = [each.initial_guesses for each in scores[:count] if worth * each.gain > least]
-        return list(self._each(lambda guesses: self._nearest(base.hypothesis, guesses), shortlist))
 
-    def _nearest(self, rest: Hypothesis, guesses: Sequence[HypothesisTerm]) -> HypothesisTerm:
-        """The guess that leaves least once it is simulated: what adds up to first order need not."""
-
-        def left(guess: HypothesisTerm) -> float:
-            z = self.problem.residual((*rest, guess))
-            return np.inf if z is None else float(np.sum(robust(z) ** 2))
-
-        return guesses[0] if len(guesses) == 1 else min(guesses, key=left)
+    def _free(self, base: Fitted, among: Iterable[str] | None = None) -> list[str]:
+        """Effects that were screened and are not yet in an explanation."""
+        wanted = set(self._directions if among is None else among)
+        return [name for name in self._directions if name in wanted and name not in base.names]
 
     def _pruned(self, fitted: Fitted) -> Fitted:
         """A converged fit, without parameters and effects that it does not need there."""
@@ -280,7 +280,7 @@ class ForwardSelection:
         """Fits with other effects in the place of `name`, and with none."""
         rest = _without(fitted.hypothesis, name)
         (without,) = self._fits.compared([rest], near=fitted)
-        guesses = self._screened(without, TRIED, without=[name])
+        guesses = self._shortlist(without, [free for free in self._free(without) if free != name])
         rivals = self._fits.compared([(*rest, guess) for guess in guesses], near=fitted)
         return {"": without, **{(set(rival.names) - set(fitted.names)).pop(): rival for rival in rivals}}
 

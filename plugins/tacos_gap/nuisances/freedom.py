@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
-from tacos_gap.nuisances.mosaic import cell_means
+from tacos_plugins.effects.mosaic_cells import cell_means
 
 SHIFT_PX = 0.5
 """Standard deviation of a shift: where a camera stands is known to about a pixel [px]."""

@@ -6,7 +6,6 @@ A point p of the file is the point (p - o) / 2 of the plane that begins at o, x 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,20 +49,3 @@ def resampled_mosaic(frames: Image, source: Places) -> Image:
         columns, rows = ((places[..., y::2, x::2] - o) / 2 for places, o in zip(source, (x, y), strict=True))
         moved[:, y::2, x::2] = resample(frames[:, y::2, x::2], columns, rows)
     return moved
-
-
-def cell_means(image: NDArray[Any]) -> Image:
-    """(H // 2, W // 2) means of the 2 x 2 cells of an (H, W) mosaic: what it shows, whatever the colours."""
-    height, width = (side // 2 * 2 for side in image.shape)
-    cells = image[:height, :width].reshape(height // 2, 2, width // 2, 2)
-    return np.ascontiguousarray(cells.mean(axis=(1, 3)), np.float32)
-
-
-def of_pixels(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2, 3) affine map of the points of `cell_means` as a map of the points of the mosaic.
-
-    The middle of a cell is half a pixel beyond its first one.
-    """
-    linear, moved = matrix[:, :2], matrix[:, 2]
-    middle = np.array([0.5, 0.5])
-    return np.column_stack([linear, 2 * moved + middle - linear @ middle])

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.formation import lit_by
-from tacos_gap.nuisances.mosaic import cell_means
 from tacos_gap.pictures.overlay import laid_over
 from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS
+from tacos_plugins.effects.mosaic_cells import cell_means
 
 LARGEST_SIDE_PX = 768
 """Of larger pictures the middle is compared: it tells as much in a fraction of the time [px]."""

@@ -1,4 +1,4 @@
-"""One picture laid over another: an affine map found from coarse to fine.
+"""One picture laid over another by the affine map that aligns them.
 
 A blurred picture aligns badly with a sharp one, since what both show are different edges. So a hypothesis is
 laid over the real frames *after* its effects, when both are as sharp as each other.
@@ -11,19 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-ITERATIONS = 60
-PRECISION = 1e-6
-LEAST_CORRELATION = 0.5
-"""Correlation of the aligned pictures below which they do not show the same."""
-
-LEAST_SIDE_PX = 32
-"""Shorter side of a picture that can be aligned [px]."""
+from tacos_plugins.effects.alignment import aligned
 
 BORDER_PX = 4
 """Rim that is not compared: there a picture is what interpolation makes of its edge [px]."""
-
-_LEVELS = 3
-_SMOOTHED_PX = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,15 +42,10 @@ def laid_over(picture: NDArray[np.float32], onto: NDArray[np.float32]) -> Overla
     ----------
     picture, onto
         (H, W) float32 of any unit.
-
-    References
-    ----------
-    Evangelidis & Psarakis 2008, "Parametric image alignment using enhanced correlation coefficient
-    maximization", IEEE PAMI 30(10).
     """
     import cv2
 
-    matrix = _aligned(_unit(onto), _unit(picture)) if min(onto.shape) >= LEAST_SIDE_PX else None
+    matrix = aligned(_unit(onto), _unit(picture))
     if matrix is None:
         return None
     size = picture.shape[::-1]
@@ -77,30 +63,3 @@ def _unit(image: NDArray[np.float32]) -> NDArray[np.float32]:
     """Over its range, as the alignment counts its convergence."""
     low, high = float(image.min()), float(image.max())
     return np.ascontiguousarray((image - low) / max(high - low, 1e-6), np.float32)
-
-
-def _aligned(fixed: NDArray[np.float32], moving: NDArray[np.float32]) -> NDArray[np.float32] | None:
-    """(2, 3) affine map from points of `fixed` to those of `moving`; shifts first, on coarser pictures."""
-    import cv2
-
-    pyramid = [(fixed, moving)]
-    while len(pyramid) < _LEVELS and min(pyramid[-1][0].shape) >= 2 * LEAST_SIDE_PX:
-        first, second = (cv2.pyrDown(each) for each in pyramid[-1])
-        pyramid.append((np.asarray(first, np.float32), np.asarray(second, np.float32)))
-    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, ITERATIONS, PRECISION)
-    matrix = np.eye(2, 3, dtype=np.float32)
-    correlation = -1.0
-    for level, (a, b) in enumerate(reversed(pyramid)):
-        if level:
-            matrix[:, 2] *= 2
-        everywhere = np.ones(b.shape, np.uint8)
-        motion = cv2.MOTION_AFFINE if level == len(pyramid) - 1 else cv2.MOTION_TRANSLATION
-        try:
-            correlation, found = cv2.findTransformECC(
-                a, b, matrix.copy(), motion, stop, everywhere, _SMOOTHED_PX
-            )
-        except cv2.error:  # it did not converge, or there is nothing to correlate
-            continue
-        if np.isfinite(found).all():
-            matrix = np.asarray(found, np.float32)
-    return matrix if np.isfinite(correlation) and correlation > LEAST_CORRELATION else None

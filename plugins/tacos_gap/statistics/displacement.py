@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.flow import ASTRAY_PX, dense_flow, smooth_field
 from tacos_gap.statistics.grid import tiles
 
 AMPLITUDE_PX = 0.03
@@ -59,7 +60,7 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     if capture.own_edges and not colour:
         return
     channel = 1 if colour else 0
-    green = _displacements(sample, channel, spots.medians(_flow(sample, channel)))
+    green = _displacements(sample, channel, _begun(sample, channel))
     if not capture.own_edges:
         for values, axis in zip(green, "xy", strict=True):
             at = [{**a, "axis": axis} for a in spots.at]
@@ -91,6 +92,12 @@ class _Spots:
 
     parts: Sequence[NDArray[np.int64]]
     at: Sequence[Mapping[str, Any]]
+
+    @cached_property
+    def middles_px(self) -> NDArray[np.float64]:
+        """(T, 2) middles of the tiles [px]."""
+        boxes = np.array([at["box_px"] for at in self.at], float).reshape(-1, 2, 2)
+        return np.asarray(boxes.mean(axis=1))
 
     def medians(self, field: NDArray[np.float32]) -> NDArray[np.float64]:
         """(2, T) medians of both components of an (H, W, 2) field in each tile."""
@@ -163,6 +170,22 @@ def _well_inside(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
     around = np.ones((2 * _REACH_PX + 1,) * 2, np.uint8)
     return np.asarray(cv2.erode(valid.astype(np.uint8), around), bool)
+
+
+def _begun(sample: Sample, channel: int) -> NDArray[np.float64]:
+    """(2, T) dense flow of the tiles, or its smooth field where flow went astray and the field fits [px]."""
+    spots = _spots(sample.capture)
+    flow = spots.medians(dense_flow(sample, _compared(sample), channel))
+    field = smooth_field(spots.middles_px, flow)
+    if np.abs(flow - field).max(initial=0.0) < ASTRAY_PX:
+        return flow
+    seen = spots.centred(_smoothed(_compared(sample)[..., channel])[None])[0]
+    smooth = _reference(sample, channel).images[:1]
+    left = []
+    for begun in (flow, field):
+        there = spots.centred(smooth, np.rint(begun).astype(np.int64))[0]
+        left.append(spots.sums((seen - _gain(spots, seen, there) * there) ** 2))
+    return np.where(left[1] < left[0], field, flow)
 
 
 def _displacements(sample: Sample, channel: int, begun: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -248,44 +271,19 @@ def _with_slopes(image: NDArray[np.float32]) -> NDArray[np.float32]:
     """(3, H, W) an image smoothed by binomials, and its slopes in x and y [1/px]."""
     import cv2
 
-    smooth = cv2.GaussianBlur(np.ascontiguousarray(image), (5, 5), 0)  # 1 4 6 4 1
+    smooth = _smoothed(image)
     one = np.ones(1, np.float32)
     slopes = [cv2.sepFilter2D(smooth, cv2.CV_32F, *taps) for taps in ((_SLOPE, one), (one, _SLOPE))]
     return np.stack([smooth, *slopes]).astype(np.float32)
 
 
+def _smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(H, W) an image smoothed by binomials, 1 4 6 4 1."""
+    import cv2
+
+    return np.asarray(cv2.GaussianBlur(np.ascontiguousarray(image), (5, 5), 0), np.float32)
+
+
 def _compared(sample: Sample) -> NDArray[np.float32]:
     """(H, W, C) frames that are compared with the first expectation [DN]."""
     return sample.mean if len(sample.expected) == 1 else sample.frames[0]
-
-
-def _flow(sample: Sample, channel: int) -> NDArray[np.float32]:
-    """Dense flow from the expectation to the frames (Kroeger et al. 2016, DIS), (H, W, 2) [px]."""
-    import cv2
-
-    first = _stretched_expectation(sample, channel)
-    second = _stretched(_compared(sample)[..., channel])
-    search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
-    search.setFinestScale(1)
-    search.setVariationalRefinementIterations(0)  # twice the time; medians over tiles hardly change
-    return np.asarray(search.calc(first, second, np.zeros((*first.shape, 2), np.float32)))
-
-
-_STRETCHED: WeakKeyDictionary[RealCapture, dict[int, tuple[NDArray[np.float32], NDArray[np.uint8]]]] = (
-    WeakKeyDictionary()
-)
-
-
-def _stretched_expectation(sample: Sample, channel: int) -> NDArray[np.uint8]:
-    """What frames are compared with, worked out once as long as it is the same array."""
-    known = _STRETCHED.setdefault(sample.capture, {})
-    if channel not in known or known[channel][0] is not sample.expected:
-        known[channel] = sample.expected, _stretched(sample.expected[0][..., channel])
-    return known[channel][1]
-
-
-def _stretched(image: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """An image stretched over 8 bits, but for its extremes; a sixteenth of the pixels tells its range."""
-    low, high = np.percentile(image[2::4, 2::4], (0.5, 99.5))
-    gain = 255 / max(float(high - low), 1.0)
-    return np.asarray(np.clip((image - np.float32(low)) * np.float32(gain), 0, 255).astype(np.uint8))

@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import Places
 from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, of_kind
+from tacos_framework.contracts.observed import Captures, ObservedCapture, of_kind, structured
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
+from tacos_plugins.effects.alignment import aligned_with_expected
 from tacos_plugins.effects.board_calibration import calibrated
 from tacos_plugins.effects.shown_by import BOARDS
+
+LEAST_MOVE_PX = 1.0
+"""Move of a corner of a picture from which on it is looked into [px]."""
 
 
 class FocalLengthError:
@@ -66,11 +70,13 @@ class FocalLengthError:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """What OpenCV calibrates from boards, with a lens that distorts, and with one that does not."""
+        """What boards calibrate, with a lens that distorts and without, or how pictures of scenes align."""
         for terms in (0, 2):
             if found := calibrated(captures, terms=terms, free=("focal_length", "principal_point")):
                 scale = found.focal_px / of_kind(captures, "board")[0].geometry.focal_length_px
                 yield {"scale": scale, "dx_px": found.moved_px[0], "dy_px": found.moved_px[1]}
+        if moves := [move for each in structured(captures) if (move := _as_aligned(each)) is not None]:
+            yield dict(zip(("scale", "dx_px", "dy_px"), np.median(moves, axis=0).tolist(), strict=True))
 
     @property
     def _off(self) -> bool:
@@ -91,3 +97,18 @@ class FocalLengthError:
         cx, cy = geometry.centre_px
         c = self.config
         return cx + (x_px - cx - c.dx_px) / c.scale, cy + (y_px - cy - c.dy_px) / c.scale
+
+
+def _as_aligned(capture: ObservedCapture) -> tuple[float, float, float] | None:
+    """Scale and shift by which a picture aligns with its expectation; None where it hardly moves or does not.
+
+    A lens that is focused nearer magnifies: focus steps of one thing differ by percents.
+    """
+    if capture.own_edges or (matrix := aligned_with_expected(capture)) is None:
+        return None
+    centre = np.asarray(capture.geometry.centre_px, float)
+    scale = float(np.trace(matrix[:, :2])) / 2
+    dx, dy = matrix @ [*centre, 1.0] - centre
+    corner_px = float(np.hypot(capture.geometry.width_px, capture.geometry.height_px)) / 2
+    moves = np.hypot(dx, dy) + abs(scale - 1) * corner_px
+    return (scale, float(dx), float(dy)) if moves > LEAST_MOVE_PX else None
