@@ -6,7 +6,7 @@ Such a value is called ``setting@capture``. Captures without one of their own ha
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from statistics import median
+from statistics import median, median_low
 from typing import Any
 
 from tacos_framework.contracts import ShownBy
@@ -60,8 +60,13 @@ def values_in(values: Mapping[str, Any], capture: str | None = None) -> dict[str
     settings = {name: value for name, value in values.items() if not is_of_one_capture(name)}
     for setting in dict.fromkeys(setting_of(name) for name in values if is_of_one_capture(name)):
         own = own_values(values, setting)
-        settings[setting] = own[capture] if capture in own else median(own.values())
+        settings[setting] = own[capture] if capture in own else _middle(list(own.values()))
     return settings
+
+
+def _middle(values: Sequence[Any]) -> Any:
+    """The median; of whole numbers one of them."""
+    return median_low(values) if all(type(value) is int for value in values) else median(values)
 
 
 def captures_with_values(values: Mapping[str, Any]) -> tuple[str, ...]:
@@ -83,11 +88,12 @@ def guesses_by_capture(cls: type[Any], captures: Sequence[RealCapture]) -> Itera
     """Initial guesses of an effect with a value for each capture that shows it.
 
     They are what the class guesses from each capture by itself: neutral where that is nothing. A class that
-    cannot guess begins with the same value everywhere.
+    cannot guess begins with the same value everywhere. A codec leaves its traces in files of any kind.
     """
     settings: Sequence[str] = getattr(cls, "by_capture", ())
     needs: Sequence[ShownBy] = getattr(cls, "shown_by", ())
-    seen = [c for c in captures if c.is_structured and all(need.met([c]) for need in needs)]
+    shown = [c for c in captures if cls.stage == "codec" or c.is_structured]
+    seen = [c for c in shown if all(need.met([c]) for need in needs)]
     if not settings or len(seen) < FEWEST_CAPTURES:
         return
     if not callable(guess := getattr(cls, "guesses_from", None)):
@@ -95,7 +101,8 @@ def guesses_by_capture(cls: type[Any], captures: Sequence[RealCapture]) -> Itera
             yield _spread(settings, own, {c.id: own for c in seen}, cls.neutral)
         return
     alone: dict[str, Mapping[str, Any]] = {c.id: next(iter(guess([c])), {}) for c in seen}
-    if first := next((found for found in alone.values() if found), None):
+    first = next((found for found in alone.values() if found), None)
+    if first and any(found != first for found in alone.values()):
         yield _spread(settings, first, alone, cls.neutral)
 
 

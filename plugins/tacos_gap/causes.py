@@ -138,12 +138,14 @@ def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> 
         unit = unit_of(term.cls.Config, name)
         if own := own_values(term.values, name):
             each = {
-                capture: camera.in_physical_units(
-                    term.cls.Config, _within(v, float(reach[of_capture(name, capture)]), unit), name
-                )
-                for capture, v in own.items()
+                capture: _fitted(v, reach.get(of_capture(name, capture)), unit) for capture, v in own.items()
             }
-            found[name] = Parameter(short(value), None, unit, by_capture=each)
+            physical = {
+                capture: camera.in_physical_units(term.cls.Config, parameter, name)
+                for capture, parameter in each.items()
+            }
+            middle = short(value) if isinstance(value, float) else value
+            found[name] = Parameter(middle, None, unit, by_capture=physical)
         elif name in reach:
             least = HALF_A_CODE_DN if includes_pedestal(term.cls.Config, name) else 0.0
             found[name] = _within(value, max(float(reach[name]), least), unit)
@@ -155,6 +157,11 @@ def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> 
     return {
         name: camera.in_physical_units(term.cls.Config, parameter, name) for name, parameter in found.items()
     }
+
+
+def _fitted(value: float, half: float | None, unit: str) -> Parameter:
+    """A parameter with its interval; without one where it was not fitted, as a quality that a file states."""
+    return Parameter(value, None, unit) if half is None else _within(value, float(half), unit)
 
 
 def _within(value: float, half: float, unit: str) -> Parameter:

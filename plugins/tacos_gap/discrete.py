@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args, get_origin
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.by_capture import is_of_one_capture
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Hypothesis, Problem, robust
 
@@ -72,7 +73,7 @@ def whole_numbers(term: HypothesisTerm) -> dict[str, int]:
     """Settings of a term that are whole numbers, each with a stride that leads past the next guess."""
     found = {}
     for name, value in term.values.items():
-        if type(value) is not int:
+        if type(value) is not int or is_of_one_capture(name):  # a file says its own quality
             continue
         named = {value, *(v for guess in _guesses(term) if type(v := guess.get(name)) is int)}
         gaps = [abs(other - value) for other in named if other != value]

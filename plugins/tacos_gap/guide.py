@@ -107,8 +107,8 @@ STEPS = (
 
 PREPARE = (
     "Switch off what adapts: exposure, gain, white balance, focus, lens corrections.",
-    "Save RAW, or the least processed files there are. What a camera does to JPEG files is found, too, but "
-    "hides the sensor.",
+    "Save RAW, or the least processed files there are. Keep JPEG files as the camera wrote them: they say "
+    "how they were coded. What a camera does to pictures before is found, too, but hides the sensor.",
     "Keep focus and zoom; let the camera warm up. Lamps flicker: direct-current LEDs or daylight.",
 )
 

@@ -12,6 +12,22 @@ from numpy.typing import NDArray
 from tacos_framework.values import ImageContext, ImageGeometry
 
 
+@dataclass(frozen=True)
+class FileCoding:
+    """How lossy files were coded, as they say themselves.
+
+    Parameters
+    ----------
+    quality
+        As libjpeg counts it.
+    subsampling
+        Of the colours: 4:4:4, 4:2:2 or 4:2:0.
+    """
+
+    quality: int
+    subsampling: str
+
+
 class ObservedCapture(Protocol):
     """Real frames of one thing under one setting, and what the simulator expects of them."""
 
@@ -54,6 +70,10 @@ class ObservedCapture(Protocol):
     @property
     def own_edges(self) -> bool:
         """Whether the expectation was read off the picture's own edges: it tells no level and no place."""
+
+    @property
+    def coding(self) -> FileCoding | None:
+        """How its files were coded; None where they are not lossy, or do not say."""
 
     @property
     def edge_angle_deg(self) -> float | None:

@@ -9,7 +9,7 @@ import pytest
 
 from tacos_framework.contracts import LookAlike, ShownBy
 from tacos_framework.plugins import Plugins
-from tacos_framework.values import ImageContext
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects.auto_exposure import AutoExposure
 from tacos_plugins.effects.auto_white_balance import AutoWhiteBalance
 from tacos_plugins.effects.colour_matrix import ColourMatrix
@@ -40,6 +40,8 @@ def seen(real, expected=None, kind="flat", **changes):
         is_structured=kind not in ("dark", "flat", "board") and expected is not None,
         edge_angle_deg=None,
         own_edges=False,
+        coding=None,
+        geometry=ImageGeometry(real.shape[2], real.shape[1], 100.0, (0.0, 0.0), 3.0),
         patches=None,
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import Places
+from tacos_framework.contracts.observed import FileCoding
 from tacos_framework.formation import PlacedSensor
 from tacos_framework.values import ImageContext, ImageGeometry
 
@@ -120,6 +121,8 @@ class RealCapture:
         Whether ``exposure_ms`` was given.
     group, level_uncertainty, expected_frames, board
         As in ``captures.yaml``; `expected_frames` 0 stands for an expectation without noise.
+    coding
+        How its files were coded, by their own headers; None where they are not lossy.
     own_edges
         Whether `expected_dn` was read off the edges of the pictures themselves: it then says how sharp they
         would be, and neither where they are nor how bright.
@@ -156,6 +159,7 @@ class RealCapture:
     level_uncertainty: float = 0.0
     expected_frames: int = 0
     board: Board | None = None
+    coding: FileCoding | None = None
     own_edges: bool = False
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.jpeg_coding import jpeg_coding
+from tacos_framework.contracts.observed import FileCoding
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits, read_csv
 from tacos_framework.files.regular import too_large
@@ -97,6 +99,11 @@ class CaptureFiles:
                 continue
             images.append(image.astype(np.float32))
         return np.stack(images) if images and len(images) == len(paths) else None
+
+    def coding(self, i: int, path: Path) -> FileCoding | None:
+        """How a file that could be read was coded; None where it is no JPEG."""
+        found = jpeg_coding(path, where=self._document.where(("captures", i, "real")), within=self.folder)
+        return None if found is None else FileCoding(*found)
 
     def _with_channels(self, image: NDArray[Any], path: Path, where: str) -> NDArray[Any]:
         given = image.shape[2]

@@ -165,6 +165,7 @@ class _Reader:
             level_uncertainty=entry.level_uncertainty,
             expected_frames=entry.simulated_frames or 0,
             board=_board(entry.board) if entry.board else None,
+            coding=files.coding(i, paths[0]),
             edge_angle_deg=entry.edge.angle_deg if entry.edge else None,
             patches=patches,
             row_time_us=entry.row_time_us,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from statistics import median_low, mode
 from typing import Any, ClassVar, Literal
 
 import cv2
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.contracts import Stage
+from tacos_framework.contracts.observed import Captures
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 
@@ -57,8 +59,17 @@ class Jpeg:
         {"quality": 70, "subsampling": "4:4:4"},
     )
 
+    by_capture: ClassVar[Sequence[str]] = ("quality",)
+
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """What the files themselves say; the middle quality of several, and the commonest subsampling."""
+        if codings := [each.coding for each in captures if each.coding is not None]:
+            quality = median_low(coding.quality for coding in codings)
+            yield {"quality": quality, "subsampling": mode(coding.subsampling for coding in codings)}
 
     def on_array(
         self,
