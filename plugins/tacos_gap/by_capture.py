@@ -101,8 +101,7 @@ def guesses_by_capture(cls: type[Any], captures: Sequence[RealCapture]) -> Itera
             yield _spread(settings, own, {c.id: own for c in seen}, cls.neutral)
         return
     alone: dict[str, Mapping[str, Any]] = {c.id: next(iter(guess([c])), {}) for c in seen}
-    first = next((found for found in alone.values() if found), None)
-    if first and any(found != first for found in alone.values()):
+    if first := next((found for found in alone.values() if found), None):
         yield _spread(settings, first, alone, cls.neutral)
 
 

@@ -136,7 +136,10 @@ def _parameters(term: HypothesisTerm, half_width: Any, camera: Photographed) -> 
     reach = dict(zip(term.free, half_width, strict=True))
     for name, value in settings.items():
         unit = unit_of(term.cls.Config, name)
-        if own := own_values(term.values, name):
+        own = own_values(term.values, name)
+        if len(set(own.values())) == 1:  # all captures alike, as a codec's
+            found[name] = Parameter(value, None, unit)
+        elif own:
             each = {
                 capture: _fitted(v, reach.get(of_capture(name, capture)), unit) for capture, v in own.items()
             }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tacos_gap.by_capture import captures_with_values
 from tacos_gap.discrete import searched
 from tacos_gap.problem import Hypothesis, Problem, robust
 from tacos_gap.screening import ScreeningDirections
@@ -29,7 +30,11 @@ def codec_of_files(problem: Problem, directions: ScreeningDirections) -> Hypothe
     for of_effect in directions.values():
         if of_effect[0].term.cls.stage != "codec":
             continue
-        nearest = min(of_effect, key=lambda d: _cost((problem.null + d.change)[traces]))
+        # Where all captures are coded alike, what their files say goes before a guess that may be searched.
+        nearest = min(
+            of_effect,
+            key=lambda d: (_cost((problem.null + d.change)[traces]), not captures_with_values(d.term.values)),
+        )
         found = searched(problem, (nearest.term,), traces)
         z = problem.residual(found)
         if z is not None and (left := _cost(z[traces])) < least:

@@ -17,6 +17,7 @@ from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hi
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.coverage import beyond_own_edges
+from tacos_gap.captures.even_light import with_even_light
 from tacos_gap.captures.large import ENOUGH_PIXELS, left_out, measured_part, part_of
 from tacos_gap.captures.mean_of_files import without_clipped_expectation
 from tacos_gap.captures.sharp_edges import with_sharp_edges
@@ -210,6 +211,7 @@ def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
         return f"{capture.id}: white has cut off the files that its expectation is a mean of; it is left out."
     if (part := measured_part(capture)) is not None:
         capture = part_of(capture, part)
+    capture = with_even_light(capture)
     return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
 
 

@@ -143,7 +143,8 @@ class ForwardSelection:
         return self._in_its_units(better)[0]
 
     def _grown(self, best: Fitted) -> tuple[Fitted, Unexplained]:
-        """Forward selection from an explanation on, and what it leaves."""
+        """Forward selection from an explanation on, and what it leaves; one that comes back ends it."""
+        seen: set[frozenset[str]] = set()
         while True:
             best, residuals = self._in_its_units(best)
             left = unexplained(self.problem, residuals)
@@ -155,9 +156,10 @@ class ForwardSelection:
                     best = self._fits.fitted([codec], near=best)[0]
                     self._notify(" + ".join(best.names))
                     continue
-            better = self._extended(best)
+            better = None if frozenset(best.names) in seen else self._extended(best)
             if better is None:
                 return best, left
+            seen.add(frozenset(best.names))
             best = self._backward_elimination(better)
             self._notify(" + ".join(best.names))
 
@@ -227,7 +229,7 @@ class ForwardSelection:
         return self._fits.keep(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
 
     def _two_at_once(self, base: Fitted, best: Fitted, among: Iterable[str] | None) -> Fitted | None:
-        """Two effects that beat the best single one by more than a penalty each; None where none do."""
+        """Two effects, each needed beside the other, that beat the best single one; None where none do."""
         if len(best.hypothesis) == LARGEST:
             return None
         left = self._free(base, among)
@@ -237,7 +239,8 @@ class ForwardSelection:
             return None
         for two in self._fits.compared([(*base.hypothesis, *pair.terms)], near=base):
             if two.score - best.score > 2 * COMPLEXITY_PENALTY and is_worth_it(self.problem, best, two):
-                return two
+                kept = self._backward_elimination(two)
+                return kept if {term.name for term in pair.terms} <= set(kept.names) else None
         return None
 
     def _shortlist(self, base: Fitted, names: Sequence[str], least: float = 0.0) -> list[HypothesisTerm]:

@@ -23,16 +23,24 @@ def level_at(plane: NDArray[np.float32], centre_px: tuple[float, float]) -> floa
         Principal point (x, y) in the files; one outside is brought to the nearest pixel [px].
     """
     height, width = plane.shape
-    x = float(np.clip(centre_px[0], 0, width - 1)) / max(width - 1, 1) * 2 - 1
-    y = float(np.clip(centre_px[1], 0, height - 1)) / max(height - 1, 1) * 2 - 1
+    x = (float(np.clip(centre_px[0], 0, width - 1)) + 0.5) / width * 2 - 1
+    y = (float(np.clip(centre_px[1], 0, height - 1)) + 0.5) / height * 2 - 1
     return float((_terms(np.array([x]), np.array([y])) @ _shading_of(plane))[0])
 
 
-def shading(plane: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(H, W) the smooth part of an even surface's picture, all its noise and patterns left out [DN]."""
+def shading(plane: NDArray[np.float32], *, has_defects: bool = True) -> NDArray[np.float32]:
+    """(H, W) the smooth part of an even surface's picture, all its noise and patterns left out [DN].
+
+    Parameters
+    ----------
+    plane
+        (H, W) the picture [DN].
+    has_defects
+        Whether single pixels may stand out, which then do not count; noise alone is averaged best as it is.
+    """
     height, width = plane.shape
-    y, x = np.meshgrid(np.linspace(-1, 1, height), np.linspace(-1, 1, width), indexing="ij")
-    smooth = _terms(x.ravel(), y.ravel()) @ _shading_of(plane)
+    y, x = np.meshgrid(_centres(height), _centres(width), indexing="ij")
+    smooth = _terms(x.ravel(), y.ravel()) @ _shading_of(plane, has_defects)
     return np.asarray(smooth.reshape(plane.shape), np.float32)
 
 
@@ -63,7 +71,7 @@ def even_expectation(
     return expected
 
 
-def _shading_of(plane: NDArray[np.float32]) -> NDArray[np.float64]:
+def _shading_of(plane: NDArray[np.float32], has_defects: bool = True) -> NDArray[np.float64]:
     """Coefficients of a surface of the fourth degree through the middle values of tiles.
 
     Vignetting is even in the radius up to r^6, a lamp a plane; the fourth degree holds both to a thousandth
@@ -71,18 +79,23 @@ def _shading_of(plane: NDArray[np.float32]) -> NDArray[np.float64]:
     """
     height, width = plane.shape
     step = max(1, max(height, width) // TILES)
-    smooth = cv2.medianBlur(np.ascontiguousarray(plane, np.float32), 5) if min(plane.shape) > 4 else plane
+    smooth = np.ascontiguousarray(plane, np.float32)
+    if has_defects and min(plane.shape) > 4:
+        smooth = np.asarray(cv2.medianBlur(smooth, 5), np.float32)
     tiles = cv2.resize(
         smooth,
         (max(width // step, 1), max(height // step, 1)),
         interpolation=cv2.INTER_AREA,
     )
     rows, columns = tiles.shape
-    centres_y = (np.arange(rows) + 0.5) / rows * 2 - 1
-    centres_x = (np.arange(columns) + 0.5) / columns * 2 - 1
-    y, x = np.meshgrid(centres_y, centres_x, indexing="ij")
+    y, x = np.meshgrid(_centres(rows), _centres(columns), indexing="ij")
     found, *_ = np.linalg.lstsq(_terms(x.ravel(), y.ravel()), tiles.ravel().astype(np.float64), rcond=1e-8)
     return np.asarray(found)
+
+
+def _centres(count: int) -> NDArray[np.float64]:
+    """(count,) middles of equal parts of the way from -1 to 1."""
+    return (np.arange(count) + 0.5) / count * 2 - 1
 
 
 def _terms(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:

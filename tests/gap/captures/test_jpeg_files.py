@@ -100,6 +100,7 @@ def in_files(quality: int | None, name: str = "flat"):
 def test_files_of_one_quality_suggest_it_for_all():
     first = initial_guesses_for("jpeg", Jpeg, [in_files(83, "a"), in_files(83, "b")])[0]
     assert first.values == {"quality": 83, "subsampling": "4:2:0"}
+    assert first.settings == {"quality": 83, "subsampling": "4:2:0"}
 
 
 def test_files_of_several_qualities_suggest_each_its_own():
