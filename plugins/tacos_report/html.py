@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from markupsafe import Markup
@@ -17,7 +18,7 @@ from tacos_report.figures.search_curve import search_curve
 from tacos_report.figures.side_view import side_view
 from tacos_report.figures.time_spent import time_spent
 from tacos_report.figures.top_view import top_view
-from tacos_report.page import page_templates
+from tacos_report.page import Drawing, in_both_widths, page_templates
 from tacos_report.palette import camera_variable, stylesheet
 from tacos_report.pictures import MOST_ENLARGED, picture, row_width_px, side_by_side
 from tacos_report.plain_values import mapping
@@ -53,7 +54,7 @@ def render(study: StudyData) -> str:
             camera_rows=camera_table(study),
             score_rows=score_table(study),
             scene_map=picture(study.scene_map, _MAP_PX, lossless=True) if study.scene_map else None,
-            search=Markup(search_curve(study.generations)) if study.scored else None,
+            search=in_both_widths(partial(search_curve, study.generations)) if study.scored else None,
             space=_space(study),
             time=_time(study.result.get("seconds_by_node")),
             failures=story.failure_groups(study.tried),
@@ -133,12 +134,12 @@ def _views(study: StudyData) -> dict[str, Markup]:
     return views
 
 
-def _scores(study: StudyData) -> Markup | None:
+def _scores(study: StudyData) -> Drawing | None:
     if best_of(study.cameras) is None:
         return None
     names = list(story.score_weights(study))
     names = names or list(dict.fromkeys(score for camera in study.cameras for score in camera.terms))
-    return Markup(score_terms(study.cameras, names))
+    return in_both_widths(partial(score_terms, study.cameras, names))
 
 
 def _space(study: StudyData) -> dict[str, Any]:
@@ -151,8 +152,10 @@ def _space(study: StudyData) -> dict[str, Any]:
     panels = _panels(study, scored)
     return {
         "rows": rows,
-        "scatter": Markup(explored(panels, scored)) if panels else None,
-        "catalogs": [(words(name), Markup(catalog_choices(name, scored))) for name in catalogs],
+        "scatter": in_both_widths(partial(explored, panels, scored)) if panels else None,
+        "catalogs": [
+            (words(name), in_both_widths(partial(catalog_choices, name, scored))) for name in catalogs
+        ],
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -40,6 +40,11 @@ class Drawing:
     caption: str
     narrow: str = ""
     kind: Literal["drawing"] = "drawing"
+
+
+def in_both_widths(drawn: Callable[..., str], caption: str = "") -> Drawing:
+    """A drawing as ``drawn(narrow=False)`` gives it, and ``drawn(narrow=True)`` for the width of a phone."""
+    return Drawing(drawn(narrow=False), caption, narrow=drawn(narrow=True))
 
 
 @dataclass(frozen=True)

@@ -104,9 +104,14 @@ def measured(value: float, error: float | None) -> str:
 
 
 def signed(value: float, error: float | None = None) -> str:
-    """A difference, with its sign always shown: ``+0.52 ± 0.08``."""
+    """A difference, with its sign shown unless it rounds to nothing: ``+0.52 ± 0.08``, ``0.00 ± 0.02``.
+
+    >>> signed(0.52, 0.08), signed(-0.0035, 0.02), signed(0.0)
+    ('+0.52 ± 0.08', '0.00 ± 0.02', '0')
+    """
     text = measured(value, error) if error else number(value, 2)
-    return text if text.startswith(_MINUS) or value == 0 else f"+{text}"
+    nothing = not any(digit in "123456789" for digit in text.partition(" ")[0])
+    return text if text.startswith(_MINUS) or nothing else f"+{text}"
 
 
 def percent(share: float) -> str:

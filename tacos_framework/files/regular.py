@@ -72,8 +72,9 @@ def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path
         raise UserError(Fault(where, f"{_shown(path)} is {error.strerror}", "a file")) from None
     except FileNotFoundError:
         expected = "" if where == str(path) else str(path)
+        lacking = "" if path.parent.exists() else f": there is no folder {str(path.parent)!r} either"
         raise UserError(
-            Fault(where, f"there is no file {path.name!r}", expected, "Check the path.")
+            Fault(where, f"there is no file {path.name!r}", expected, f"Check the path{lacking}.")
         ) from None
     except ValueError as error:  # a NUL in the path
         raise UserError(Fault(where, f"{str(path)!r} is not a path: {error}")) from error

@@ -28,7 +28,7 @@ def find_recipe(name: str | Path) -> Path:
     shipped = {file.stem: file for file in shipped_folder("recipes").glob("*.yaml")}
     if str(name) in shipped:
         return shipped[str(name)]
-    remedy = did_you_mean(str(name), shipped)
+    remedy = did_you_mean(str(name), shipped) if str(name) == path.name else "Check the path."
     raise UserError(
         Fault(str(name), "there is no such recipe", "a YAML file, or the name of a shipped recipe", remedy)
     )

@@ -131,7 +131,8 @@ class Results(RunFolder):
             raise UserError(
                 Fault(
                     str(folder),
-                    f"it holds a run of another recipe: {', '.join(differing)} differ",
+                    f"it holds a run of another recipe: {', '.join(differing)} "
+                    f"differ{'s' if len(differing) == 1 else ''}",
                     "the recipe and --set it was started with",
                     "Resume with those, or name another --out.",
                 )

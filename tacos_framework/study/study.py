@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, repeat
 from typing import Any
 
 from tacos_framework.contracts import Executor
@@ -177,9 +178,11 @@ class Study:
         if self._test is None or not jobs:
             return
 
+        titles = chain(["Testing on unseen scenes"], repeat("Testing on more unseen scenes"))
+
         def on_look(count: int) -> None:
             self._checkpoint()
-            self._progress.phase("Testing on unseen scenes", count)
+            self._progress.phase(next(titles), count)
 
         self._test.run(jobs, self._executor, self._evaluate, on_look, self._count)
         self._checkpoint()

@@ -94,6 +94,8 @@ def _effects(folder: Path) -> Path:
     [
         (["headset_quik"], "Did you mean 'headset_quick'?"),
         (["not_there.yaml"], "not_there.yaml"),
+        (["not_there/mine.yaml"], "there is no folder 'not_there' either"),
+        (["runs/not_there"], "Check the path."),
         (["headset_quick", "--set", "optimizer.evaluations"], "there is no '='"),
         (["headset_quick", "--set", "optimiser.generations=3"], "Did you mean 'optimizer'?"),
         (

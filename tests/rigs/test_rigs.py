@@ -160,6 +160,16 @@ def test_impossible_cameras_are_refused(wrong, said):
         monocular(**wrong)
 
 
+@pytest.mark.parametrize(
+    ("column", "meant"), [("width", "width_px"), ("pixel", "pixel_um"), ("read_noise", "read_noise_e")]
+)
+def test_a_sensor_whose_column_lacks_its_unit_is_refused(column: str, meant: str):
+    given = {"name": "mine", "width_px": 640, "height_px": 480, "pixel_um": 3.0, "width_mm": 1.92}
+    assert SensorPart.model_validate(given).width_px == 640
+    with pytest.raises(ValidationError, match=f"{meant}, with its unit, in place of {column}"):
+        SensorPart.model_validate({**given, column: 320})
+
+
 def test_a_sensor_may_come_as_a_catalog_part_whose_other_columns_do_not_matter():
     row = CatalogPart("IMX172", {key: value for key, value in FLEA3.items() if key != "name"})
     _, variables = monocular(sensor=row)

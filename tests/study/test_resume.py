@@ -138,5 +138,5 @@ def test_resuming_another_recipe_or_nothing_is_refused(toys, tmp_path):
     with pytest.raises(UserError, match="no run to resume"):
         run(toy_recipe(), toys, tmp_path / "nothing", resume=True)
     run(toy_recipe(), toys, tmp_path / "out")
-    with pytest.raises(UserError, match="seed differ"):
+    with pytest.raises(UserError, match="seed differs"):
         run(toy_recipe(seed=99), toys, tmp_path / "out", resume=True)

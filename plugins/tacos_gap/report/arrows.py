@@ -14,7 +14,7 @@ from tacos_gap.boards import BoardEvidence
 from tacos_gap.problem import Problem
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER, BEFORE
-from tacos_report.figures.canvas import draw
+from tacos_report.figures.canvas import NARROW_IN, draw
 from tacos_report.palette import MUTED, RULE
 from tacos_report.quantities import number
 
@@ -88,17 +88,21 @@ def of_boards(problem: Problem, numbers: Numbers) -> list[Displacements]:
     return [Displacements("", places, fields[0], fields[1], (geometry.width_px, geometry.height_px))]
 
 
-def arrows(name: str, fields: Sequence[Displacements], *, before: str, after: str | None) -> str:
-    """SVG of a row per field: its arrows before and after, all on one scale."""
+def arrows(
+    name: str, fields: Sequence[Displacements], *, before: str, after: str | None, narrow: bool = False
+) -> str:
+    """SVG of a row per field: its arrows before and after, all on one scale; below each other if narrow."""
     lengths = np.concatenate([np.hypot(*field.before_px.T) for field in fields])
     longest = max(float(np.percentile(lengths, 97)), 1e-6)
     width, height = fields[0].size_px
     count = max(len(field.places_px) for field in fields)
     factor = width * float(np.clip(0.75 / np.sqrt(count), 0.04, 0.1)) / longest
+    each = 1 if after is None else 2
     thin = 0.0042 if count < 100 else 0.0024
 
     def paint(figure: Figure) -> None:
-        panels = figure.subplots(len(fields), 1 if after is None else 2, squeeze=False)
+        shape = (len(fields) * each, 1) if narrow else (len(fields), each)
+        panels = figure.subplots(*shape, squeeze=False).reshape(len(fields), each)
         for row, field in zip(panels, fields, strict=True):
             drawn = [(before, field.before_px, BEFORE), (after or "", field.after_px, AFTER)]
             for axes, (title, moved_px, colour) in zip(row, drawn, strict=False):
@@ -114,6 +118,8 @@ def arrows(name: str, fields: Sequence[Displacements], *, before: str, after: st
         _scale(panels[-1, -1], width, height, factor, _round_length(longest))
 
     size_in = (9.2 if after is not None else 5.0, (0.4 + 4.5 * height / width) * len(fields))
+    if narrow:
+        name, size_in = f"{name}-narrow", (NARROW_IN, (0.4 + 4.2 * height / width) * len(fields) * each)
     description = f"Displacements over the image, up to {number(float(lengths.max()), 2)} px before."
     return draw(name, size_in, description, paint)
 

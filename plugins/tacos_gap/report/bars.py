@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_gap.report.words import share
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import DOT, INK, MUTED, RULE, TERMS
 from tacos_report.quantities import number
 
@@ -19,7 +19,7 @@ _LEAST_SHOWN = 0.005
 _RIVALS = 3
 
 
-def probabilities(diagnosis: Diagnosis) -> str:
+def probabilities(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
     """SVG of a bar per cause, its nearest rivals below it, and *unknown* last."""
     rows: list[tuple[str, float, str]] = []  # name, probability, colour
     for cause in diagnosis.causes:
@@ -31,31 +31,35 @@ def probabilities(diagnosis: Diagnosis) -> str:
         rows += [(f"or {n}", min(places.get(n, 0.0), 1 - cause.probability), DOT) for n in near[:_RIVALS]]
         rows += [(f"or {n}", cause.probability, DOT) for n in alike]
     rows.append(("something unknown", diagnosis.unknown.probability, TERMS[5]))
+    height, top = (0.34, -0.8) if narrow else (0.62, -0.5)
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
         for place, (_, probability, colour) in enumerate(rows):
-            axes.barh(place, 1.0, color=RULE, alpha=0.35, height=0.62)
-            axes.barh(place, probability, color=colour, height=0.62)
+            axes.barh(place, 1.0, color=RULE, alpha=0.35, height=height)
+            axes.barh(place, probability, color=colour, height=height)
             weight = "bold" if colour == AFTER else "normal"
             text = "less than 1 %" if probability < _LEAST_SHOWN else f"{100 * probability:.0f} %"
             axes.text(1.015, place, text, va="center", color=INK, fontweight=weight)
-        axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
-        for label, (_, _, colour) in zip(axes.get_yticklabels(), rows, strict=True):
+        names = name_rows(axes, [name for name, _, _ in rows], narrow=narrow)
+        for label, (_, _, colour) in zip(names, rows, strict=True):
             label.set(
                 color=INK if colour == AFTER else MUTED,
                 fontweight="bold" if colour == AFTER else "normal",
                 fontsize=10,
             )
-        axes.set(xlim=(0, 1.14), ylim=(len(rows) - 0.5, -0.5), xticks=[])
+        axes.set(xlim=(0, 1.32 if narrow else 1.14), ylim=(len(rows) - 0.5, top), xticks=[])
         axes.tick_params(length=0)
         axes.spines[:].set_visible(False)
 
     said = ", ".join(f"{name} {probability:.2f}" for name, probability, _ in rows)
+    if narrow:
+        size_in = (NARROW_IN, 0.3 + 0.48 * len(rows))
+        return draw("probabilities-narrow", size_in, f"Probabilities: {said}.", paint)
     return draw("probabilities", (9.2, 0.25 + 0.36 * len(rows)), f"Probabilities: {said}.", paint)
 
 
-def closures(diagnosis: Diagnosis) -> str:
+def closures(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
     """SVG of bars: all causes, each one's share, alone and in its place, and the negative control."""
     best = diagnosis.causes
     together = diagnosis.closure
@@ -70,39 +74,46 @@ def closures(diagnosis: Diagnosis) -> str:
             rows.append((cause.effect, cause.closure, AFTER))
     if diagnosis.negative_control is not None:
         rows.append(("negative control", diagnosis.negative_control.closure, DOT))
-    return _bars("closures", rows, diagnosis.closure_interval)
+    return _bars("closures", rows, diagnosis.closure_interval, narrow=narrow)
 
 
-def _bars(name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[float, float]) -> str:
+def _bars(
+    name: str, rows: Sequence[tuple[str, float, str]], interval: tuple[float, float], *, narrow: bool
+) -> str:
     low = min(0.0, *(value for _, value, _ in rows))
+    height, top, at_end = (0.34, -0.8, 0.16) if narrow else (0.6, -0.5, 0.075)
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
         for place, (_, value, colour) in enumerate(rows):
-            axes.barh(place, value, color=colour, height=0.6)
+            axes.barh(place, value, color=colour, height=height)
             end = max(value, interval[1] if place == 0 else value, 0.0)
+            end = 1.0 if 1.0 - at_end < end < 1.0 else end  # not across the line of the whole gap
             axes.text(end + 0.015, place, share(value), va="center", color=INK)
         axes.plot(interval, [0, 0], color=INK, linewidth=1.2)
         axes.plot(interval, [0, 0], "|", color=INK, markersize=8)
         axes.axvline(1.0, color=MUTED, linewidth=0.9, linestyle=(0, (3, 3)))
         axes.axvline(0.0, color=RULE, linewidth=1)
-        axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
-        for label, (_, _, colour) in zip(axes.get_yticklabels(), rows, strict=True):
+        names = name_rows(axes, [label for label, _, _ in rows], narrow=narrow)
+        for label, (_, _, colour) in zip(names, rows, strict=True):
             label.set(color=INK if colour != DOT else MUTED, fontsize=10)
-        axes.set(ylim=(len(rows) - 0.5, -0.5))
-        axes.set_xlim(low * 1.1, 1.12)
+        axes.set(ylim=(len(rows) - 0.5, top))
+        axes.set_xlim(low * 1.1, 1.05 + at_end)
         axes.set_xticks([0, 0.25, 0.5, 0.75, 1.0], ["0", "25 %", "50 %", "75 %", "100 %"])
+        between = "\n" if narrow else " "
         axes.set_xlabel(
-            "share of the gap above the noise floor that is gone, on what was held out of the fit"
+            f"share of the gap above the noise floor that is gone,{between}on what was held out of the fit"
         )
         axes.spines[["left", "bottom"]].set_visible(False)
         light_grid(axes, "x")
 
     said = ", ".join(f"{label} {value:.2f}" for label, value, _ in rows)
+    if narrow:
+        return draw(f"{name}-narrow", (NARROW_IN, 0.9 + 0.48 * len(rows)), f"Closure: {said}.", paint)
     return draw(name, (9.2, 0.8 + 0.36 * len(rows)), f"Closure: {said}.", paint)
 
 
-def task_scores(task: Mapping[str, Mapping[str, Any]]) -> str:
+def task_scores(task: Mapping[str, Mapping[str, Any]], *, narrow: bool = False) -> str:
     """SVG of a panel per score of a task: on real frames, on simulated ones before and after."""
     order = [
         ("real", "real", INK),
@@ -127,15 +138,16 @@ def task_scores(task: Mapping[str, Mapping[str, Any]]) -> str:
             axes.axvline(values.get("real", 0.0), color=MUTED, linewidth=0.9, linestyle=(0, (3, 3)))
             axes.set_yticks(range(len(rows)), [label for label, _, _ in rows])
             axes.set(ylim=(len(rows) - 0.5, -0.5), title=name.replace(".", ": ").replace("_", " "))
-            axes.set_xlim(0, 1.25 * max(1e-9, *(value for _, value, _ in rows)))
+            axes.set_xlim(0, (1.4 if narrow else 1.25) * max(1e-9, *(value for _, value, _ in rows)))
             axes.spines[["left", "bottom"]].set_visible(False)
             light_grid(axes, "x")
 
     said = "; ".join(f"{name} {dict(values)}" for name, values in task.items())
-    return draw("task-scores", (7.0, 1.35 * len(task)), f"Scores of tasks: {said}.", paint)
+    name, width_in = ("task-scores-narrow", NARROW_IN) if narrow else ("task-scores", 7.0)
+    return draw(name, (width_in, 1.35 * len(task)), f"Scores of tasks: {said}.", paint)
 
 
-def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
+def decision(cameras: Sequence[Mapping[str, Any]], *, narrow: bool = False) -> str:
     """SVG of a row per camera: its fitness in the simulation as it was, and with the causes.
 
     Parameters
@@ -143,6 +155,8 @@ def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
     cameras
         ``camera``, and its fitness ``without`` and ``with``; None where it failed. ``ci`` holds the interval
         of either.
+    narrow
+        For the width of a phone: cameras stand above their rows.
     """
 
     def paint(figure: Figure) -> None:
@@ -160,9 +174,14 @@ def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
                         number(row[key]), (row[key], level), (0, up), textcoords="offset points",
                         ha="center", color=MUTED, fontsize=8.5,
                     )  # fmt: skip
-        axes.set_yticks(range(len(cameras)), [str(row["camera"]) for row in cameras])
-        axes.tick_params(axis="y", labelcolor=INK, labelsize=10)
-        axes.set(ylim=(len(cameras) - 0.4, -0.6), xlabel="fitness on unseen scenes (higher is better)")
+        for label in name_rows(axes, [str(row["camera"]) for row in cameras], narrow=narrow):
+            label.set(color=INK, fontsize=10)
+            if narrow:
+                label.set_position((0, 17))  # above the numbers
+        axes.set(
+            ylim=(len(cameras) - 0.4, -0.9 if narrow else -0.6),
+            xlabel="fitness on unseen scenes (higher is better)",
+        )
         axes.margins(x=0.12)
         axes.spines[["left", "bottom"]].set_visible(False)
         light_grid(axes, "x")
@@ -174,4 +193,7 @@ def decision(cameras: Sequence[Mapping[str, Any]]) -> str:
         figure.legend(handles, names, loc="outside upper left", ncols=2, labelcolor=MUTED)
 
     said = ", ".join(f"{row['camera']} {row['without']} and {row['with']}" for row in cameras)
+    if narrow:
+        size_in = (NARROW_IN, 1.1 + 0.75 * len(cameras))
+        return draw("decision-narrow", size_in, f"Fitness without and with: {said}.", paint)
     return draw("decision", (9.2, 1.0 + 0.5 * len(cameras)), f"Fitness without and with: {said}.", paint)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from tacos_gap.report.image_map import image_map
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.profiles import profile
 from tacos_gap.report.views import over, view_of
-from tacos_report.page import Drawing
+from tacos_report.page import Drawing, in_both_widths
 
 CODES = frozenset({"code_comb", "clipped", "top_level"})
 """Statistics best seen in a histogram."""
@@ -64,23 +65,28 @@ class Artist:
         """A statistic over whatever it was taken over."""
         view = view_of(numbers.statistic)
         kind = over(label.at for label in numbers.labels)
+        caption = f"{view.title}. {view.explained}".rstrip()
         titles: Any = {"before": self.before, "after": self.after}
         if numbers.statistic in CODES and (capture := self._most_different(numbers)) is not None:
             svg = histogram(name, capture, placed(self.hypothesis, capture.id), self.seed, **titles)
-        elif numbers.statistic == "board_corners":
-            svg = arrows(name, of_boards(self.problem, numbers), **titles)
+            return Drawing(svg, caption)
+        if numbers.statistic == "board_corners":
+            drawn = partial(arrows, name, of_boards(self.problem, numbers), **titles)
         elif kind == "arrows":
-            svg = arrows(name, of_tiles(numbers), **titles)
+            drawn = partial(arrows, name, of_tiles(numbers), **titles)
         elif kind == "image":
-            svg = image_map(name, numbers, **titles)
+            drawn = partial(image_map, name, numbers, **titles)
         else:
-            svg = profile(name, numbers, kind, **titles)
-        return Drawing(svg, f"{view.title}. {view.explained}".rstrip())
+            drawn = partial(profile, name, numbers, kind, **titles)
+        if kind == "arrows" or numbers.statistic == "board_corners":
+            caption += " Above: the root of the mean square (rms)."
+        return in_both_widths(drawn, caption)
 
     def over_radius(self, name: str, numbers: Numbers) -> Drawing:
         """A statistic of tiles over the distance from the centre."""
-        svg = profile(name, numbers, "radius", before=self.before, after=self.after)
-        return Drawing(svg, f"{view_of(numbers.statistic).title}, over the distance from the centre.")
+        drawn = partial(profile, name, numbers, "radius", before=self.before, after=self.after)
+        title = view_of(numbers.statistic).title
+        return in_both_widths(drawn, f"{title}, over the distance from the centre.")
 
     def _most_different(self, numbers: Numbers) -> RealCapture | None:
         label = numbers.labels[int(np.argmax(np.abs(numbers.z_before)))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.views import view_of
-from tacos_report.figures.canvas import draw
+from tacos_report.figures.canvas import NARROW_IN, draw
 from tacos_report.palette import MUTED, RULE
 from tacos_report.quantities import number
 
@@ -25,7 +26,7 @@ DIVERGING = LinearSegmentedColormap.from_list(
 Box = tuple[int, int, int, int]
 
 
-def image_map(name: str, numbers: Numbers, *, before: str, after: str | None) -> str:
+def image_map(name: str, numbers: Numbers, *, before: str, after: str | None, narrow: bool = False) -> str:
     """SVG of two maps on one scale.
 
     Parameters
@@ -36,6 +37,8 @@ def image_map(name: str, numbers: Numbers, *, before: str, after: str | None) ->
         Numbers with a ``box_px`` each; where several captures or channels share a box, their mean is shown.
     before, after
         Titles of the maps; without `after` there is one.
+    narrow
+        For the width of a phone: the maps stand below each other.
     """
     view = view_of(numbers.statistic)
     boxes, fields = _fields(numbers)
@@ -47,7 +50,7 @@ def image_map(name: str, numbers: Numbers, *, before: str, after: str | None) ->
     lowest, highest = (number(float(end), 2) for end in (shown[0].min(), shown[0].max()))
 
     def paint(figure: Figure) -> None:
-        panels = figure.subplots(1, len(titles), squeeze=False)[0]
+        panels = figure.subplots(*((len(titles), 1) if narrow else (1, len(titles))), squeeze=False).ravel()
         for axes, title, values in zip(panels, titles, shown, strict=False):
             for box, value in zip(boxes, values, strict=True):
                 corner, size = (box[0], box[1]), (box[2] - box[0], box[3] - box[1])
@@ -62,12 +65,15 @@ def image_map(name: str, numbers: Numbers, *, before: str, after: str | None) ->
                 )  # fmt: skip
             axes.set(xlim=(0, width), ylim=(height, 0), aspect="equal", xticks=[], yticks=[], title=title)
             axes.spines[:].set_visible(False)
-        bar = figure.colorbar(ScalarMappable(norm, DIVERGING), ax=list(panels), shrink=0.8, aspect=24)
+        where: Any = {"location": "bottom" if narrow else "right", "shrink": 0.8, "aspect": 24}
+        bar = figure.colorbar(ScalarMappable(norm, DIVERGING), ax=list(panels), **where)
         bar.outline.set_visible(False)
         bar.set_label(f"{view.quantity}", color=MUTED)
 
     description = f"{view.title}, tile by tile: {lowest} to {highest} before."
     size_in = (9.2, 0.4 + 3.8 * height / width) if after is not None else (5.0, 0.4 + 3.8 * height / width)
+    if narrow:
+        name, size_in = f"{name}-narrow", (NARROW_IN, 0.7 + (0.3 + 4.2 * height / width) * len(titles))
     return draw(name, size_in, description, paint)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from tacos_gap.captures import CaptureFolder, RealCapture
@@ -29,6 +30,7 @@ from tacos_report.page import (
     SideBySide,
     Table,
     image_uri,
+    in_both_widths,
 )
 from tacos_report.quantities import duration, number
 from tacos_report.story import design_words
@@ -106,8 +108,8 @@ def _where(diagnosis: Diagnosis, numbers: Mapping[str, Numbers], artist: Artist)
     if not numbers:
         yield Paragraph("None of the captures could be compared with a simulation.")
         return
-    yield Drawing(
-        overview(numbers, explained=bool(diagnosis.causes)),
+    yield in_both_widths(
+        partial(overview, numbers, explained=bool(diagnosis.causes)),
         "Each row is one way to compare, in the order of image formation. At 1 the captures are as far from "
         "the simulation as the simulation is from itself; rows of a single number scatter about it.",
     )
@@ -145,8 +147,8 @@ def _paired(drawings: Sequence[Drawing]) -> Iterator[SideBySide]:
 
 
 def _causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
-    yield Drawing(
-        bars.probabilities(diagnosis),
+    yield in_both_widths(
+        partial(bars.probabilities, diagnosis),
         "How probable each cause is, with the effects that could stand in its place, scored on what none was "
         "fitted to.",
     )
@@ -158,11 +160,18 @@ def _causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
         if wide is not None:
             yield wide
         rows = tuple(row for item in cause.parameters.items() for row in words.parameter_rows(*item))
-        table = Table(("parameter", "value", "90 % interval", "unit"), rows)
+        table = parameter_table(rows)
         beside: list[Drawing | PagePicture | Table] = [narrow] if narrow is not None else []
         if beside or rows:
             yield SideBySide((*beside, *([table] if rows else [])))
         yield Paragraph(cause.evidence)
+
+
+def parameter_table(rows: Sequence[tuple[str, str, str, str]]) -> Table:
+    """Parameters with their intervals; no column of units where none has any."""
+    heads = ("parameter", "value", "90 % interval", "unit")
+    shown = len(heads) if any(unit for *_, unit in rows) else len(heads) - 1
+    return Table(heads[:shown], tuple(row[:shown] for row in rows))
 
 
 def _decided(diagnosis: Diagnosis, cause: Cause, artist: Artist) -> tuple[Drawing | None, Drawing | None]:
@@ -217,8 +226,8 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
             "alone would buy."
         )
     if diagnosis.causes:
-        yield Drawing(
-            bars.closures(diagnosis),
+        yield in_both_widths(
+            partial(bars.closures, diagnosis),
             f"The line on the first bar is its 90 % interval.{negative_control}",
         )
     yield Paragraph(words.remainder(diagnosis))
@@ -229,8 +238,8 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
 
 def _task(diagnosis: Diagnosis) -> Iterator[Block]:
     first = dict(list(diagnosis.task.items())[:MOST_SCORES])
-    yield Drawing(
-        bars.task_scores(first),
+    yield in_both_widths(
+        partial(bars.task_scores, first),
         "Tasks on the captures that show something: on the real frames, on simulated ones, and with the "
         "causes; lines are 90 % intervals over the noise. A simulator whose frames score like the real ones "
         "can be trusted with the task.",
@@ -242,8 +251,8 @@ def _task(diagnosis: Diagnosis) -> Iterator[Block]:
 
 
 def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:
-    yield Drawing(
-        bars.decision(decision["cameras"]),
+    yield in_both_widths(
+        partial(bars.decision, decision["cameras"]),
         f"Cameras of {decision['study']}, on the same unseen scenes in either simulation. What a camera "
         f"leaves free is optimised in each, in few evaluations.{_frozen(decision)}",
     )
@@ -276,8 +285,11 @@ def _limits(diagnosis: Diagnosis, captures: Sequence[RealCapture], run: Circumst
 
 def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
     yield Code(run.patch)
-    yield Paragraph("Stands in patched.yaml. The next camera is designed with it:")
-    yield Code("tacos-run headset_quick --with patched.yaml")
+    yield Paragraph(
+        "Stands in patched.yaml, beside this page. If their folder is called out, the next camera is "
+        "designed with it so:"
+    )
+    yield Code("tacos-run headset_quick --with out/patched.yaml")
     if own := words.of_this_camera(diagnosis.causes):
         yield Paragraph(own)
 

@@ -15,7 +15,7 @@ from tacos_gap.captures.coverage import untold
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report import words
 from tacos_report.page import Block, ContactSheet, Folded, PagePicture, Paragraph, Table, image_uri
-from tacos_report.quantities import unit_sign
+from tacos_report.quantities import number, unit_sign
 
 MOST = 36
 """Pictures on a contact sheet."""
@@ -57,7 +57,7 @@ def photographed(captures: Sequence[RealCapture]) -> Iterator[Block]:
 def _taken(capture: RealCapture) -> str:
     said = [f"{capture.frames} frame{'s' if capture.frames > 1 else ''}"]
     if capture.exposure_stated:
-        said.append(f"{1e3 * capture.context.exposure_s:.3g} ms")
+        said.append(f"{number(1e3 * capture.context.exposure_s, 4)} ms")
     if capture.context.gain_db:
         said.append(f"{capture.context.gain_db:g} dB")
     return ", ".join(said)

@@ -14,7 +14,7 @@ from tacos_gap.evidence import Label
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER_LINE, BAND, BEFORE_LINE, REAL_DOTS, legend
 from tacos_gap.report.views import Over, StatisticView, place_words, position, view_of
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 
 MOST_PLACES = 16
 _EVEN = ("dark", "flat", "bracket")
@@ -40,7 +40,9 @@ class ProfileCurve:
     names: tuple[str, ...] = ()
 
 
-def profile(name: str, numbers: Numbers, kind: Over, *, before: str, after: str | None) -> str:
+def profile(
+    name: str, numbers: Numbers, kind: Over, *, before: str, after: str | None, narrow: bool = False
+) -> str:
     """SVG of real dots within the noise floor's band, and lines of the simulation before and after.
 
     Parameters
@@ -51,6 +53,8 @@ def profile(name: str, numbers: Numbers, kind: Over, *, before: str, after: str 
         What the horizontal axis is; ``"places"`` sets the numbers that differ most side by side.
     before, after
         What the two simulations are called; without `after` there is one.
+    narrow
+        For the width of a phone: panels stand below each other.
     """
     view = view_of(numbers.statistic)
     curves = [] if kind == "places" else _curves(numbers, kind, view)[:3]
@@ -58,7 +62,8 @@ def profile(name: str, numbers: Numbers, kind: Over, *, before: str, after: str 
         kind, curves = "places", _places(numbers, view)
 
     def paint(figure: Figure) -> None:
-        panels = figure.subplots(1, len(curves), squeeze=False, sharey=True)[0]
+        shape = (len(curves), 1) if narrow else (1, len(curves))
+        panels = figure.subplots(*shape, squeeze=False, sharex=narrow, sharey=True).ravel()
         for axes, curve in zip(panels, curves, strict=True):
             _draw(axes, curve, joined=kind != "places", with_after=after is not None)
             axes.set_title(curve.title)
@@ -67,17 +72,20 @@ def profile(name: str, numbers: Numbers, kind: Over, *, before: str, after: str 
                 axes.set_xticks(curve.x, curve.names, rotation=35 if len(curve.x) > 5 else 0,
                                 ha="right" if len(curve.x) > 5 else "center", fontsize=8)  # fmt: skip
                 axes.margins(x=0.08 if len(curve.x) > 3 else 0.6)
-            else:
+            elif not narrow or axes is panels[-1]:
                 axes.set_xlabel(_AXES[kind][1])
             if kind == "period":
                 axes.set_xscale("log")
                 ticks = [t for t in (5, 10, 20, 50, 100, 200, 500, 1000) if t <= np.nanmax(curve.x) * 1.1]
                 axes.set_xticks(ticks, [str(t) for t in ticks])
                 axes.minorticks_off()
-        panels[0].set_ylabel(view.quantity)
+        for axes in panels if narrow else panels[:1]:
+            axes.set_ylabel(view.quantity)
         legend(figure, before, after)
 
     size_in = (5.0, 3.1) if len(curves) == 1 else (9.2, 3.2)
+    if narrow:
+        name, size_in = f"{name}-narrow", (NARROW_IN, 0.7 + 2.2 * len(curves))
     return draw(name, size_in, f"{view.title}: real, {before}{f', {after}' if after else ''}.", paint)
 
 

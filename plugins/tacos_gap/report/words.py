@@ -145,7 +145,7 @@ def lead(diagnosis: Diagnosis, captures: int) -> str:
     if not diagnosis.causes:
         return f"{text}Nothing was added."
     return (
-        f"{text}With what is added below {after} are left (90 % interval {low} to {high}), measured on "
+        f"{text}With what is added below, {after} are left (90 % interval {low} to {high}), measured on "
         "levels, places and captures that the parameters were not fitted to."
     )
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import ConfigDict, model_validator
+from pydantic_core import PydanticCustomError
 
 from tacos_framework.camera.geometry import agent_from_camera
 from tacos_framework.catalog.parts import CatalogPart
@@ -44,7 +45,15 @@ class SensorPart(Settings):
     @model_validator(mode="before")
     @classmethod
     def _from_catalog(cls, given: Any) -> Any:
-        return given.as_dict() if isinstance(given, CatalogPart) else given
+        if isinstance(given, CatalogPart):
+            return given.as_dict()
+        if isinstance(given, Mapping):
+            units = {name.rpartition("_")[0]: name for name in cls.model_fields if "_" in name}
+            if column := next((name for name in given if name in units), None):  # would be ignored
+                raise PydanticCustomError(
+                    "lacks_unit", f"{units[column]}, with its unit, in place of {column}"
+                )
+        return given
 
     @property
     def width_mm(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from html import escape
 from io import StringIO
 from typing import Any, Literal
@@ -12,6 +12,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from tacos_report.palette import INK, MUTED, PAPER, RULE, tinted
@@ -77,6 +78,21 @@ def light_grid(axes: Axes, axis: Literal["x", "y"]) -> None:
     """Faint lines along one axis, no tick marks."""
     axes.grid(axis=axis)
     axes.tick_params(length=0)
+
+
+def name_rows(axes: Axes, names: Sequence[str], *, narrow: bool) -> list[Text]:
+    """Names of the rows 0, 1, ...: left of the axes; above each row on a phone, where they take no width."""
+    if not narrow:
+        axes.set_yticks(range(len(names)), names)
+        return list(axes.get_yticklabels())
+    axes.set_yticks([])
+    return [
+        axes.annotate(
+            name, (0.0, place), (0, 8), xycoords=("axes fraction", "data"), textcoords="offset points",
+            color=INK, va="bottom",
+        )
+        for place, name in enumerate(names)
+    ]  # fmt: skip
 
 
 def logarithmic_height(axes: Axes) -> None:

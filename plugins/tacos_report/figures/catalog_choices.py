@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import DOT, INK, MUTED, RULE, camera_colour
 from tacos_report.quantities import number, row_detail, words
 from tacos_report.study_data import Tried
@@ -15,7 +15,7 @@ from tacos_report.study_data import Tried
 _SHOWN = 10
 
 
-def catalog_choices(variable: str, tried: Sequence[Tried]) -> str:
+def catalog_choices(variable: str, tried: Sequence[Tried], *, narrow: bool = False) -> str:
     """SVG of the best rows of a catalog variable, each with the fitness of every candidate that used it."""
     rows = _ranked(variable, tried)
     shown = rows[:_SHOWN]
@@ -36,16 +36,18 @@ def catalog_choices(variable: str, tried: Sequence[Tried]) -> str:
                 number(top), (top, place), (9, 0), textcoords="offset points", va="center", color=colour,
                 fontweight="bold" if place == 0 else "normal",
             )  # fmt: skip
-        axes.set_yticks(range(len(shown)), [_label(name, row, values) for name, row, values in shown])
-        axes.tick_params(axis="y", labelcolor=INK)
-        axes.get_yticklabels()[0].set(color=camera_colour(0), fontweight="bold")
-        axes.set_ylim(len(shown) - 0.4, -0.6)
-        axes.margins(x=0.1)
+        labels = name_rows(axes, [_label(name, row, values) for name, row, values in shown], narrow=narrow)
+        for place, text in enumerate(labels):
+            text.set(color=INK if place else camera_colour(0), fontweight="normal" if place else "bold")
+        axes.set_ylim(len(shown) - 0.4, -0.9 if narrow else -0.6)
+        axes.margins(x=0.12 if narrow else 0.1)
         axes.set_xlabel(f"fitness of each candidate with that {label}", color=MUTED)
         axes.spines[["left", "bottom"]].set_visible(False)
         axes.set_xlim(left=left - 0.04 * abs(left))
         light_grid(axes, "x")
 
+    if narrow:
+        return draw(f"catalog-{variable}-narrow", (NARROW_IN, 0.8 + 0.42 * len(shown)), description, paint)
     return draw(f"catalog-{variable}", (9.2, 0.75 + 0.31 * len(shown)), description, paint)
 
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.palette import DOT, RULE, camera_colour
 from tacos_report.quantities import quantity, unit_sign, words
 from tacos_report.study_data import Tried
@@ -29,7 +29,7 @@ class Panel:
     upper: float | None = None
 
 
-def explored(panels: Sequence[Panel], scored: Sequence[Tried]) -> str:
+def explored(panels: Sequence[Panel], scored: Sequence[Tried], *, narrow: bool = False) -> str:
     """SVG of small scatter plots with a shared fitness axis; later candidates are darker.
 
     Parameters
@@ -37,7 +37,7 @@ def explored(panels: Sequence[Panel], scored: Sequence[Tried]) -> str:
     scored
         Candidates that have a fitness, at least one; the panels' values are theirs.
     """
-    columns = min(_COLUMNS, len(panels))
+    columns = min(1 if narrow else _COLUMNS, len(panels))
     rows = math.ceil(len(panels) / columns)
     names = ", ".join(words(panel.name) for panel in panels)
     description = f"Fitness of {len(scored)} candidates against: {names}."
@@ -52,6 +52,8 @@ def explored(panels: Sequence[Panel], scored: Sequence[Tried]) -> str:
             if place % columns == 0:
                 axes.set_ylabel("fitness")
 
+    if narrow:
+        return draw("explored-narrow", (NARROW_IN, 0.3 + 1.9 * rows), description, paint)
     return draw("explored", (9.2, 0.3 + 2.35 * rows), description, paint)
 
 

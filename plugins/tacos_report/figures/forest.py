@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from tacos_report import verdicts
 from tacos_report.analysis import Comparison
-from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import INK, MUTED, RULE, camera_colour
 from tacos_report.quantities import signed
 
@@ -49,19 +49,18 @@ def forest(
             axes.plot([each.difference], [place], "o", color=colour, markersize=9, linestyle="")
             weight = "bold" if each.verdict in ("better", "worse") else "normal"
             word = verdicts.WORDS[each.verdict]
-            if narrow:
-                axes.annotate(
-                    f"{titles[each.against]}: {word}", (0.0, place), xycoords=("axes fraction", "data"),
-                    xytext=(0, 10), textcoords="offset points", color=INK, fontweight=weight,
-                )  # fmt: skip
-            else:
+            if not narrow:
                 axes.annotate(
                     word, (1.0, place), xycoords=("axes fraction", "data"), xytext=(8, 0),
                     textcoords="offset points", va="center", color=INK, fontsize=9.5, fontweight=weight,
                 )  # fmt: skip
-        names = ["" if narrow else titles[each.against] for each in comparisons]
-        axes.set_yticks(range(len(comparisons)), names)
-        axes.tick_params(axis="y", labelcolor=INK)
+        names = [
+            f"{titles[each.against]}: {verdicts.WORDS[each.verdict]}" if narrow else titles[each.against]
+            for each in comparisons
+        ]
+        for label, each in zip(name_rows(axes, names, narrow=narrow), comparisons, strict=True):
+            clear = narrow and each.verdict in ("better", "worse")
+            label.set(color=INK, fontweight="bold" if clear else "normal")
         axes.set_ylim(len(comparisons) - 0.4, -0.6)
         axes.margins(x=0.08)
         compared = "less product" if narrow else "designed camera less product, in fitness"

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from tacos_report.analysis import Influence
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.palette import DOT, INK, TERMS, camera_colour
 from tacos_report.plain_values import finite
 from tacos_report.quantities import number, unit_sign, words
@@ -21,7 +21,7 @@ _NAMED = 6
 """Parts named under a curve over parts: more would not be readable."""
 
 
-def shares(influences: Sequence[Influence]) -> str:
+def shares(influences: Sequence[Influence], *, narrow: bool = False) -> str:
     """SVG of the total and first-order indices, one bar per variable."""
     said = ", ".join(f"{words(each.variable)} {number(each.total, 2)}" for each in influences)
 
@@ -36,14 +36,15 @@ def shares(influences: Sequence[Influence]) -> str:
         axes.set_yticks(range(len(influences)), [words(each.variable) for each in influences])
         axes.tick_params(axis="y", length=0, labelcolor=INK)
         axes.set_ylim(len(influences) - 0.5, -0.5)
-        axes.set_xlim(0, max([1.0, *(each.total for each in influences)]) * 1.08)
+        axes.set_xlim(0, max([1.0, *(each.total for each in influences)]) * (1.15 if narrow else 1.08))
         axes.set_xticks([])
         axes.spines[:].set_visible(False)
 
-    return draw("importance", (9.2, 0.3 + 0.34 * len(influences)), f"Importance: {said}.", paint)
+    name, width_in = ("importance-narrow", NARROW_IN) if narrow else ("importance", 9.2)
+    return draw(name, (width_in, 0.3 + 0.34 * len(influences)), f"Importance: {said}.", paint)
 
 
-def curves(influences: Sequence[Influence], chosen: Mapping[str, Any]) -> str:
+def curves(influences: Sequence[Influence], chosen: Mapping[str, Any], *, narrow: bool = False) -> str:
     """SVG of the fitness along each variable with its band, at least two points each.
 
     Parameters
@@ -51,7 +52,7 @@ def curves(influences: Sequence[Influence], chosen: Mapping[str, Any]) -> str:
     chosen
         The designed camera's variables.
     """
-    columns = min(_COLUMNS, len(influences))
+    columns = min(1 if narrow else _COLUMNS, len(influences))
     rows = math.ceil(len(influences) / columns)
     names = ", ".join(words(each.variable) for each in influences)
 
@@ -69,6 +70,9 @@ def curves(influences: Sequence[Influence], chosen: Mapping[str, Any]) -> str:
             if place % columns == 0:
                 axes.set_ylabel("fitness")
 
+    if narrow:
+        size_in = (NARROW_IN, 0.3 + 1.9 * rows)
+        return draw("importance-curves-narrow", size_in, f"Fitness along: {names}.", paint)
     return draw("importance-curves", (9.2, 0.3 + 2.35 * rows), f"Fitness along: {names}.", paint)
 
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import INK, PAPER, RULE, TERMS, camera_colour
 from tacos_report.quantities import measured, number, words
 from tacos_report.study_data import CameraResult
@@ -16,13 +16,15 @@ from tacos_report.study_data import CameraResult
 _LIGHT_TEXT_ON = {TERMS[0], TERMS[3], TERMS[5]}
 
 
-def score_terms(cameras: Sequence[CameraResult], scores: Sequence[str]) -> str:
+def score_terms(cameras: Sequence[CameraResult], scores: Sequence[str], *, narrow: bool = False) -> str:
     """SVG of one bar per tested camera, one segment per term of the fitness, error bars where known.
 
     Parameters
     ----------
     scores
         The terms in the order they are stacked.
+    narrow
+        For the width of a phone: names stand above the bars.
     """
     drawn = [(index, camera) for index, camera in enumerate(cameras) if camera.fitness is not None]
     totals = ", ".join(f"{camera.title} {number(camera.fitness or 0.0)}" for _, camera in drawn)
@@ -36,27 +38,41 @@ def score_terms(cameras: Sequence[CameraResult], scores: Sequence[str]) -> str:
                 value = camera.terms.get(score, 0.0)
                 colour = TERMS[place % len(TERMS)]
                 start = ends[value >= 0]
-                axes.barh(row, value, left=start, height=0.58, color=colour, edgecolor=PAPER, linewidth=1)
+                axes.barh(
+                    row,
+                    value,
+                    left=start,
+                    height=0.36 if narrow else 0.58,
+                    color=colour,
+                    edgecolor=PAPER,
+                    linewidth=1,
+                )
                 ends[value >= 0] = start + value
             reach = max(reach, ends[True], camera.fitness or 0.0)
         for row, (index, camera) in enumerate(drawn):
             _segment_values(axes, row, camera, scores, reach)
             _total(axes, row, index, camera, reach)
-        axes.set_yticks(range(len(drawn)), [camera.title for _, camera in drawn])
-        for label, (index, _) in zip(axes.get_yticklabels(), drawn, strict=True):
+        labels = name_rows(axes, [camera.title for _, camera in drawn], narrow=narrow)
+        for label, (index, _) in zip(labels, drawn, strict=True):
             label.set(color=camera_colour(index), fontsize=10, fontweight="bold" if index == 0 else "normal")
-        axes.invert_yaxis()
+        axes.set_ylim(len(drawn) - 0.5, -0.75 if narrow else -0.5)
         axes.axvline(0, color=RULE, linewidth=1)
-        axes.set_xlim(right=reach * 1.2 or 1.0)
-        axes.set_xlabel("fitness: sum of weighted scores on unseen scenes (higher is better)")
+        axes.set_xlim(right=reach * (1.35 if narrow else 1.2) or 1.0)
+        between = "\n" if narrow else " "
+        axes.set_xlabel(f"fitness: sum of weighted scores on unseen scenes{between}(higher is better)")
         axes.spines[["left", "bottom"]].set_visible(False)
         light_grid(axes, "x")
         swatches = [Patch(facecolor=TERMS[place % len(TERMS)], linewidth=0) for place in range(len(scores))]
         names = [words(score) for score in scores]
-        figure.legend(swatches, names, loc="outside upper left", ncols=min(4, max(1, len(names))))
+        figure.legend(
+            swatches, names, loc="outside upper left", ncols=min(1 if narrow else 4, len(names)) or 1
+        )
 
-    height = 1.15 + 0.5 * len(drawn)
-    return draw("score-terms", (9.2, height), f"Fitness on unseen scenes by camera: {totals}.", paint)
+    said = f"Fitness on unseen scenes by camera: {totals}."
+    if narrow:
+        height = 0.95 + 0.17 * len(scores) + 0.52 * len(drawn)
+        return draw("score-terms-narrow", (NARROW_IN, height), said, paint)
+    return draw("score-terms", (9.2, 1.15 + 0.5 * len(drawn)), said, paint)
 
 
 def _segment_values(axes: Axes, row: int, camera: CameraResult, scores: Sequence[str], reach: float) -> None:

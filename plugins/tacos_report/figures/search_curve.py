@@ -10,13 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.palette import DOT, INK, MUTED, PAPER, camera_colour
 from tacos_report.quantities import number
 from tacos_report.study_data import Generation, Tried
 
 
-def search_curve(generations: Sequence[Generation]) -> str:
+def search_curve(generations: Sequence[Generation], *, narrow: bool = False) -> str:
     """SVG of fitness against images rendered (or candidates, where no images were counted)."""
     spent = [generation.frames for generation in generations]
     unit = "images rendered"
@@ -56,9 +56,11 @@ def search_curve(generations: Sequence[Generation]) -> str:
         axes.set_ylabel("fitness on the scenes designed on")
         axes.spines["left"].set_visible(False)
         light_grid(axes, "y")
-        _generation_axis(axes, ends)
-        axes.legend(loc="lower right", ncols=4, labelcolor=MUTED, bbox_to_anchor=(1, 0.03))
+        _generation_axis(axes, ends, most=6 if narrow else 12)
+        axes.legend(loc="lower right", ncols=2 if narrow else 4, labelcolor=MUTED, bbox_to_anchor=(1, 0.03))
 
+    if narrow:
+        return draw("search-curve-narrow", (NARROW_IN, 3.4), description, paint)
     return draw("search-curve", (9.2, 4.0), description, paint)
 
 
@@ -72,11 +74,11 @@ def _placed(generations: Sequence[Generation], ends: Sequence[int]) -> list[tupl
     return placed
 
 
-def _generation_axis(axes: Axes, ends: Sequence[int]) -> None:
-    every = max(1, -(-len(ends) // 12))
+def _generation_axis(axes: Axes, ends: Sequence[int], most: int) -> None:
+    every = max(1, -(-len(ends) // most))
     upper = axes.secondary_xaxis("top")
     upper.set_xticks(ends[every - 1 :: every], [str(place) for place in range(every, len(ends) + 1, every)])
     upper.set_xlabel("end of generation")
     upper.tick_params(length=0)
     upper.spines["top"].set_visible(False)
-    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(min(8, most), integer=True))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from tacos_report.figures.canvas import draw
+from tacos_report.figures.canvas import NARROW_IN, draw
 from tacos_report.palette import INK, MUTED, RULE, camera_colour
 from tacos_report.quantities import quantity
 
@@ -26,7 +26,7 @@ class VariableRange:
     chosen: float | None
 
 
-def tolerances(variables: Sequence[VariableRange]) -> str:
+def tolerances(variables: Sequence[VariableRange], *, narrow: bool = False) -> str:
     """SVG of one bar per variable, each over its own bounds."""
     said = "; ".join(
         f"{v.title} {quantity(v.about[0], v.unit)} to {quantity(v.about[1], v.unit)}"
@@ -52,8 +52,10 @@ def tolerances(variables: Sequence[VariableRange]) -> str:
                 axes.annotate(quantity(end, variable.unit), (at_end, place), (gap, 0), ha=side, va="center",
                               textcoords="offset points", color=MUTED, fontsize=8)  # fmt: skip
             axes.text(0, place - 0.36, variable.title, color=INK, fontsize=9.5, va="center")
-        axes.set_xlim(-0.09, 1.09)
+        beside = 0.24 if narrow else 0.09  # room for the ends of the ranges
+        axes.set_xlim(-beside, 1 + beside)
         axes.set_ylim(len(variables) - 0.55, -0.65)
         axes.axis("off")
 
-    return draw("tolerances", (9.2, 0.25 + 0.62 * len(variables)), f"Tolerances: {said}.", paint)
+    name, width_in = ("tolerances-narrow", NARROW_IN) if narrow else ("tolerances", 9.2)
+    return draw(name, (width_in, 0.25 + 0.62 * len(variables)), f"Tolerances: {said}.", paint)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from tacos_report.analysis import FrontPoint, Objective
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.palette import DOT, INK, PAPER, camera_colour
 from tacos_report.quantities import unit_sign, words
 
@@ -18,9 +18,9 @@ _COLUMNS = 2
 _NAMED = 12
 
 
-def trade_offs(objectives: Sequence[Objective], points: Sequence[FrontPoint]) -> str:
+def trade_offs(objectives: Sequence[Objective], points: Sequence[FrontPoint], *, narrow: bool = False) -> str:
     """SVG of one panel per objective, the fitness upwards in all of them."""
-    columns = min(_COLUMNS, len(objectives))
+    columns = min(1 if narrow else _COLUMNS, len(objectives))
     rows = math.ceil(len(objectives) / columns)
     names = ", ".join(words(each.name) for each in objectives)
 
@@ -34,9 +34,10 @@ def trade_offs(objectives: Sequence[Objective], points: Sequence[FrontPoint]) ->
             if place % columns == 0:
                 axes.set_ylabel("fitness")
 
-    return draw(
-        "front", (9.2, 0.3 + 3.4 * rows), f"{len(points)} cameras of a front: fitness against {names}.", paint
-    )
+    said = f"{len(points)} cameras of a front: fitness against {names}."
+    if narrow:
+        return draw("front-narrow", (NARROW_IN, 0.3 + 2.8 * rows), said, paint)
+    return draw("front", (9.2, 0.3 + 3.4 * rows), said, paint)
 
 
 def _panel(axes: Axes, objective: Objective, points: Sequence[FrontPoint]) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from tacos_report import verdicts
 from tacos_report.figures.forest import forest
-from tacos_report.page import Block, Drawing, Paragraph, Table
+from tacos_report.page import Block, Paragraph, Table, in_both_widths
 from tacos_report.study_data import StudyData
 
 
@@ -25,13 +26,12 @@ def blocks(study: StudyData) -> Iterator[Block]:
         names = [camera.name for camera in study.cameras]
         titles = {each.against: study.title_of(each.against) for each in drawn}
         indices = {name: names.index(name) for name in titles if name in names}
-        yield Drawing(
-            forest(drawn, titles, indices, margin),
+        yield in_both_widths(
+            partial(forest, drawn, titles, indices, margin),
             "Fitness of the designed camera less that of each product, over the same unseen scenes: to the "
             "right of zero the designed camera is better. Bars allow for every look that "
             "was taken while scenes were added"
             + (". Within the shaded margin a difference counts as none." if margin else "."),
-            narrow=forest(drawn, titles, indices, margin, narrow=True),
         )
     yield Table(
         ("Against", "Difference in fitness", "Verdict", "Test scenes"),

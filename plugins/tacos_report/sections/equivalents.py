@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 from tacos_report.analysis import Equivalents
 from tacos_report.figures.tolerances import VariableRange, tolerances
-from tacos_report.page import Block, Drawing, Paragraph, Table
+from tacos_report.page import Block, Paragraph, Table, in_both_widths
 from tacos_report.plain_values import Interval, finite
 from tacos_report.quantities import number, quantity, unit_of, words
 from tacos_report.sections.ranking import chance
@@ -29,8 +30,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
     names = list(dict.fromkeys([*found.ranges, *found.tolerances]))
     drawn = [variable for name in names if (variable := _variable(study, found, name)) is not None]
     if drawn:
-        yield Drawing(
-            tolerances(drawn),
+        yield in_both_widths(
+            partial(tolerances, drawn),
             "Light: where cameras within the margin lie, all variables free to follow. Dark: how far this "
             "one may stray while the rest of the designed camera (the star) stays as it is. Ends are those "
             "of the design space.",

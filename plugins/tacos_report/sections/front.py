@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from tacos_report.analysis import FrontPoint, Objective
 from tacos_report.figures.trade_offs import trade_offs
-from tacos_report.page import Block, Detailed, Drawing, Table
+from tacos_report.page import Block, Detailed, Table, in_both_widths
 from tacos_report.quantities import number, quantity, words
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
@@ -21,8 +22,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
         each for each in objectives if each.name != "fitness" and any(each.name in p.values for p in points)
     ]
     if drawn:
-        yield Drawing(
-            trade_offs(drawn, points),
+        yield in_both_widths(
+            partial(trade_offs, drawn, points),
             "Cameras of which none is better in one aim without being worse in another. Filled dots were "
             "scored again on scenes, hollow ones are told by the model; bars are 95 % intervals. Arrows say "
             "which way is better.",

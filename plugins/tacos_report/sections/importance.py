@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from tacos_report.figures.influences import curves, shares
-from tacos_report.page import Block, Drawing
+from tacos_report.page import Block, in_both_widths
 from tacos_report.study_data import StudyData
 
 
@@ -14,8 +15,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
     found = study.analysis.influences
     if not found:
         return
-    yield Drawing(
-        shares(found),
+    yield in_both_widths(
+        partial(shares, found),
         "Share of the variation of the fitness over the design space that goes when the variable is held "
         "(Sobol indices): dark by itself, light together with the others it acts with. Where the light part "
         "is long, the variable must be chosen together with others.",
@@ -23,8 +24,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
     drawn = [influence for influence in found if len(influence.curve) > 1]
     if drawn:
         chosen = study.designed.camera if study.designed else {}
-        yield Drawing(
-            curves(drawn, chosen),
+        yield in_both_widths(
+            partial(curves, drawn, chosen),
             "Fitness along each variable, everything else at its best; the band holds 95 % of what is "
             "credible. The upright line is the designed camera.",
         )

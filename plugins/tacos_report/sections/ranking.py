@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 
 from tacos_report.analysis import RankedPart
 from tacos_report.figures.parts_ranked import parts_ranked
-from tacos_report.page import Block, Detailed, Drawing, Folded, Paragraph, Table
+from tacos_report.page import Block, Detailed, Folded, Paragraph, Table, in_both_widths
 from tacos_report.quantities import number, words
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
@@ -20,13 +21,12 @@ def blocks(study: StudyData) -> Iterator[Block]:
     ranked = study.analysis.ranking
     if ranked:
         carried = products_of_parts(study)
-        yield Drawing(
-            parts_ranked(ranked, carried),
+        yield in_both_widths(
+            partial(parts_ranked, ranked, carried),
             "Every part at the optics that suit it best. Filled dots were scored on scenes, again where "
             "they are large; hollow ones are told by the model of the scores alone, and their intervals say "
             "how well. Bars hold 95 % of what is credible. Coloured diamonds are parts of products off the "
             "shelf.",
-            narrow=parts_ranked(ranked, carried, narrow=True),
         )
         heads = ("", "Part", "Its best optics", "Fitness (95 %)", *_heads(study), "Known from")
         rows = tuple(_row(place, part, study, carried) for place, part in enumerate(ranked, start=1))

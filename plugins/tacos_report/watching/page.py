@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 from tacos_report.figures.search_curve import search_curve
-from tacos_report.page import Block, Code, Drawing, Page, Paragraph, Section, Table, write_page
+from tacos_report.page import Block, Code, Page, Paragraph, Section, Table, in_both_widths, write_page
 from tacos_report.watching.in_words import HEADS, ranking, state
 from tacos_report.watching.running_study import RunningStudy
 
@@ -27,7 +28,9 @@ def write_watch_page(path: Path, study: RunningStudy, *, now_s: float, every_s: 
 def _sections(study: RunningStudy) -> list[Section]:
     if not study.ranking:
         return [Section("Best so far", (Paragraph("No candidate has been scored yet."), *_log(study)))]
-    curve = Drawing(search_curve(study.generations), "Each dot is a candidate; the line is the best so far.")
+    curve = in_both_widths(
+        partial(search_curve, study.generations), "Each dot is a candidate; the line is the best so far."
+    )
     table = Table(HEADS, ranking(study), "Fitness on the scenes of the search; the test on others follows.")
     return [
         Section("Best so far", (table,)),

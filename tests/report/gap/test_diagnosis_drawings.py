@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 
 from tacos_gap.evidence import ImageEvidence, Label
 from tacos_gap.problem import Problem
-from tacos_gap.report.arrows import of_tiles
+from tacos_gap.report.arrows import arrows, of_tiles
 from tacos_gap.report.drawings import is_wide, mapped
 from tacos_gap.report.frames import CROP_PX, compare, to_show
 from tacos_gap.report.image_map import image_map
@@ -18,9 +20,11 @@ from tacos_gap.report.numbers import Numbers, numbers_of
 from tacos_gap.report.overview import MOST, overview
 from tacos_gap.report.profiles import profile
 from tacos_gap.report.views import over, place_words, view_of
+from tacos_report.figures.canvas import NARROW_IN
 from tests.gap.taken import HEIGHT, WIDTH, capture, taken
 
 BOX = [0, 0, 20, 20]
+CALLED: dict[str, Any] = {"before": "was", "after": "is"}
 
 
 def numbers(
@@ -81,6 +85,46 @@ def test_a_map_averages_what_shares_a_tile() -> None:
     svg = image_map("m", numbers("relative_illumination", places, [10, 20, -15]), before="b", after="a")
     assert "+30" in svg  # 100 * 0.02 * 15
     assert "\u221230" in svg
+
+
+TILES = [{"box_px": [x, y, x + 20, y + 20], "axis": axis} for x in (0, 20) for y in (0, 20) for axis in "xy"]
+LINES = [{"level_dn": float(x), "channel": c} for c in "RGB" for x in range(4)]
+
+
+@pytest.mark.parametrize(
+    ("drawn", "told"),
+    [
+        (
+            partial(overview, {"detail": numbers("detail", [{}], [9.0])}, explained=True),
+            [view_of("detail").title],
+        ),
+        (
+            partial(arrows, "d", of_tiles(numbers("displacement", TILES, [9.0] * 8)), **CALLED),
+            ["was: ", "is: "],
+        ),
+        (
+            partial(image_map, "m", numbers("relative_illumination", TILES, [9.0] * 8), **CALLED),
+            ["was", "is"],
+        ),
+        (
+            partial(profile, "p", numbers("level", LINES, [9.0] * 12), "level", **CALLED),
+            ["R", "G", "B", "was"],
+        ),
+    ],
+    ids=["overview", "arrows", "map", "profile"],
+)
+def test_phones_are_told_the_same_in_their_own_width(drawn: Callable[..., str], told: list[str]) -> None:
+    wide, narrow = (drawn(narrow=narrow) for narrow in (False, True))
+    assert (width_in(wide), width_in(narrow)) == (9.2, NARROW_IN)
+    for svg in (wide, narrow):
+        words = re.findall(r"<text[^>]*>([^<]*)<", svg)
+        assert all(any(word.startswith(each) for word in words) for each in told)
+
+
+def width_in(svg: str) -> float:
+    """Width of a drawing [in]."""
+    (width_pt,) = re.findall(r'viewBox="0 0 ([\d.]+) ', svg)
+    return round(float(width_pt) / 72, 3)
 
 
 def test_one_level_is_drawn_capture_by_capture() -> None:

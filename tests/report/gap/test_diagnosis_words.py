@@ -11,7 +11,11 @@ from tacos_gap.ambiguity import NextCapture
 from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
 from tacos_gap.locate import Place
 from tacos_gap.report import words
+from tacos_gap.report.page import parameter_table
+from tacos_gap.report.photographed import photographed
 from tacos_gap.unknown import Unexplained
+from tacos_report.page import ContactSheet
+from tests.gap.taken import capture
 
 NOTHING_LEFT = Unexplained(0.0, 1.0, 1.0, 0.0, None)
 NOT_ASKED: Any = None
@@ -93,7 +97,7 @@ def test_the_headline_says_the_verdict(diagnosis: Diagnosis, said: str) -> None:
 def test_the_lead_gives_the_figures() -> None:
     lead = words.lead(found("explained", cause("vignetting"), gap_after=1.1), captures=1)
     assert lead.startswith("One capture differs from its simulation by 14.2 times the noise floor")
-    assert "1.1 are left (90 % interval 0.9 to 1.3)" in lead
+    assert "With what is added below, 1.1 are left (90 % interval 0.9 to 1.3)" in lead
 
 
 def test_limits_name_what_looks_alike_what_is_unknown_and_what_is_too_small() -> None:
@@ -139,3 +143,17 @@ def test_a_parameter_that_was_not_fitted_has_no_interval() -> None:
     assert words.parameter_rows("rounding", Parameter("floor", None, "1"))[0][2] == "not fitted"
     (fitted,) = words.parameter_rows("k1", Parameter(-0.31, (-0.33, -0.29), "1"))
     assert fitted == ("k1", "\u22120.31", "\u22120.33 to \u22120.29", "")
+
+
+def test_no_column_of_units_stands_empty() -> None:
+    turn = words.parameter_rows("k1", Parameter(-0.31, (-0.33, -0.29), "1"))
+    length = words.parameter_rows("radius_px", Parameter(1.4, (1.3, 1.5), "px"))
+    assert parameter_table(turn).heads == ("parameter", "value", "90 % interval")
+    assert parameter_table([*turn, *length]).heads[-1] == "unit"
+
+
+def test_a_long_exposure_is_told_in_milliseconds_not_in_powers_of_ten() -> None:
+    dark = capture("dark", 0.0)
+    (sheet, _) = photographed([replace(dark, context=replace(dark.context, exposure_s=3.916))])
+    assert isinstance(sheet, ContactSheet)
+    assert sheet.pictures[0].caption == "dark_0: 2 frames, 3\u202f916 ms"
