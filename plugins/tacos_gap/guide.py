@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.files import read_json
 
 WIDTH = 100
@@ -136,7 +136,14 @@ def for_effect(name: str, effects: Mapping[str, type[Any]]) -> Iterator[str]:
     """
     name = name.removeprefix("effect.")
     if name not in effects:
-        raise UserError(Fault("guide", f"there is no effect {name!r}", ", ".join(sorted(effects))))
+        raise UserError(
+            Fault(
+                "guide",
+                f"there is no effect {name!r}",
+                ", ".join(sorted(effects)),
+                did_you_mean(name, effects),
+            )
+        )
     needs = [need.remedy for need in getattr(effects[name], "shown_by", ())]
     alike = list(_alike(name, effects))
     yield f"To see {name}"

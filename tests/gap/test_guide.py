@@ -39,6 +39,8 @@ def test_a_question_names_the_capture_that_settles_it(tmp_path, capsys):
     assert "flat: a wall" in capsys.readouterr().out
     assert tacos_main(["captures", "guide", "fog"]) == 2
     assert "there is no effect 'fog'" in capsys.readouterr().err
+    assert tacos_main(["captures", "guide", "vigneting"]) == 2
+    assert "Did you mean 'vignetting'?" in capsys.readouterr().err
 
 
 def test_a_settled_diagnosis_asks_for_nothing(tmp_path):

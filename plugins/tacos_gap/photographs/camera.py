@@ -19,6 +19,16 @@ USUAL_PIXEL_UM, USUAL_FOCAL_MM = 3.0, 4.0
 _FEWEST_VIEWS = 3
 
 
+POSSIBLE = {
+    "pixel_um": (0.1, 1000.0, "um"),
+    "focal_length_mm": (0.1, 10_000.0, "mm"),
+    "black_level_dn": (0.0, 65_535.0, "DN"),
+    "bit_depth": (1, 16, "bits"),
+    "square_mm": (0.01, 10_000.0, "mm"),
+}
+"""Least and largest number of what may be given, with its unit."""
+
+
 @dataclass(frozen=True)
 class Given:
     """What the photographer says of camera and board; None leaves it to the files.
@@ -31,6 +41,11 @@ class Given:
         Of the chessboard, along its rows and columns.
     square_mm
         Side of its squares [mm].
+
+    Raises
+    ------
+    UserError
+        When a number cannot be that of a camera or of a board; all of them together.
     """
 
     pixel_um: float | None = None
@@ -40,6 +55,15 @@ class Given:
     cfa: str | None = None
     inner_corners: tuple[int, int] | None = None
     square_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        faults = [
+            Fault(f"--{name.replace('_', '-')}", f"is {value:g}", f"{least:g} to {most:g} {unit}".rstrip())
+            for name, (least, most, unit) in POSSIBLE.items()
+            if (value := getattr(self, name)) is not None and not least <= value <= most
+        ]
+        if faults:
+            raise UserError(faults)
 
 
 @dataclass(frozen=True)

@@ -103,7 +103,9 @@ def import_photographs(
 def _pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
     """Files of pictures, and sentences on what was passed over."""
     missing = [
-        Fault(str(source), "is neither a file nor a folder") for source in sources if not source.exists()
+        Fault(str(source), "is neither a file nor a folder", "pictures, or a folder of them")
+        for source in sources
+        if not source.exists()
     ]
     if missing:
         raise UserError(missing)

@@ -174,3 +174,14 @@ def test_blurred_print_is_taken_for_edges_and_that_is_said(tmp_path):
     assert any("page.png: it is taken for print, blurred." in text for text in found.doubts)
     folder = read_captures(found.path.parent)
     assert folder.captures[0].own_edges
+
+
+def test_numbers_that_no_camera_has_are_refused_together(tmp_path, capsys):
+    options = ["--pixel-um", "-3", "--focal-length-mm", "0", "--bit-depth", "99", "--square-mm", "0"]
+    out = tmp_path / "out"
+    assert tacos_main(["captures", "import", str(tmp_path), "--out", str(out), *options]) == 2
+    said = capsys.readouterr().err
+    for name in ("--pixel-um: is -3", "--focal-length-mm: is 0", "--bit-depth: is 99", "--square-mm: is 0"):
+        assert name in said
+    assert "1 to 16 bits" in said
+    assert not out.exists()
