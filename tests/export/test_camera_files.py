@@ -166,7 +166,7 @@ def test_the_command_writes_a_product_of_a_recipe(tmp_path: Path, capsys: pytest
     assert info["camera_matrix"]["data"][0] == pytest.approx(3.6e3 / 1.55)
     assert tacos_main([*arguments, "--simulated"]) == 0
     info = yaml.safe_load((tmp_path / "camera_ros.yaml").read_text())
-    assert (info["image_width"], info["image_height"]) == (2000, 1500)
+    assert (info["image_width"], info["image_height"]) == (1333, 1000)  # 4000 is no multiple of 3
 
 
 def test_body_from_camera_is_a_pose(tmp_path: Path) -> None:

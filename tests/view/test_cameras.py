@@ -23,7 +23,7 @@ def test_a_product_fixes_what_it_fixes_and_the_rest_is_in_the_middle(plan: Plan)
     choice = choose_camera(plan, "flea3")
     (camera,) = built_rig(plan, choice).cameras
     assert (choice.title, camera.focal_length_mm, camera.pixel_um) == ("FLIR Flea3", 3.6, 1.55)
-    assert (camera.width_px, camera.binning) == (2000, 2)
+    assert (camera.width_px, camera.binning) == (1333, 3)
     assert (choice.values["pitch_deg"], choice.assumed) == (0.0, ("pitch_deg",))
 
 
@@ -34,7 +34,7 @@ def test_without_a_name_it_is_the_first_product_of_the_recipe(plan: Plan) -> Non
 def test_figures_of_ones_own_may_name_a_part_of_the_catalog(plan: Plan) -> None:
     choice = choose_camera(plan, {"focal_length_mm": 5.0, "pitch_deg": -10.0, "sensor": "IMX219"})
     (camera,) = built_rig(plan, choice).cameras
-    assert (camera.width_px, camera.focal_length_mm, choice.assumed) == (1640, 5.0, ())
+    assert (camera.width_px, camera.focal_length_mm, choice.assumed) == (1093, 5.0, ())
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,8 +13,9 @@ from tacos_export.camera.noise import NoiseDescription, describe_noise
 from tacos_export.conventions import at_full_resolution
 from tacos_framework.contracts import moves_pixels
 from tacos_framework.formation import PlacedEffect
-from tacos_framework.values import Camera
+from tacos_framework.values import Camera, Rig
 from tacos_plugins.effects.lens_distortion import LensDistortion
+from tacos_view.cameras import built_rig
 from tacos_view.setup import RenderSetup
 
 LensModel = Literal["brown", "fisheye"]
@@ -57,12 +58,25 @@ def describe_cameras(setup: RenderSetup, *, simulated: bool = False) -> tuple[Ca
         As they are simulated, where the rig averages blocks of photosites; otherwise with all pixels.
     """
     described = []
-    for camera in setup.rig.cameras:
+    rig = setup.rig if simulated else whole_rig(setup)
+    for camera in rig.cameras:
         lens, distortion, limitations = lens_of(setup.effects, camera.name)
         shown = camera if simulated else at_full_resolution(camera)
         noise = describe_noise(setup.sensor.at(camera.name), shown, setup.exposure)
         described.append(CameraDescription(shown, lens, distortion, noise, limitations))
     return tuple(described)
+
+
+def whole_rig(setup: RenderSetup) -> Rig:
+    """The rig with every pixel, also those that are left over where blocks of them are averaged.
+
+    A rig without the setting `binning` is as it is.
+    """
+    part = setup.plan.rig
+    if getattr(part.config, "binning", 1) == 1:
+        return setup.rig
+    unbinned = replace(part, config=part.config.model_copy(update={"binning": 1.0}), built=None)
+    return built_rig(replace(setup.plan, rig=unbinned), setup.camera)
 
 
 def lens_of(
