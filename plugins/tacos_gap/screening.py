@@ -22,6 +22,10 @@ SHARES = (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
 """Multiples of a direction's change that are looked at."""
 
 
+RIDGE = 1e-4
+"""Added to the mean square of directions that are combined, so that two that are alike can be solved for."""
+
+
 @dataclass(frozen=True, eq=False)
 class ScreeningDirection:
     """An effect at an initial guess: what it changes in the residuals."""
@@ -143,7 +147,7 @@ def combined_shares(
     changes = np.stack([direction.change for direction in directions], axis=1)
     weights = robust_derivative(base)
     normal = (changes * weights[:, None]).T @ changes
-    ridge = 1e-4 * float(np.trace(normal)) / len(normal)
+    ridge = RIDGE * float(np.trace(normal)) / len(normal)
     shares = -np.linalg.solve(normal + ridge * np.eye(len(normal)), changes.T @ (weights * base))
     return np.clip(shares, -4, 4)
 

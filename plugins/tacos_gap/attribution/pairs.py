@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import robust_derivative
 from tacos_gap.screening import (
+    RIDGE,
     ScreeningDirection,
     ScreeningDirections,
     apart,
@@ -82,7 +83,7 @@ def best_pair(
 def _fall(normal: NDArray[np.float64], slope: NDArray[np.float64], at: NDArray[np.int64]) -> float:
     """Fall of the weighted squares where some directions are scaled as leaves least."""
     inner = normal[np.ix_(at, at)]
-    ridge = 1e-4 * float(np.trace(inner)) / len(at)
+    ridge = RIDGE * float(np.trace(inner)) / len(at)
     return float(slope[at] @ np.linalg.solve(inner + ridge * np.eye(len(at)), slope[at]))
 
 
