@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.images import decode_picture
+from tacos_files.images import UNREADABLE
 from tacos_framework.files.regular import read_bytes
 
-_JPEG = b"\xff\xd8\xff"
+SUFFIXES = (".jpg", ".jpeg")
 _SAMPLINGS = ("4:4:4", "4:2:2", "4:2:0")
 _LUMINANCE = 0  # number of the table by which luminance is quantised
 
@@ -34,22 +34,24 @@ class JpegCoding(NamedTuple):
 
 
 def jpeg_coding(path: Path, *, where: str | None = None, within: Path | None = None) -> JpegCoding | None:
-    """How a file was coded; None where it is no JPEG.
+    """How a file was coded, by its header alone; None where it is no JPEG, or its header cannot be read.
 
     Parameters are those of `tacos_framework.files.regular.read_bytes`.
 
     Raises
     ------
     UserError
-        When it cannot be read, is damaged or too large.
+        When it cannot be read or is too large.
     """
-    content = read_bytes(path, "image_mb", where=where, within=within)
-    if not content.startswith(_JPEG):
+    if path.suffix.lower() not in SUFFIXES:
         return None
     from PIL.JpegImagePlugin import JpegImageFile, get_sampling
 
-    image = decode_picture(content, str(path) if where is None else where, path.name)
-    if not isinstance(image, JpegImageFile) or _LUMINANCE not in image.quantization:
+    try:
+        image = JpegImageFile(BytesIO(read_bytes(path, "image_mb", where=where, within=within)))
+    except UNREADABLE:
+        return None
+    if _LUMINANCE not in image.quantization:
         return None
     sampling = get_sampling(image)
     return JpegCoding(

@@ -50,6 +50,8 @@ def test_tables_of_a_camera_have_the_nearest_quality():
 def test_other_files_say_nothing(tmp_path):
     Image.new("L", (16, 16)).save(tmp_path / "file.png")
     assert jpeg_coding(tmp_path / "file.png") is None
+    (tmp_path / "no.jpg").write_bytes(b"\xff\xd8\xff no header")
+    assert jpeg_coding(tmp_path / "no.jpg") is None
 
 
 def _table_of(quality: int) -> list[int]:
