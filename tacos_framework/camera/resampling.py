@@ -9,13 +9,16 @@ from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import map_coordinates, spline_filter
 
 from tacos_framework.camera.motion import Places
 
 ORDER: Final = 5
 """Degree of the spline through pixels. Half-way between them it keeps 95 % of a wave of 0.35 cycles per pixel
-where a cubic one keeps 84 %, in 1.7 times the time."""
+where a cubic one keeps 84 %."""
+
+_AROUND_PX: Final = 12
+"""How far the edge is repeated around an image: the pole of the spline, .43, to this power is nothing."""
 
 SAME_SURFACE = 0.05
 """Neighbours whose depths differ by less than this share belong to one surface [1]."""
@@ -54,11 +57,27 @@ def resample(
     y_px = np.broadcast_to(y_px, x_px.shape)
     moved = np.empty((*x_px.shape, frames.shape[3]), frames.dtype)
     for frame, x, y, out in zip(frames, x_px, y_px, moved, strict=True):
+        column, row = (np.ascontiguousarray(each + _AROUND_PX, np.float64) for each in (x, y))
         for channel in range(frame.shape[-1]):
-            values = frame[..., channel]
-            spline = map_coordinates(values, (y, x), order=ORDER, mode="nearest", output=values.dtype)
-            np.clip(spline, values.min(), values.max(), out=out[..., channel])
+            out[..., channel] = _spline(frame[..., channel], column, row)
     return moved
+
+
+def _spline(
+    image: NDArray[Samples], column: NDArray[np.float64], row: NDArray[np.float64]
+) -> NDArray[Samples]:
+    """(H', W') an (H, W) image at places counted from the corner of what is repeated around it.
+
+    The coefficients are SciPy's. Its loop over places, for any degree and dimension, takes four times as long
+    as `evaluate`; both give the same numbers, but for those more than 8 px outside of the image.
+    """
+    from tacos_framework.camera.spline_loops import evaluate
+
+    around = np.pad(image, _AROUND_PX, mode="edge")
+    coefficients = spline_filter(around, ORDER, output=np.float64, mode="nearest")
+    values = np.empty(column.shape, image.dtype)
+    evaluate(coefficients, column, row, float(image.min()), float(image.max()), values)
+    return values
 
 
 def composed(first: Places, then: Places) -> Places:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.compiled import compiled
+from tacos_framework.compiled import compiled
 
 
 @compiled

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.compiled import compiled
 from tacos_framework.values import Camera
-from tacos_plugins.compiled import compiled
 from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
 from tacos_plugins.renderers.moderngl.covered import BLOCK, along, box_is_hidden, is_hidden
 
