@@ -92,13 +92,13 @@ class EvaluationContext:
         return block_of(whole, *spec.block)
 
     def stream(
-        self, scene: str, episode: Episode, spec: EpisodeSpec, tasks: Sequence[str]
+        self, scene: str, episode: Episode, draws: EpisodeDraws, tasks: Sequence[str]
     ) -> Iterator[Mapping[str, Any]]:
         """What the tasks are given of an episode, frame by frame: ``{task: {port: value}}``.
 
-        Tasks that want several frames at a time get as many, if they say so (`Task.frames_per_update`).
+        Tasks that want several frames at a time get as many, if they say so (`Task.frames_per_update`). Of an
+        episode that is gone on with, the draws remember what came before.
         """
-        draws = self.draws(spec)
 
         def call(node: Node, inputs: Mapping[str, Any], batch: Episode) -> Any:
             with self.at_work(node.name):
