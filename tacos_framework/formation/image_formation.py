@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,7 +181,7 @@ class ImageFormation:
         )
         geometry = ImageGeometry.of_camera(view.camera)
         chain = EffectChain.of([effect], geometry, context)
-        changed = []
+        changed: dict[int, NDArray[Any]] = {}
         for i in range(len(image)):
             before = image[i : i + 1].astype(np.float32)
             after = before
@@ -200,10 +201,11 @@ class ImageFormation:
                     )
             except ContextMissing as missing:
                 raise _unknown(view.camera.name, missing) from missing
-            if after is before:
-                return image
-            changed.append(digital(after, frames.white_level_dn).astype(image.dtype))
-        return np.concatenate(changed)
+            if after is not before:
+                changed[i] = digital(after, frames.white_level_dn).astype(image.dtype)
+        if not changed:
+            return image
+        return np.concatenate([changed.get(i, image[i : i + 1]) for i in range(len(image))])
 
 
 def _unknown(camera: str, missing: ContextMissing) -> UserError:

@@ -75,6 +75,14 @@ class Counting(AddingLight):
         return samples + np.float32(context.memory["frames"])
 
 
+class EverySecond(AddingToFiles):
+    """Adds a number of DN to every second frame, and leaves the others as they are."""
+
+    def on_array(self, samples, *, geometry, context, rng):
+        context.memory["frames"] = context.memory.get("frames", 0) + 1
+        return samples if context.memory["frames"] % 2 else samples + np.float32(self.config.by)
+
+
 class Shifting:
     """Moves the image by whole pixels."""
 
@@ -166,6 +174,15 @@ def test_effects_on_light_and_files_act_as_nodes_at_once() -> None:
     assert formation.with_effect(frames, placed(AddingToFiles), DRAWS) is frames
     with pytest.raises(TypeError, match="of the stage readout acts before there are frames"):
         formation.with_effect(frames, placed(Adding, by=1.0), DRAWS)
+
+
+def test_an_effect_on_files_that_leaves_some_frames_alone_acts_on_the_others() -> None:
+    """As a node of the graph it does what it does in the list of a recipe."""
+    effect = placed(EverySecond, by=20.0)
+    listed = expose(effect, frames=5, draws=EpisodeDraws(7, ("design", 0)))
+    formation, draws = ImageFormation(sample_exposure()), EpisodeDraws(7, ("design", 0))
+    found = formation.with_effect(formation.expose(sample_capture(frames=5), SENSOR, draws), effect, draws)
+    np.testing.assert_array_equal(found.images[0], listed.images[0])
 
 
 def test_where_pixels_move_truth_moves_along() -> None:
