@@ -42,6 +42,18 @@ class EpisodeDraws:
         memory: dict[str, Any] = self._memories.setdefault(what, {})
         return memory
 
+    def at(self, node: str) -> EpisodeDraws:
+        """The same draws with a memory of one node: an effect that holds for all images acts at several.
+
+        Examples
+        --------
+        >>> draws = EpisodeDraws(7, ("design", 0))
+        >>> draws.at("left").memory("effect")["frames"] = 3
+        >>> draws.at("left").memory("effect"), draws.at("right").memory("effect")
+        ({'frames': 3}, {})
+        """
+        return replace(self, _memories=self.memory("node", node))
+
     def as_now(self) -> EpisodeDraws:
         """The same draws with all that is remembered by now, from which an episode may be gone on with.
 
