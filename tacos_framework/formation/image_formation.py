@@ -81,18 +81,23 @@ class ImageFormation:
         -------
         FrameBatch
             uint8 up to a white level of 255, else uint16 [DN].
+
+        Raises
+        ------
+        UserError
+            When the files of one camera have another range than those of the first.
         """
+        black_level_dn, white_level_dn = sensor.range_dn([view.camera.name for view in capture.views])
         if self.control:
             loop = ExposureLoop(self.control, self.exposure, partial(self._at, capture.pending, sensor))
             return loop.frames(replace(capture, pending=()), sensor.name, draws)
         effects = (*self.effects, *capture.pending)
         images = [self._exposed(view, capture, sensor, effects, draws) for view in capture.views]
-        first = sensor.at(capture.views[0].camera.name)
         return FrameBatch(
             capture=replace(capture, pending=()),
             images=tuple(images),
-            black_level_dn=first.black_level_dn,
-            white_level_dn=first.white_level_dn,
+            black_level_dn=black_level_dn,
+            white_level_dn=white_level_dn,
         )
 
     def _at(
