@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.camera.geometry import pixel_rays, world_from_camera
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Capture, Episode, Exposure, Light, Material, Rig, View, World
@@ -200,6 +201,4 @@ def reflectance(material: Material, uv_m: NDArray[np.float64]) -> NDArray[np.flo
         return base
     edge = len(material.texture)
     column, row = (np.floor(uv_m / material.texture_size_m * edge).astype(np.int64) % edge).T
-    encoded = material.texture[row, column] / 255
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return base * linear
+    return base * LINEAR_OF_SRGB_BYTE[material.texture[row, column]]

@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Camera, Light, Material, World
 from tacos_plugins.lighting import emitter_luminance_cd_m2
 from tacos_plugins.renderers.traced.coat import sheen
 from tacos_plugins.renderers.traced.lamps import bare_lights
 
-_STEPS = np.arange(256) / 255
-_LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4).astype(np.float32)
-"""Linear value of each sRGB byte (IEC 61966-2-1)."""
 _FAR_M = 1000.0
 """Spheres farther off are suns: parallel light [m]."""
 
@@ -36,7 +34,9 @@ def write_scene(folder: Path, world: World) -> None:
         arrays[f"triangles_{index}"] = part.triangles
     for index, material in enumerate(world.materials):
         if material.texture is not None:
-            arrays[f"texture_{index}"] = _LINEAR[material.texture] * material.base_colour
+            arrays[f"texture_{index}"] = (
+                LINEAR_OF_SRGB_BYTE.astype(np.float32)[material.texture] * material.base_colour
+            )
         if material.normal_map is not None:
             arrays[f"bumps_{index}"] = 0.5 + 0.5 * (material.normal_map.astype(np.float32) - 128) / 127
     if world.sky_cd_m2 is not None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Material
 from tacos_plugins.renderers.traced.coat import sheen
 
@@ -64,9 +65,8 @@ def linear_reflectance(material: Material) -> NDArray[np.float32]:
     Mitsuba is given linear values: the base colour multiplies what the sRGB bytes stand for, not the bytes.
     """
     assert material.texture is not None
-    code = np.arange(256) / 255
-    linear = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
-    return (linear.astype(np.float32)[material.texture] * material.base_colour).astype(np.float32)
+    linear = LINEAR_OF_SRGB_BYTE.astype(np.float32)[material.texture]
+    return (linear * material.base_colour).astype(np.float32)
 
 
 def _loaded_colour(mitsuba: ModuleType, material: Material) -> Any:
