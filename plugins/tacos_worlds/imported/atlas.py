@@ -1,8 +1,7 @@
 """Colours of vertices as a texture, since materials carry colour in textures alone.
 
 Two triangles share a square of four by four texels. The squares lie in the atlas along a Z-curve, in the
-order
-in which triangles lie along one in space: coarser levels of the texture then average over neighbours.
+order in which triangles lie along one in space: coarser levels of the texture then average over neighbours.
 """
 
 from __future__ import annotations

@@ -86,9 +86,8 @@ def read_surroundings(file: Path, turn_deg: float) -> Surroundings:
 def without_sun(image: NDArray[np.float32]) -> tuple[NDArray[np.float32], Light | None]:
     """A panorama without its sun, and the sun as a light of as much illuminance.
 
-    The sun is the brightest patch, where it is many times brighter than the rest and small. Baked as part
-    of a
-    panorama it would cast no shadows.
+    The sun is the brightest patch, where it is many times brighter than the rest and small. Baked as part of
+    a panorama it would cast no shadows.
     """
     height, width = image.shape[:2]
     luminance = photopic(image)
