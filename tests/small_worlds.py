@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tacos_framework.values import Camera, Episode, Light, Material, MeshPart, Object, Rig, Trajectory, World
+from tacos_framework.values import (
+    Camera,
+    Episode,
+    Light,
+    Material,
+    MeshPart,
+    Mover,
+    Object,
+    Rig,
+    Trajectory,
+    World,
+)
 
 _keys = count()
 
@@ -132,3 +144,19 @@ def camera(width_px: int = 64, height_px: int = 48, focal_px: float = 60.0, **mo
 def rig(*cameras: Camera) -> Rig:
     """A rig of cameras."""
     return Rig(cameras)
+
+
+def moving_plate(frames: int = 3) -> Episode:
+    """A bright plate at 10 m that moves to the right by 1 m a second, in front of a dark wall at 20 m."""
+    plate = quad((10, 0, 2), (0, -0.5, 0), (0, 0, 0.5), 0, object_id=1)
+    wall = quad((20, 0, 2), (0, -30, 0), (0, 0, 10), 1, object_id=0)
+    bright, dark = matte(0.0, emission_cd_m2=np.full(3, 100.0)), matte(0.0)
+    place = world([plate, wall], [bright, dark])
+    place = replace(
+        place, objects=(place.objects[0], Object("plate", place.objects[1].class_name, moves=True))
+    )
+    shifted = np.tile(np.eye(4), (2, 1, 1))
+    shifted[1, 1, 3] = -10.0
+    still = Trajectory([0.0], pose((0.0, 0.0, 2.0), (1.0, 0.0, 0.0))[None])
+    mover = Mover(1, Trajectory([0.0, 10.0], shifted))
+    return Episode(place, still, np.arange(frames) * 1.0, np.zeros(frames), movers=(mover,))

@@ -125,8 +125,7 @@ def _observations(record: StudyRecord) -> list[Observation]:
         point = dict(coordinates[key])
         if record.problem.weights_learn:
             point[TIME] = float(episode.generation)
-        scores = {name: value for name, value in episode.scores.items() if not name.endswith("fitness")}
-        observations.append(Observation(point, episode.episode, scores))
+        observations.append(Observation(point, episode.episode, episode.scores))
     return observations
 
 

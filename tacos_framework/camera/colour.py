@@ -1,4 +1,4 @@
-"""Linear sRGB: luminance, and the way to a display."""
+"""Linear sRGB: luminance, and the way to a display and back."""
 
 from __future__ import annotations
 
@@ -54,6 +54,37 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
     """
     light = np.clip(np.asarray(linear, dtype=np.float64), 0.0, 1.0)
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+
+
+def linear_from_srgb(encoded: ArrayLike) -> NDArray[np.float64]:
+    """Linear light of sRGB code values; undoes :func:`srgb_from_linear`.
+
+    Parameters
+    ----------
+    encoded
+        sRGB code values, 0..1 [1].
+
+    Returns
+    -------
+    NDArray
+        Light, 1 is white; same shape [1].
+
+    References
+    ----------
+    IEC 61966-2-1:1999.
+
+    Examples
+    --------
+    >>> linear_from_srgb([0.0, 0.4614, 1.0]).round(4).tolist()
+    [0.0, 0.18, 1.0]
+    """
+    code = np.asarray(encoded, dtype=np.float64)
+    return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+
+
+LINEAR_OF_SRGB_BYTE: NDArray[np.float64] = linear_from_srgb(np.arange(256) / 255)
+"""(256,) linear value of each sRGB byte: `LINEAR_OF_SRGB_BYTE[image]` is a picture in linear light."""
+LINEAR_OF_SRGB_BYTE.flags.writeable = False
 
 
 def display_image(

@@ -19,6 +19,7 @@ SIZES = ("width_mm", "height_mm", "pixel_um")
 """What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""
 
 _NOT_PARTS = ("cameras",)
+_RELATIVE_UNITS = ("%", "dB")
 
 
 class ColumnEntry(Settings):
@@ -238,10 +239,14 @@ def _raw_line(where: str, cells: Mapping[str, str], source: str, faults: list[Fa
 
 
 def _csv_column(name: str, raws: Sequence[RawPart]) -> CatalogColumn:
-    """A column as its name says: pixels are whole; no unit and any word makes it text."""
+    """A column as its name says: pixels are whole; no unit and any word makes it text.
+
+    What is relative may be negative, as the distortion of a barrel is.
+    """
     unit = unit_of(name)
     if unit is not None:
-        return CatalogColumn(name, unit, f"{name} of the table.", "integer" if unit == "px" else "number")
+        kind: Literal["integer", "number"] = "integer" if unit == "px" else "number"
+        return CatalogColumn(name, unit, f"{name} of the table.", kind, positive=unit not in _RELATIVE_UNITS)
     plain = CatalogColumn(name, "1", f"{name} of the table.", positive=False)
     values = [raw.cells[name].value for raw in raws if raw.cells[name].value not in ("", "unknown")]
     if values and not any(checked_value(plain, value)[1] for value in values):

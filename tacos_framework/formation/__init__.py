@@ -4,6 +4,7 @@
 ``placed``          effects and sensors as a recipe places them: for all cameras, or with settings per camera
 ``image_units``     an effect's lengths and charges in the pixels and digital numbers of an image
 ``chain``           the effects of one image at their places
+``checked``         arrays that are not finite, refused with who made them so
 ``draws``           what is drawn and remembered along an episode, frame by frame
 ``arrays``          from light or expected samples to the values of a file, on arrays
 ``controlled``      the loop from a frame to the exposure of the next

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ class EpisodeDraws:
 
     seed: int
     names: tuple[str | int, ...]
-    _memories: dict[tuple[str, ...], dict[str, Any]] = field(default_factory=dict, repr=False, compare=False)
+    _memories: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def rng(self, frame: int, *what: str) -> np.random.Generator:
         """The generator of one thing in one frame, counted in the whole episode."""
@@ -38,4 +39,31 @@ class EpisodeDraws:
 
     def memory(self, *what: str) -> dict[str, Any]:
         """What one thing keeps from frame to frame."""
-        return self._memories.setdefault(what, {})
+        memory: dict[str, Any] = self._memories.setdefault(what, {})
+        return memory
+
+    def at(self, node: str) -> EpisodeDraws:
+        """The same draws with a memory of one node: an effect that holds for all images acts at several.
+
+        Examples
+        --------
+        >>> draws = EpisodeDraws(7, ("design", 0))
+        >>> draws.at("left").memory("effect")["frames"] = 3
+        >>> draws.at("left").memory("effect"), draws.at("right").memory("effect")
+        ({'frames': 3}, {})
+        """
+        return replace(self, _memories=self.memory("node", node))
+
+    def as_now(self) -> EpisodeDraws:
+        """The same draws with all that is remembered by now, from which an episode may be gone on with.
+
+        Examples
+        --------
+        >>> draws = EpisodeDraws(7, ("design", 0))
+        >>> draws.memory("effect")["frames"] = 3
+        >>> then = draws.as_now()
+        >>> draws.memory("effect")["frames"] = 4
+        >>> then.memory("effect")
+        {'frames': 3}
+        """
+        return replace(self, _memories=deepcopy(self._memories))

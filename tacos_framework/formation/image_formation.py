@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,18 +81,23 @@ class ImageFormation:
         -------
         FrameBatch
             uint8 up to a white level of 255, else uint16 [DN].
+
+        Raises
+        ------
+        UserError
+            When the files of one camera have another range than those of the first.
         """
+        black_level_dn, white_level_dn = sensor.range_dn([view.camera.name for view in capture.views])
         if self.control:
             loop = ExposureLoop(self.control, self.exposure, partial(self._at, capture.pending, sensor))
             return loop.frames(replace(capture, pending=()), sensor.name, draws)
         effects = (*self.effects, *capture.pending)
         images = [self._exposed(view, capture, sensor, effects, draws) for view in capture.views]
-        first = sensor.at(capture.views[0].camera.name)
         return FrameBatch(
             capture=replace(capture, pending=()),
             images=tuple(images),
-            black_level_dn=first.black_level_dn,
-            white_level_dn=first.white_level_dn,
+            black_level_dn=black_level_dn,
+            white_level_dn=white_level_dn,
         )
 
     def _at(
@@ -180,7 +186,7 @@ class ImageFormation:
         )
         geometry = ImageGeometry.of_camera(view.camera)
         chain = EffectChain.of([effect], geometry, context)
-        changed = []
+        changed: dict[int, NDArray[Any]] = {}
         for i in range(len(image)):
             before = image[i : i + 1].astype(np.float32)
             after = before
@@ -200,10 +206,11 @@ class ImageFormation:
                     )
             except ContextMissing as missing:
                 raise _unknown(view.camera.name, missing) from missing
-            if after is before:
-                return image
-            changed.append(digital(after, frames.white_level_dn).astype(image.dtype))
-        return np.concatenate(changed)
+            if after is not before:
+                changed[i] = digital(after, frames.white_level_dn).astype(image.dtype)
+        if not changed:
+            return image
+        return np.concatenate([changed.get(i, image[i : i + 1]) for i in range(len(image))])
 
 
 def _unknown(camera: str, missing: ContextMissing) -> UserError:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.plugins.guarded import blameless
 from tacos_framework.settings import Settings
 
 
@@ -75,3 +77,28 @@ class PlacedSensor:
     def at(self, camera: str) -> Any:
         """The sensor of a camera."""
         return self.by_camera.get(camera, self.sensor)
+
+    def range_dn(self, cameras: Sequence[str]) -> tuple[float, float]:
+        """Black and white level of the files of a rig's cameras, which share them [DN].
+
+        Raises
+        ------
+        UserError
+            When the files of one camera have another range than those of the first.
+        """
+        first, *others = ((name, _range_dn(self.at(name))) for name in cameras)
+        for name, found in others:
+            if found != first[1]:
+                (own, own_range), (black_dn, white_dn) = first, found
+                fault = Fault(
+                    f"node {self.name!r}, camera {name!r}",
+                    f"files of {black_dn:g} .. {white_dn:g} DN",
+                    f"{own_range[0]:g} .. {own_range[1]:g} DN, as those of camera {own!r}",
+                    "Leave black level and bit depth the same for all cameras of a sensor.",
+                )
+                raise blameless(UserError(fault))
+        return first[1]
+
+
+def _range_dn(sensor: Any) -> tuple[float, float]:
+    return float(sensor.black_level_dn), float(sensor.white_level_dn)

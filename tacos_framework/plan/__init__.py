@@ -12,6 +12,7 @@
 ``design``      what is free, and within which bounds
 ``targets``     what a design variable's name says it sets
 ``settable``    whether there is such a setting, and whether it takes the values
+``other_keys``  where else a setting of a name that is unknown is to be found
 ``starting``    settings that are given only as design variables
 ``cameras``     whether the cameras named are those of the rig
 ``camera_fit``  whether sensors and tasks can work with any camera the design may choose
@@ -19,7 +20,6 @@
 ``bounded``     what constraints bound and objectives aim at
 ``feasibility`` whether any camera keeps the constraints
 ``notes``       what nobody knows about parts that keep them, and which products do not
-``building``    components outside of a graph
 ``procedure``   recipes that are no study
 ==============  ========================================================================================
 """

@@ -73,8 +73,9 @@ def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Var
     try:
         if isinstance(entry, Between):
             lower, upper = entry.between
-            if entry.integer:
-                return Integer(name, int(lower), int(upper), unit)
+            if entry.integer:  # bounds that are not whole are refused with their values
+                low, high = (int(bound) if bound.is_integer() else bound for bound in (lower, upper))
+                return Integer(name, low, high, unit)  # type: ignore[arg-type]
             return Continuous(name, lower, upper, unit)
         if isinstance(entry, Choose):
             return Categorical(name, entry.choose)

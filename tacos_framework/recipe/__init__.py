@@ -5,10 +5,12 @@
 ``recipe``        the whole of it, and what holds between sections
 ``parsing``       reading it, with all faults
 ``procedure``     a recipe that is no study
+``written``       where the keys of a recipe stand in its text
 ``loading``       finding recipes by path or name
 ``overrides``     values put in from outside the file: ``--set`` and ``--with``
 ``fixing``        a design variable that ``--set`` fixes
 ``effect_names``  what design variables call the effects
+``notes``         notes that quote settings
 ================  =========================================================================================
 """
 

@@ -5,6 +5,7 @@
 ``folder``        a folder that one process writes into at a time
 ``checksums``     how its files carry checksums
 ``writing``       files that are there whole or not at all
+``log``           who hears what a run notes, and the file it is kept in
 ``reading``       files as the run left them, or a sentence on what is wrong
 ``manifest``      what a run was started with, held against what is there when it goes on
 ``dependencies``  what that is, of a study and of a procedure

@@ -4,6 +4,7 @@
 ``simulation``      a plan brought to life, candidate by candidate
 ``context``         one candidate on its way through the graph: episodes, frames, the time they take
 ``scores``          what the tasks report of an episode
+``overrides``       a candidate's values, sorted by what they set
 ``training``        frames for tasks that learn, and their states
 ``episodes``        which episode is meant, and its parts
 ``evaluation``      what came out for a candidate

@@ -92,13 +92,13 @@ class EvaluationContext:
         return block_of(whole, *spec.block)
 
     def stream(
-        self, scene: str, episode: Episode, spec: EpisodeSpec, tasks: Sequence[str]
+        self, scene: str, episode: Episode, draws: EpisodeDraws, tasks: Sequence[str]
     ) -> Iterator[Mapping[str, Any]]:
         """What the tasks are given of an episode, frame by frame: ``{task: {port: value}}``.
 
-        Tasks that want several frames at a time get as many, if they say so (`Task.frames_per_update`).
+        Tasks that want several frames at a time get as many, if they say so (`Task.frames_per_update`). Of an
+        episode that is gone on with, the draws remember what came before.
         """
-        draws = self.draws(spec)
 
         def call(node: Node, inputs: Mapping[str, Any], batch: Episode) -> Any:
             with self.at_work(node.name):
@@ -115,6 +115,7 @@ class EvaluationContext:
     def output(self, node: Node, inputs: Mapping[str, Any], draws: EpisodeDraws, first_frame: int) -> Any:
         """What a node that is neither scene nor task makes of its inputs, which begin at a frame."""
         component = self.components[node.name]
+        draws = draws.at(node.name)
         if node.kind == "sensor":
             (capture,) = inputs.values()
             return self.formation.expose(capture, component, draws)
@@ -131,7 +132,7 @@ class EvaluationContext:
         if "rng" in asked:
             wanted["rng"] = draws.rng(first_frame, node.name)
         if "memory" in asked:
-            wanted["memory"] = draws.memory(node.name)
+            wanted["memory"] = draws.memory()
         made = getattr(component, node.signature.verb)(**inputs, **wanted)
         checked_output(self.plan.nodes[node.name].origin, made)
         return self.formation.light(made, draws) if node.kind == "renderer" else made

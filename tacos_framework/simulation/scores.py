@@ -37,7 +37,7 @@ def score(context: EvaluationContext, spec: EpisodeSpec, states: Mapping[str, St
         with context.clock.of(scene):
             episode = context.episode(scene, spec)
         images += len(episode) * len(context.rig.cameras)
-        for inputs in context.stream(scene, episode, spec, tasks):
+        for inputs in context.stream(scene, episode, context.draws(spec), tasks):
             for task in tasks:
                 with context.at_work(task):
                     scorers[task].update(**inputs[task])

@@ -23,7 +23,7 @@ from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation, failed_by, with_fitness_or_failed
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
-from tacos_framework.simulation.training import rendered_ahead, train
+from tacos_framework.simulation.training import RenderedFrames, rendered_ahead, train
 from tacos_framework.values import Episode, Exposure, FrameBatch
 
 KEPT_BYTES = 2**30
@@ -54,7 +54,7 @@ class Simulation:
             most_bytes=KEPT_BYTES,
             bytes_of=lambda episode: episode.world.nbytes,
         )
-        self._ahead: dict[tuple[str, EpisodeSpec, str], Sequence[FrameBatch]] = {}
+        self._ahead: dict[tuple[str, EpisodeSpec, str], RenderedFrames | None] = {}
 
     def initial_states(self) -> dict[str, State]:
         """The states of the trainable tasks before the study."""
@@ -146,7 +146,7 @@ class Simulation:
         if training is not None:
             for name in self.plan.trainable:
                 learning = [contexts[key] for key in _scenarios(contexts, training)]
-                ahead = self._ahead.pop((context.key, training, name), ())
+                ahead = self._ahead.pop((context.key, training, name), None)
                 states[name], rendered = train(learning, name, states[name], training, ahead)
                 images += rendered
         columns: dict[str, list[Scores]] = {name: [] for name in contexts}
@@ -180,7 +180,7 @@ class Simulation:
         context = self._evaluation_context(values, spec)
         scene = self.plan.graph.scene_of(task)
         episode = context.episode(scene, spec)
-        for inputs in context.stream(scene, episode, spec, [task]):
+        for inputs in context.stream(scene, episode, context.draws(spec), [task]):
             (batch,) = inputs[task].values()
             yield batch
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Budget, State
+from tacos_framework.formation import EpisodeDraws
 from tacos_framework.randomness import generator
 from tacos_framework.simulation.context import EvaluationContext
 from tacos_framework.simulation.episodes import EpisodeSpec
@@ -20,12 +21,28 @@ KEPT_BYTES = 512 * 2**20
 """Memory that frames may take between the passes of training over them [bytes]."""
 
 
+@dataclass
+class RenderedFrames:
+    """The first batches of an episode, and how to go on behind them.
+
+    Parameters
+    ----------
+    batches
+        The batches, scenarios in turn.
+    draws
+        Those of each scenario behind its last batch here, with what cameras and effects remember there.
+    """
+
+    batches: list[FrameBatch] = field(default_factory=list)
+    draws: dict[int, EpisodeDraws] = field(default_factory=dict)
+
+
 def train(
     contexts: Sequence[EvaluationContext],
     task: str,
     state: State,
     spec: EpisodeSpec,
-    rendered: Sequence[FrameBatch] = (),
+    rendered: RenderedFrames | None = None,
 ) -> tuple[State, int]:
     """Train a task on frames of a candidate.
 
@@ -40,7 +57,7 @@ def train(
     spec
         The episode to learn from; its length is the task's own.
     rendered
-        Its first batches, where they were rendered ahead (`rendered_ahead`).
+        Its first frames, where they were rendered ahead (`rendered_ahead`).
 
     Returns
     -------
@@ -52,7 +69,8 @@ def train(
         return state, 0
     room = KEPT_BYTES if settings.epochs > 1 else 0  # nothing is kept for a pass that never comes
     frames = _frames_of(contexts, task, spec, room)
-    frames.begin_with(rendered)
+    if rendered is not None:
+        frames.begin_with(rendered)
     rng = generator(spec.seed, *spec.name, task, "fit")
     with context.at_work(task, "training"):
         budget = Budget(settings.epochs, settings.settings)
@@ -62,14 +80,14 @@ def train(
 
 def rendered_ahead(
     contexts: Sequence[EvaluationContext], task: str, spec: EpisodeSpec
-) -> Sequence[FrameBatch]:
-    """The batches a task will learn from, from the first as many as fit into `KEPT_BYTES`.
+) -> RenderedFrames | None:
+    """The frames a task will learn from, from the first as many as fit into `KEPT_BYTES`.
 
     They follow from the candidate and the episode alone, not from what the task has learned until then.
     """
     settings = contexts[0].plan.recipe.nodes[task].train
     if settings is None or settings.weights == "frozen":
-        return ()
+        return None
     return _frames_of(contexts, task, spec, KEPT_BYTES).until_full()
 
 
@@ -90,7 +108,8 @@ class TrainingFrames:
     """What a task of one port learns from, the same in each iteration; scenarios take turns batch by batch.
 
     The first batches stay for the passes to come, as many as fit into `room_bytes`; the rest are rendered
-    anew, so that memory stays flat however long the episode is.
+    anew, so that memory stays flat however long the episode is. A camera that controls its exposure, or an
+    effect that settles, goes on behind them as it did the first time.
     """
 
     contexts: Sequence[EvaluationContext]
@@ -100,33 +119,37 @@ class TrainingFrames:
     task: str
     room_bytes: int
     images: int = 0
-    _kept: list[FrameBatch] = field(default_factory=list)
+    _kept: RenderedFrames = field(default_factory=RenderedFrames)
     _full: bool = False
 
     def __iter__(self) -> Iterator[FrameBatch]:
-        begun = len(self._kept)
-        yield from self._kept
-        for turn, batch in self._rendered(begun):
+        begun = len(self._kept.batches)
+        draws = [
+            self._kept.draws[i].as_now() if i in self._kept.draws else context.draws(self.spec)
+            for i, context in enumerate(self.contexts)
+        ]
+        yield from self._kept.batches
+        for turn, batch in self._rendered(begun, draws):
             self.images += len(batch.episode) * len(batch.images)
-            self._keep(turn, batch)
+            self._keep(turn, batch, draws)
             yield batch
 
-    def begin_with(self, rendered: Sequence[FrameBatch]) -> None:
-        """Take the first batches, which were rendered ahead; they count as if they had been rendered now."""
-        self._kept = list(rendered)
-        self.images += sum(len(batch.episode) * len(batch.images) for batch in rendered)
+    def begin_with(self, rendered: RenderedFrames) -> None:
+        """Take the first frames, which were rendered ahead; they count as if they had been rendered now."""
+        self._kept = rendered
+        self.images += sum(len(batch.episode) * len(batch.images) for batch in rendered.batches)
 
-    def until_full(self) -> Sequence[FrameBatch]:
+    def until_full(self) -> RenderedFrames:
         """Render the first batches, as many as there is room for."""
         for _ in self:
             if self._full:
                 break
         return self._kept
 
-    def _rendered(self, begun: int) -> Iterator[tuple[int, FrameBatch]]:
+    def _rendered(self, begun: int, draws: Sequence[EpisodeDraws]) -> Iterator[tuple[int, FrameBatch]]:
         """The batches after the first `begun`, the scenarios in turn; each with its number."""
         count = len(self.contexts)
-        streams = [self._stream(i, self._kept[i:begun:count]) for i in range(count)]
+        streams = [self._stream(i, self._kept.batches[i:begun:count], draws[i]) for i in range(count)]
         for turn in itertools.count(begun):
             inputs = next(streams[turn % count], None)
             if inputs is None:
@@ -134,18 +157,22 @@ class TrainingFrames:
             (batch,) = inputs[self.task].values()
             yield turn, batch
 
-    def _stream(self, scenario: int, kept: Sequence[FrameBatch]) -> Iterator[Mapping[str, Any]]:
+    def _stream(
+        self, scenario: int, kept: Sequence[FrameBatch], draws: EpisodeDraws
+    ) -> Iterator[Mapping[str, Any]]:
         """What follows in a scenario on the batches that are kept of it."""
         rest = self.episodes[scenario][sum(len(batch.episode) for batch in kept) :]
-        return iter(self.contexts[scenario].stream(self.scene, rest, self.spec, [self.task]))
+        return iter(self.contexts[scenario].stream(self.scene, rest, draws, [self.task]))
 
-    def _keep(self, turn: int, batch: FrameBatch) -> None:
+    def _keep(self, turn: int, batch: FrameBatch, draws: Sequence[EpisodeDraws]) -> None:
         """Keep a batch while there is room; only what follows on those kept already."""
-        if turn != len(self._kept) or self._full:
+        if turn != len(self._kept.batches) or self._full:
             return
-        self._full = sum(kept.nbytes for kept in (*self._kept, batch)) > self.room_bytes
+        self._full = sum(kept.nbytes for kept in (*self._kept.batches, batch)) > self.room_bytes
         if not self._full:
-            self._kept.append(batch)
+            self._kept.batches.append(batch)
+            scenario = turn % len(self.contexts)
+            self._kept.draws[scenario] = draws[scenario].as_now()
 
 
 def state_key(states: Mapping[str, State]) -> str:

@@ -6,7 +6,13 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_framework.camera.colour import display_image, luminance, srgb_from_linear
+from tacos_framework.camera.colour import (
+    LINEAR_OF_SRGB_BYTE,
+    display_image,
+    linear_from_srgb,
+    luminance,
+    srgb_from_linear,
+)
 
 
 def test_encoding_agrees_with_colour_science():
@@ -14,6 +20,12 @@ def test_encoding_agrees_with_colour_science():
 
     light = np.linspace(0, 1, 1001)
     np.testing.assert_allclose(srgb_from_linear(light), eotf_inverse_sRGB(light), atol=1e-12)
+
+
+def test_decoding_undoes_encoding():
+    code = np.arange(256) / 255
+    np.testing.assert_allclose(srgb_from_linear(linear_from_srgb(code)), code, atol=1e-6)
+    np.testing.assert_array_equal(LINEAR_OF_SRGB_BYTE, linear_from_srgb(code))
 
 
 def test_light_outside_the_display_is_clipped():

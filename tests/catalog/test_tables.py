@@ -49,6 +49,12 @@ def test_a_table_of_other_things_is_spanned_by_what_is_known_of_all(tmp_path: Pa
     )
 
 
+def test_what_may_be_negative_may_be_so_in_a_table(tmp_path: Path) -> None:
+    table = "name,focal_length_mm,distortion_percent,gain_db\nA,3,-2.1,0\nB,6,0.4,6\n"
+    first = read_catalog(write(tmp_path, table, "lenses.csv")).rows[0]
+    assert (first["distortion_percent"], first["gain_db"]) == (-2.1, 0)
+
+
 @pytest.mark.parametrize("mark", [";", "\t"])
 def test_a_table_with_other_separators_is_told_how_to_be_saved(tmp_path: Path, mark: str) -> None:
     with pytest.raises(UserError) as caught:

@@ -17,6 +17,7 @@ from tacos_decision.importance import sobol_indices
 from tacos_decision.model import CameraModel
 from tacos_decision.optimum import best_of_parts
 from tacos_decision.pool import Pool
+from tacos_framework.fitness import Fitness, FitnessTerm
 from tests.decision.recorded import recorded
 
 
@@ -28,6 +29,15 @@ def analysed():
 @lru_cache
 def model():
     return CameraModel.fit(recorded())
+
+
+def test_a_score_of_a_task_may_be_called_fitness():
+    record, named = recorded(), Fitness((FitnessTerm("width.fitness", 1.0),))
+    episodes = (replace(e, scores={"width.fitness": e.scores["width.closeness"]}) for e in record.episodes)
+    problem = replace(record.problem, fitness=named, scales={}, depends_on={})
+    found = CameraModel.fit(replace(record, episodes=tuple(episodes), problem=problem))
+    some = [episode.camera for episode in record.episodes[:5]]
+    np.testing.assert_allclose(found.posterior(some).mean, model().posterior(some).mean, rtol=1e-6)
 
 
 def test_every_part_is_ranked_at_its_own_best_optics():

@@ -65,6 +65,17 @@ def test_a_binned_line_averages_its_photosites(binning):
     assert shown[0, 0, :, 0].sum() == pytest.approx(12.0 * round(0.05 * photosites) / binning, rel=1e-5)
 
 
+@pytest.mark.parametrize("binning", [1.5, 2.7, 3.0])
+def test_no_more_of_a_binned_line_is_bad_than_all_of_it(binning):
+    """Where the binning is no whole number, a line of photosites may belong to two lines of the image."""
+    frames = flats(100.0, 0.0)
+    binned = geometry_of(frames, binning=binning)
+    every = make(DefectLines, column_share=1.0, dead=True)
+    shown = every.on_array(frames, geometry=binned, context=context(), rng=np.random.default_rng(0))
+    np.testing.assert_allclose(shown[:, :, :-1], BLACK_DN, rtol=1e-5)  # the last may lie half off the sensor
+    assert shown.min() > BLACK_DN - 1e-3
+
+
 # what captures suggest ------------------------------------------------------------------------------------
 
 

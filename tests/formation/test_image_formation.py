@@ -13,10 +13,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_framework.errors import UserError
-from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect, PlacedSensor
+from tacos_framework.formation import (
+    EpisodeDraws,
+    ImageFormation,
+    PlacedControl,
+    PlacedEffect,
+    PlacedSensor,
+)
 from tacos_framework.settings import Settings, setting
 from tacos_framework.testing.samples import part_of, sample_capture, sample_exposure, sample_rig
 from tacos_framework.values import ContextMissing
+from tacos_plugins.controls.mean_level import MeanLevel
 from tacos_plugins.sensors.affine_noise import AffineNoise
 
 DRAWS = EpisodeDraws(7, ("design", 0))
@@ -73,6 +80,14 @@ class Counting(AddingLight):
     def on_array(self, samples, *, geometry, context, rng):
         context.memory["frames"] = context.memory.get("frames", 0) + 1
         return samples + np.float32(context.memory["frames"])
+
+
+class EverySecond(AddingToFiles):
+    """Adds a number of DN to every second frame, and leaves the others as they are."""
+
+    def on_array(self, samples, *, geometry, context, rng):
+        context.memory["frames"] = context.memory.get("frames", 0) + 1
+        return samples if context.memory["frames"] % 2 else samples + np.float32(self.config.by)
 
 
 class Shifting:
@@ -168,6 +183,15 @@ def test_effects_on_light_and_files_act_as_nodes_at_once() -> None:
         formation.with_effect(frames, placed(Adding, by=1.0), DRAWS)
 
 
+def test_an_effect_on_files_that_leaves_some_frames_alone_acts_on_the_others() -> None:
+    """As a node of the graph it does what it does in the list of a recipe."""
+    effect = placed(EverySecond, by=20.0)
+    listed = expose(effect, frames=5, draws=EpisodeDraws(7, ("design", 0)))
+    formation, draws = ImageFormation(sample_exposure()), EpisodeDraws(7, ("design", 0))
+    found = formation.with_effect(formation.expose(sample_capture(frames=5), SENSOR, draws), effect, draws)
+    np.testing.assert_array_equal(found.images[0], listed.images[0])
+
+
 def test_where_pixels_move_truth_moves_along() -> None:
     capture = sample_capture()
     moved = ImageFormation(sample_exposure(), [placed(Shifting, columns=8.0)]).light(capture, DRAWS)
@@ -190,6 +214,27 @@ def test_frames_do_not_depend_on_how_an_episode_is_cut(cuts: set[int]) -> None:
     parts = [part_of(capture, a, b) for a, b in itertools.pairwise(edges)]
     files = [formation.expose(formation.light(part, draws), SENSOR, draws).images[0] for part in parts]
     np.testing.assert_array_equal(np.concatenate(files), whole)
+
+
+@pytest.mark.parametrize(
+    "control", [None, PlacedControl("control.mean-level", MeanLevel(MeanLevel.Config()))]
+)
+def test_cameras_whose_files_differ_in_range_are_refused(control: PlacedControl | None) -> None:
+    """Frames have one black level and one white level: a second one would be lost without a word."""
+    deeper = AffineNoise(AffineNoise.Config(bit_depth=12))
+    sensor = replace(SENSOR, by_camera={"right": deeper})
+    formation, capture = (
+        ImageFormation(sample_exposure(), (), control),
+        sample_capture(sample_rig("left", "right")),
+    )
+    with pytest.raises(UserError) as refused:
+        formation.expose(capture, sensor, EpisodeDraws(7, ("design", 0)))
+    said = str(refused.value)
+    assert "node 'frames', camera 'right': files of 0 .. 4095 DN" in said
+    assert "0 .. 255 DN, as those of camera 'left'" in said
+    noisier = AffineNoise(AffineNoise.Config(responsivity_dn_per_lux_s=1.0))
+    sensor = replace(SENSOR, by_camera={"right": noisier})
+    assert formation.expose(capture, sensor, EpisodeDraws(7, ("design", 0))).white_level_dn == 255
 
 
 def test_frames_episodes_cameras_and_effects_draw_apart() -> None:

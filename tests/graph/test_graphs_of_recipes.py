@@ -54,6 +54,14 @@ BRANCHES = {
     },
     "fitness": [{"score": "width.brightness", "weight": 1}],
 }
+SETTLING_TWICE = {
+    "effects": [{"use": "effect.auto-white-balance", "red_first": 3.0}],
+    "nodes": {
+        "raw": {"use": "sensor.toy", "sigma_dn": 0},
+        "again": {"use": "sensor.toy", "sigma_dn": 0, "in": {"capture": "light"}},
+        "width_again": {"use": "task.toy-width", "in": {"frames": "again"}},
+    },
+}
 DAY_AND_NIGHT = {
     "scenario": [
         {"name": "day", "illumination_lux": 2000, "exposure_ms": 5},
@@ -131,6 +139,12 @@ def test_day_and_night_in_one_study(toys, tmp_path, over):
     assert best["fitness"] == pytest.approx(night if over == "worst" else (day + 2 * night) / 3)
     tried = json.loads((tmp_path / "out" / "generations.jsonl").read_text().splitlines()[0])["candidates"]
     assert best["fitness"] == max(candidate["fitness"] for candidate in tried)
+
+
+def test_an_effect_that_remembers_does_so_at_each_sensor_by_itself(toys):
+    """Two equal sensors take equal frames: neither counts those of the other."""
+    scores = evaluated(toys, [SETTLING_TWICE]).scores
+    assert scores["width_again.brightness"] == scores["width.brightness"]
 
 
 def test_a_scenario_s_own_setting_changes_that_scenario_alone(toys):

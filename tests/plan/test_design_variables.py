@@ -96,6 +96,7 @@ WRONG = [
     ("isp.mode", {"choose": ["all", "blue"]}, "isp.mode is \"blue\"\n  expected: 'all' or 'red'"),
     ("isp.steps", {"between": [1, 8]}, "isp.steps is 1.0\n  expected: a valid integer"),
     ("isp.steps", {"between": [1, 8]}, "to do: Add integer: true to design whole numbers."),
+    ("isp.steps", {"between": [0.5, 8], "integer": True}, "a whole number, so its bounds are, not 0.5"),
     ("world.frames", {"choose": [2, 0, 3]}, "world.frames is 0"),
     ("mean.gain", {"between": [0, 99]}, "mean.gain is 99.0"),
     ("effects.toy-offset_2.offset_dn", BETWEEN, "", {"effects.1.offset_dn": BETWEEN}),

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_worlds import camera, matte, pose, quad, rig, standing, world
+from small_worlds import camera, matte, moving_plate, pose, quad, rig, standing, world
 
 from tacos_framework.camera.geometry import agent_from_camera, pixel_rays
-from tacos_framework.values import Episode, Exposure, Light, Mover, Object, Trajectory
+from tacos_framework.values import Exposure, Light, Mover
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 
 pytestmark = pytest.mark.gl
@@ -125,27 +125,11 @@ def test_depth_is_exact_to_a_kilometre():
     assert np.isinf(view.depth_m[0]).any()
 
 
-def moving_episode(frames: int = 3) -> Episode:
-    """A plate at 10 m that moves to the right by 1 m a second, in front of a wall at 20 m."""
-    plate = quad((10, 0, 2), (0, -0.5, 0), (0, 0, 0.5), 0, object_id=1)
-    wall = quad((20, 0, 2), (0, -30, 0), (0, 0, 10), 1, object_id=0)
-    bright, dark = matte(0.0, emission_cd_m2=np.full(3, 100.0)), matte(0.0)
-    place = world([plate, wall], [bright, dark])
-    place = replace(
-        place, objects=(place.objects[0], Object("plate", place.objects[1].class_name, moves=True))
-    )
-    shifted = np.tile(np.eye(4), (2, 1, 1))
-    shifted[1, 1, 3] = -10.0
-    still = Trajectory([0.0], AGENT[None])
-    mover = Mover(1, Trajectory([0.0, 10.0], shifted))
-    return Episode(place, still, np.arange(frames) * 1.0, np.zeros(frames), movers=(mover,))
-
-
 @pytest.mark.parametrize("read_back", ["direct", "buffered"])
 @pytest.mark.parametrize("antialiasing", ["edges", "none"])
 def test_things_that_move_are_seen_where_they_are(read_back, antialiasing):
     seen_by = camera(200, 60, 100.0)
-    view = one_view(moving_episode(), seen_by, read_back=read_back, antialiasing=antialiasing)
+    view = one_view(moving_plate(), seen_by, read_back=read_back, antialiasing=antialiasing)
     for frame in range(3):
         rows, columns = np.nonzero(view.object_id[frame] == 1)
         # 1 m wide at 10 m and 100 px focal length: 10 px, its middle 10 px further right each second.
@@ -157,7 +141,7 @@ def test_things_that_move_are_seen_where_they_are(read_back, antialiasing):
 
 def test_what_moves_is_blurred_by_its_own_motion():
     seen_by = camera(200, 60, 1000.0)
-    episode = moving_episode(2)[1:]  # its left edge at 150 px
+    episode = moving_plate(2)[1:]  # its left edge at 150 px
     sharp = one_view(episode, seen_by, antialiasing="none")
     blurred = one_view(episode, seen_by, antialiasing="none", motion_samples=8)
 
@@ -173,13 +157,13 @@ def test_what_moves_is_blurred_by_its_own_motion():
 
 def test_cube_maps_are_not_used_where_things_move():
     seen_by = camera(200, 60, 100.0)
-    direct = one_view(moving_episode(), seen_by)
-    reused = one_view(moving_episode(), seen_by, reuse="cube-map")
+    direct = one_view(moving_plate(), seen_by)
+    reused = one_view(moving_plate(), seen_by, reuse="cube-map")
     assert np.array_equal(direct.object_id, reused.object_id)
 
 
 def test_only_things_that_say_so_may_move():
-    episode = moving_episode()
+    episode = moving_plate()
     with pytest.raises(ValueError, match="not one that moves"):
         replace(episode, movers=(Mover(0, episode.movers[0].trajectory),))
 

@@ -263,3 +263,9 @@ def test_no_cell_has_more_than_its_share():
     _, counts = np.unique(cells, axis=0, return_counts=True)
     assert counts.max() <= 20
     assert len(found) == counts.sum() == len(found.descriptors)
+
+
+def test_more_cells_than_features_leave_one_to_each():
+    """Their even share is below one: rounded down, no frame would have any feature."""
+    frames = frames_of(panning(2))
+    assert score(frames, features=20, cells=(8, 6), patch_px=15)["extracted"] > 20

@@ -129,12 +129,15 @@ class DefectLines:
 def _bad(seed: int, what: str, camera: str, lines: int, binning: float, share: float) -> NDArray[np.float32]:
     """(lines,) share of the photosites' lines in each line of an image that are bad.
 
-    Of the lines in an order of their own the first are bad, as many as the share says.
+    Of the lines in an order of their own the first are bad, as many as the share says. One that two lines of
+    the image share, where the binning is no whole number, counts in each by its part.
     """
     photosites = round(lines * binning)
     order = generator(seed, "pattern", f"defect-{what}", camera).permutation(photosites)
-    chosen = order[: round(share * photosites)]
-    place = np.minimum((chosen / binning).astype(np.int64), lines - 1)
-    bad = (np.bincount(place, minlength=lines) / binning).astype(np.float32)
+    bad_before = np.zeros(photosites + 1)
+    bad_before[1 + order[: round(share * photosites)]] = 1.0
+    edges = np.arange(lines + 1) * binning  # of the image's lines, counted in photosites
+    bad = np.diff(np.interp(edges, np.arange(photosites + 1), np.cumsum(bad_before))) / binning
+    bad = bad.astype(np.float32)
     bad.flags.writeable = False
     return bad

@@ -7,13 +7,12 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
-"""Share of each linear-sRGB channel in luminance (IEC 61966-2-1)."""
+from tacos_framework.camera.colour import luminance
 
 
 def photopic(channels: ArrayLike) -> NDArray[np.float64]:
     """Luminance or illuminance of (..., 3) linear-sRGB channels, in their unit."""
-    return np.asarray(channels, dtype=np.float64) @ LUMINANCE_WEIGHTS
+    return luminance(channels)
 
 
 _SRGB_FROM_XYZ = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Material
-
-_STEPS = np.arange(256) / 255
-_LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4)
-"""Linear value of each sRGB byte (IEC 61966-2-1)."""
 
 
 def mean_reflectance(material: Material) -> NDArray[np.float64]:
@@ -18,4 +15,4 @@ def mean_reflectance(material: Material) -> NDArray[np.float64]:
     if material.texture is None:
         return tint
     counts = [np.bincount(material.texture[..., channel].ravel(), minlength=256) for channel in range(3)]
-    return tint * (np.array(counts) @ _LINEAR) / material.texture[..., 0].size
+    return tint * (np.array(counts) @ LINEAR_OF_SRGB_BYTE) / material.texture[..., 0].size

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.camera.geometry import pixel_rays, world_from_camera
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Capture, Episode, Exposure, Light, Material, Rig, View, World
+from tacos_plugins.renderers.traced.moments import world_at
 
 _RAYS_TIMES_TRIANGLES = 1 << 22  # pairs tested at once; bounds memory
 _EDGE = -1e-9  # barycentric slack, so that no ray slips between two triangles
@@ -40,13 +42,15 @@ class AnalyticRenderer:
 
     def _view(self, episode: Episode, camera: Camera) -> View:
         poses = world_from_camera(episode.trajectory.at(episode.time_s), camera.agent_from_camera)
-        surfaces = _Surfaces(episode.world)
         shape = (len(poses), camera.height_px, camera.width_px)
         luminance = np.empty((*shape, 3), np.float32)
         depth = np.empty(shape, np.float32)
         object_id = np.empty(shape, np.int32)
         rays = pixel_rays(camera).reshape(-1, 3)
+        surfaces = _Surfaces(episode.world)
         for frame, pose in enumerate(poses):
+            if episode.movers:
+                surfaces = _Surfaces(world_at(episode, float(episode.time_s[frame])))
             directions = rays @ pose[:3, :3].T  # of depth 1, so distance along them is depth
             found = first_hits(surfaces.corners_m, pose[:3, 3], directions, self._config.near_m)
             triangle, distance, weights = found
@@ -55,7 +59,9 @@ class AnalyticRenderer:
             colour[seen] = surfaces.luminance_cd_m2(triangle[seen], weights[seen])
             luminance[frame] = colour.reshape(luminance.shape[1:])
             depth[frame] = distance.reshape(depth.shape[1:])
-            object_id[frame] = np.where(seen, surfaces.object_id[triangle], 0).reshape(depth.shape[1:])
+            ids = np.zeros(len(rays), np.int32)
+            ids[seen] = surfaces.object_id[triangle[seen]]
+            object_id[frame] = ids.reshape(depth.shape[1:])
         return View(camera, poses, luminance, depth, object_id)
 
 
@@ -126,16 +132,18 @@ class _Surfaces:
         self._world = world
         parts = world.parts
         firsts = np.concatenate([[0], np.cumsum([len(part.vertices_m) for part in parts])]).astype(np.int64)
-        counts = [len(part.triangles) for part in parts]
+        counts = np.array([len(part.triangles) for part in parts], np.intp)
         self._triangles = np.concatenate(
             [np.zeros((0, 3), np.int64)] + [p.triangles + f for p, f in zip(parts, firsts, strict=False)]
         )
         self._vertices = np.concatenate([np.zeros((0, 3))] + [part.vertices_m for part in parts])
         self._normals = np.concatenate([np.zeros((0, 3))] + [part.normals for part in parts])
         self._uv_m = np.concatenate([np.zeros((0, 2))] + [part.uv_m for part in parts])
-        self._material = np.repeat([part.material for part in parts], counts)
-        self._indirect = None if world.indirect_lux is None else np.concatenate(world.indirect_lux)
-        self.object_id = np.repeat([part.object_id for part in parts], counts)
+        self._material = np.repeat(np.array([part.material for part in parts], np.intp), counts)
+        self._indirect = (
+            None if world.indirect_lux is None else np.concatenate([np.zeros((0, 3)), *world.indirect_lux])
+        )
+        self.object_id = np.repeat(np.array([part.object_id for part in parts], np.int32), counts)
         self.corners_m = self._vertices[self._triangles].astype(np.float64)
 
     def luminance_cd_m2(
@@ -193,6 +201,4 @@ def reflectance(material: Material, uv_m: NDArray[np.float64]) -> NDArray[np.flo
         return base
     edge = len(material.texture)
     column, row = (np.floor(uv_m / material.texture_size_m * edge).astype(np.int64) % edge).T
-    encoded = material.texture[row, column] / 255
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return base * linear
+    return base * LINEAR_OF_SRGB_BYTE[material.texture[row, column]]

@@ -57,7 +57,7 @@ def extract(detector: Any, grey: NDArray[np.uint8]) -> Features:
 
 
 def extract_spread(detector: Any, grey: NDArray[np.uint8], *, cells: tuple[int, int], most: int) -> Features:
-    """Features spread over the image: of each cell the strongest, an even share of `most`.
+    """Features spread over the image: of each cell the strongest, an even share of `most` or at least one.
 
     A cell in which too little is found stays short: others do not make up for it.
 
@@ -79,7 +79,7 @@ def extract_spread(detector: Any, grey: NDArray[np.uint8], *, cells: tuple[int, 
     keypoints = sorted(detector.detect(grey, None), key=lambda each: -each.response)
     columns, rows = cells
     height, width = grey.shape
-    room = [most // (columns * rows)] * (columns * rows)
+    room = [max(1, most // (columns * rows))] * (columns * rows)
     kept = []
     for keypoint in keypoints:
         x_px, y_px = keypoint.pt

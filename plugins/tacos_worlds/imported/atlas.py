@@ -1,8 +1,7 @@
 """Colours of vertices as a texture, since materials carry colour in textures alone.
 
 Two triangles share a square of four by four texels. The squares lie in the atlas along a Z-curve, in the
-order
-in which triangles lie along one in space: coarser levels of the texture then average over neighbours.
+order in which triangles lie along one in space: coarser levels of the texture then average over neighbours.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import srgb_from_linear
 from tacos_worlds.imported.patch import Patch
 
 _CELL_PX = 4
@@ -114,5 +114,4 @@ def _unfold(place: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 
 def _srgb(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.rint(encoded * 255).astype(np.uint8)
+    return np.rint(srgb_from_linear(linear) * 255).astype(np.uint8)

@@ -21,10 +21,9 @@ _FEWEST = 64
 def simplified(patches: Sequence[Patch], eyes_m: NDArray[np.float64], most: int) -> list[Patch]:
     """Patches with no more than about `most` triangles in all, the share of each by its distance to the eye.
 
-    Patches are cut into rings around the walkable floor. Where all is too much, each ring may keep
-    triangles in
-    proportion to what it has and to one over its distance, as errors look smaller from afar. Quadric errors
-    choose what goes [1]_.
+    Patches are cut into rings around the walkable floor. Where all is too much, each ring may keep triangles
+    in proportion to what it has and to one over its distance, as errors look smaller from afar. Quadric
+    errors choose what goes [1]_.
 
     References
     ----------

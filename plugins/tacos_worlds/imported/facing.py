@@ -2,8 +2,7 @@
 
 Files are full of walls that face away from the room they belong to: boxes modelled from outside, mirrored
 copies, exporters with another convention. A rasterizer leaves such walls out, and light computed for the
-wrong
-side is wrong. So sides are found by looking: rays from where the agent's eye may be, in all directions.
+wrong side is wrong. So sides are found by looking: rays from where the agent's eye may be, in all directions.
 """
 
 from __future__ import annotations

@@ -38,8 +38,8 @@ def of_file(lights: Sequence[PunctualLight], turn: NDArray[np.float64]) -> Itera
     """Lights of a file as those of a world.
 
     A point of I candela sends out ``4 pi I`` lumens. A spot becomes a small Lambertian square of as many
-    candela
-    ahead, ``pi I`` lumens, whatever its cone. A directional light of E lux is a small sphere far away.
+    candela ahead, ``pi I`` lumens, whatever its cone. A directional light of E lux is a small sphere far
+    away.
     """
     rotation = turn / np.cbrt(np.linalg.det(turn))
     for light in lights:

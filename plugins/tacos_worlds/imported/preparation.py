@@ -202,9 +202,8 @@ def _floor(config: ImportedScene.Config, occlusion: Occlusion, agent: Agent) -> 
     raise UserError(
         Fault(
             config.file,
-            f"has no floor an agent of {2 * agent.radius_m:g} m width and {agent.height_m:g} m height "
-            f"can walk "
-            f"on ({len(everything.points_m)} places to stand in {extent} m)",
+            f"has no floor an agent of {2 * agent.radius_m:g} m width and {agent.height_m:g} m height can "
+            f"walk on ({len(everything.points_m)} places to stand in {extent} m)",
             "level surfaces with room above, z up after the settings up and metres_per_unit",
             "Check up and metres_per_unit by that extent; leave closed doors out (leave_out); or set ground, "
             "radius_m, step_m or height_m.",

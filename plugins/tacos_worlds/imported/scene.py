@@ -29,12 +29,11 @@ class ImportedScene:
     The file is a glTF 2.0 (``.glb``, ``.gltf``), OBJ or PLY mesh. It is lit by its own lights and glowing
     surfaces, by a panorama (`sky`), or by lamps placed under its ceilings, and scaled to the scenario's
     illuminance. What things are is read from a table (`labels`), from properties of nodes, or from their
-    names.
-    The agent follows a recorded path, waypoints, or tours drawn over all of the floor it can reach.
+    names. The agent follows a recorded path, waypoints, or tours drawn over all of the floor it can reach.
 
-    Names of settings are those of `scene.indoor` where they mean the same, so that a recipe changes from
-    one to
-    the other by two keys. One generator state gives one trip, always; the world is that of the file in each.
+    Names of settings are those of `scene.indoor` where they mean the same, so that a recipe changes from one
+    to the other by two keys. One generator state gives one trip, always; the world is that of the file in
+    each.
 
     Examples
     --------
@@ -88,16 +87,15 @@ class ImportedScene:
         )
         sky_lux: float | None = setting(
             None,
-            help="Illuminance of the panorama with its sun on open, level ground; as in its file where "
-            "not given. "
-            "Weighs it against the file's lights.",
+            help="Illuminance of the panorama with its sun on open, level ground; as in its file where not "
+            "given. Weighs it against the file's lights.",
             unit="lux",
             gt=0,
         )
         path: str = setting(
             "",
-            help="Recorded poses in the world of the file: TUM, EuRoC or KITTI; else ways are found on "
-            "the floor.",
+            help="Recorded poses in the world of the file: TUM, EuRoC or KITTI; else ways are found on the "
+            "floor.",
             is_path=True,
         )
         path_of: Literal["camera", "agent"] = setting(

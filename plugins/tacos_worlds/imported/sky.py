@@ -86,9 +86,8 @@ def read_surroundings(file: Path, turn_deg: float) -> Surroundings:
 def without_sun(image: NDArray[np.float32]) -> tuple[NDArray[np.float32], Light | None]:
     """A panorama without its sun, and the sun as a light of as much illuminance.
 
-    The sun is the brightest patch, where it is many times brighter than the rest and small. Baked as part
-    of a
-    panorama it would cast no shadows.
+    The sun is the brightest patch, where it is many times brighter than the rest and small. Baked as part of
+    a panorama it would cast no shadows.
     """
     height, width = image.shape[:2]
     luminance = photopic(image)
@@ -98,13 +97,10 @@ def without_sun(image: NDArray[np.float32]) -> tuple[NDArray[np.float32], Light 
     )
     upper = luminance[: height // 2]
     typical = float(np.average(np.minimum(upper, np.quantile(upper, 0.99)), weights=solid[: height // 2]))
-    bright, _ = ndimage.label(luminance > _SUN_OVER_MEAN * max(typical, 1e-9))
-    row, column = np.unravel_index(int(np.argmax(luminance)), luminance.shape)
-    disc = (bright == bright[row, column]) & (bright > 0)
+    disc, around = _brightest_patch(luminance, _SUN_OVER_MEAN * max(typical, 1e-9))
     if not disc.any() or solid[disc].sum() > _WIDEST_SUN_SR:
         return image, None
-    around = ndimage.binary_dilation(disc, iterations=max(3, height // 256))
-    fill = np.median(image[around & ~disc], axis=0)
+    fill = np.median(image[around], axis=0)
     lux = ((image - fill)[disc] * solid[disc][:, None]).sum(axis=0)  # on a surface that faces it
     weight = (luminance * solid)[disc]
     rows, columns = np.nonzero(disc)
@@ -115,6 +111,22 @@ def without_sun(image: NDArray[np.float32]) -> tuple[NDArray[np.float32], Light 
     cleaned = image.copy()
     cleaned[disc] = fill
     return cleaned, sun(direction / np.linalg.norm(direction), np.maximum(lux, 0).astype(np.float64))
+
+
+def _brightest_patch(
+    luminance: NDArray[np.floating], above: float
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """The pixels above a limit that hang together with the brightest, and those around them.
+
+    The first column is a neighbour of the last.
+    """
+    height, width = luminance.shape
+    row, column = np.unravel_index(int(np.argmax(luminance)), luminance.shape)
+    turn = width // 2 - int(column)  # away from the seam
+    bright, _ = ndimage.label(np.roll(luminance, turn, axis=1) > above)
+    patch = (bright == bright[row, width // 2]) & (bright > 0)
+    around = ndimage.binary_dilation(patch, iterations=max(3, height // 256)) & ~patch
+    return np.roll(patch, -turn, axis=1), np.roll(around, -turn, axis=1)
 
 
 def _turned(light: Light, turn_deg: float) -> Light:

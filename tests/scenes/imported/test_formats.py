@@ -154,14 +154,15 @@ def test_a_camera_that_looks_level_is_an_agent_that_looks_level(tmp_path: Path) 
     assert pose[:3, 2] == pytest.approx([0, 0, 1], abs=1e-9)
 
 
-def test_the_sun_of_a_panorama_becomes_a_light_of_its_illuminance(tmp_path: Path) -> None:
+@pytest.mark.parametrize("azimuth_deg", [60, 180], ids=["amid", "behind"])
+def test_the_sun_of_a_panorama_becomes_a_light_of_its_illuminance(tmp_path: Path, azimuth_deg: int) -> None:
     import cv2
 
     height, width = 256, 512
-    zenith, azimuth = np.radians(40.0), np.radians(60.0)
+    zenith, azimuth = np.radians(40.0), np.radians(azimuth_deg)
     sky = np.full((height, width, 3), 1.0, np.float32)
     row, column = int(zenith / np.pi * height), int((np.pi - azimuth) / (2 * np.pi) * width)
-    sky[row : row + 2, column : column + 2] = 5000.0
+    sky[row : row + 2, [column - 1, column]] = 5000.0  # behind, on either side of the seam
     file = tmp_path / "sky.hdr"
     cv2.imwrite(str(file), sky[..., ::-1])
     found = read_surroundings(file, 0.0)
@@ -176,5 +177,5 @@ def test_the_sun_of_a_panorama_becomes_a_light_of_its_illuminance(tmp_path: Path
     turned = read_surroundings(file, 90.0)
     assert turned.sun is not None
     assert turned.sun.position_m[:2] == pytest.approx(
-        [-found.sun.position_m[1], found.sun.position_m[0]], rel=1e-4
+        [-found.sun.position_m[1], found.sun.position_m[0]], rel=1e-4, abs=1e-4 * SUN_DISTANCE_M
     )

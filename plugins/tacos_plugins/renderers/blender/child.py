@@ -35,9 +35,8 @@ def refuse_without_blender() -> None:
             Fault(
                 "renderer.blender",
                 "the package bpy (Blender as a Python module) is not installed",
-                remedy="pip install tacos-framework[blender] (375 MB; each release of bpy is for one "
-                "Python: 5.0 "
-                "for 3.11), or use renderer.mitsuba.",
+                remedy="pip install tacos-framework[blender] (375 MB; each release of bpy is for one Python: "
+                "5.0 for 3.11), or use renderer.mitsuba.",
             )
         )
 

@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import pixel_rays, world_from_camera
+from tacos_framework.camera.geometry import world_from_camera
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View, World
-from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.renderers.blender.child import pictures, refuse_without_blender, workplace
 from tacos_plugins.renderers.blender.scene_file import shot, write_scene
+from tacos_plugins.renderers.traced.moments import moments_s, world_at
+from tacos_plugins.renderers.traced.truth import TracedTruth
 
 
 class BlenderRenderer:
     """Path tracing with Blender's Cycles on the processor, for a last test of the highest realism.
 
     Geometry, units and materials are those of `renderer.moderngl` and `renderer.mitsuba`: one unit of
-    radiance in
-    Blender stands for 1 cd/m2. A panorama around the world also lights it, where the others light by its
-    mean.
-    Lights that no glowing surface shows are not seen, as in `renderer.moderngl`. Depth and ids are traced
-    through
-    pixel centres, and are those where things stand in the middle of the exposure.
+    radiance in Blender stands for 1 cd/m2. A panorama around the world also lights it, where the others light
+    by its mean. Lights that no glowing surface shows are not seen, as in `renderer.moderngl`. Depth and ids
+    are traced through pixel centres, and are those where things stand in the middle of the exposure.
 
     Blender runs in a process of its own, one for each batch of frames.
 
@@ -55,6 +52,7 @@ class BlenderRenderer:
 
     def __init__(self, config: Config):
         self._config = config
+        self._kept: tuple[str, TracedTruth] | None = None
 
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch.
@@ -65,7 +63,6 @@ class BlenderRenderer:
             When bpy is not installed, saying what to do.
         """
         refuse_without_blender()
-        truth = _Truth(episode)
         with workplace() as folder:
             write_scene(folder, episode.world)
             shots = [
@@ -81,7 +78,12 @@ class BlenderRenderer:
                 "threads": config.threads,
             }
             taken = iter(pictures(folder, shots, settings) if shots else [])
-        return Capture(episode, tuple(self._view(episode, camera, taken, truth) for camera in rig.cameras))
+        return Capture(episode, tuple(self._view(episode, camera, taken) for camera in rig.cameras))
+
+    def _truth_of(self, world: World) -> TracedTruth:
+        if self._kept is None or self._kept[0] != world.key:
+            self._kept = (world.key, TracedTruth(world))
+        return self._kept[1]
 
     def _shots(
         self, episode: Episode, camera: Camera, number: int, exposure: Exposure
@@ -90,7 +92,7 @@ class BlenderRenderer:
         config = self._config
         count = config.motion_samples
         for frame, middle_s in enumerate(episode.time_s):
-            moments = middle_s + ((np.arange(count) + 0.5) / count - 0.5) * exposure.time_s
+            moments = moments_s(float(middle_s), exposure.time_s, count)
             poses = world_from_camera(episode.trajectory.at(moments), camera.agent_from_camera)
             for moment, pose in enumerate(poses):
                 entropy = (config.seed, episode.first_frame + frame, number, moment)
@@ -100,54 +102,14 @@ class BlenderRenderer:
                 }
                 yield shot(camera, pose, moved, samples=-(-config.samples // count), seed=seed)
 
-    def _view(
-        self, episode: Episode, camera: Camera, taken: Iterator[NDArray[np.float32]], truth: _Truth
-    ) -> View:
+    def _view(self, episode: Episode, camera: Camera, taken: Iterator[NDArray[np.float32]]) -> View:
         poses = world_from_camera(episode.trajectory.at(episode.time_s), camera.agent_from_camera)
         shape = (len(poses), camera.height_px, camera.width_px)
         luminance = np.zeros((*shape, 3), np.float32)
         depth, object_id = np.empty(shape, np.float32), np.empty(shape, np.int32)
         for frame, pose in enumerate(poses):
-            depth[frame], object_id[frame] = truth.seen(
-                camera, pose, self._config.near_m, float(episode.time_s[frame])
-            )
+            truth = self._truth_of(world_at(episode, float(episode.time_s[frame])))
+            depth[frame], object_id[frame] = truth.seen(camera, pose, self._config.near_m)
             for _ in range(self._config.motion_samples):
                 luminance[frame] += np.maximum(next(taken), 0) / np.float32(self._config.motion_samples)
         return View(camera, poses, luminance, depth, object_id)
-
-
-class _Truth:
-    """Depth and ids by one ray a pixel."""
-
-    def __init__(self, episode: Episode):
-        self._episode = episode
-        world = episode.world
-        self._still = Occlusion(world)
-        counts = [len(part.triangles) for part in world.parts]
-        self._owner = np.repeat([part.object_id for part in world.parts], counts).astype(np.int32)
-
-    def seen(
-        self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float, time_s: float
-    ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        """(H, W) depth [m] and (H, W) object ids at pixel centres."""
-        occlusion = Occlusion(_as_moved(self._episode, time_s)) if self._episode.movers else self._still
-        directions = pixel_rays(camera).reshape(-1, 3) @ world_from_camera[:3, :3].T  # of depth 1
-        origins = (world_from_camera[:3, 3] + near_m * directions).astype(np.float32)
-        hits = occlusion.first_hits(origins, directions.astype(np.float32))
-        met = hits.triangle >= 0
-        object_id = np.zeros(len(met), np.int32)
-        object_id[met] = self._owner[hits.triangle[met]]
-        shape = (camera.height_px, camera.width_px)
-        return (hits.distance_m + np.float32(near_m)).reshape(shape), object_id.reshape(shape)
-
-
-def _as_moved(episode: Episode, time_s: float) -> World:
-    """The world with what moves where it is at a time."""
-    moved = {m.object_id: m.trajectory.at(np.array([time_s]))[0] for m in episode.movers}
-    parts = tuple(
-        replace(part, vertices_m=(part.vertices_m @ m[:3, :3].T + m[:3, 3]).astype(np.float32))
-        if (m := moved.get(part.object_id)) is not None
-        else part
-        for part in episode.world.parts
-    )
-    return replace(episode.world, parts=parts, indirect_lux=None)

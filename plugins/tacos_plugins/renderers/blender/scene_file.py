@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Camera, Light, Material, World
 from tacos_plugins.lighting import emitter_luminance_cd_m2
+from tacos_plugins.renderers.traced.coat import sheen
+from tacos_plugins.renderers.traced.lamps import bare_lights
 
-_STEPS = np.arange(256) / 255
-_LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4).astype(np.float32)
-"""Linear value of each sRGB byte (IEC 61966-2-1)."""
-_MATTE_ROUGHNESS, _SHEEN_RANGE = 0.8, 0.4
 _FAR_M = 1000.0
 """Spheres farther off are suns: parallel light [m]."""
-_BESIDE_M = 0.05
 
 
 def write_scene(folder: Path, world: World) -> None:
@@ -36,7 +34,9 @@ def write_scene(folder: Path, world: World) -> None:
         arrays[f"triangles_{index}"] = part.triangles
     for index, material in enumerate(world.materials):
         if material.texture is not None:
-            arrays[f"texture_{index}"] = _LINEAR[material.texture] * material.base_colour
+            arrays[f"texture_{index}"] = (
+                LINEAR_OF_SRGB_BYTE.astype(np.float32)[material.texture] * material.base_colour
+            )
         if material.normal_map is not None:
             arrays[f"bumps_{index}"] = 0.5 + 0.5 * (material.normal_map.astype(np.float32) - 128) / 127
     if world.sky_cd_m2 is not None:
@@ -44,7 +44,7 @@ def write_scene(folder: Path, world: World) -> None:
     scene = {
         "parts": [{"material": part.material, "object": part.object_id} for part in world.parts],
         "materials": [_material(material) for material in world.materials],
-        "lights": [_light(light) for light in bare_lights(world)],
+        "lights": [_light(light) for light in bare_lights(world) if light.flux_lm.any()],
         "ambient": world.ambient_cd_m2.astype(float).tolist(),
     }
     np.savez(folder / "scene.npz", **arrays)  # type: ignore[arg-type]
@@ -72,36 +72,12 @@ def shot(
     }
 
 
-def bare_lights(world: World) -> Sequence[Light]:
-    """The lights that no glowing surface shows: Blender lights the world by those that do."""
-    glowing = [
-        part.vertices_m[part.triangles].mean(axis=1)
-        for part in world.parts
-        if world.materials[part.material].emission_cd_m2.any()
-    ]
-    centres_m = np.concatenate([np.zeros((0, 3), np.float32), *glowing])
-    return [light for light in world.lights if not _shown(light, centres_m)]
-
-
-def _shown(light: Light, point_m: NDArray[np.float32]) -> bool:
-    """Whether any of (N, 3) points lies on a light, or hardly off it [m]."""
-    offset = point_m - light.position_m
-    if light.normal is None:
-        return bool((np.linalg.norm(offset, axis=1) <= light.radius_m + _BESIDE_M).any())
-    inside = np.abs(offset @ light.normal) <= _BESIDE_M
-    for half in (light.half_u_m, light.half_v_m):
-        length = float(np.linalg.norm(half))
-        inside &= np.abs(offset @ half) / max(length, 1e-9) <= length + _BESIDE_M
-    return bool(inside.any())
-
-
 def _material(material: Material) -> dict[str, Any]:
-    sheen = float(np.clip((_MATTE_ROUGHNESS - material.roughness) / _SHEEN_RANGE, 0.0, 1.0))
     return {
         "colour": material.base_colour.astype(float).tolist(),
         "roughness": float(material.roughness),
         "metallic": float(material.metallic),
-        "coat": sheen,
+        "coat": sheen(material),
         "emission": material.emission_cd_m2.astype(float).tolist(),
     }
 

@@ -15,29 +15,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Material
+from tacos_plugins.renderers.traced.coat import sheen
 
 Description = dict[str, Any]
 """What `mitsuba.load_dict` takes."""
 
-MATTE_ROUGHNESS = 0.8
-"""Dielectrics at least this rough are Lambertian [1]."""
-
-_SHEEN_RANGE = 0.4  # of roughness below that, over which the coat grows to its full strength
 _LEAST_ALPHA = 0.01
 _COAT_INDEX = 1.5
-
-
-def sheen(material: Material) -> float:
-    """Strength of a dielectric's coat, 0..1 [1].
-
-    Examples
-    --------
-    >>> grey = np.full(3, 0.5)
-    >>> [round(sheen(Material("m", grey, roughness=r)), 6) for r in (0.3, 0.6, 0.9)]
-    [1.0, 0.5, 0.0]
-    """
-    return float(np.clip((MATTE_ROUGHNESS - material.roughness) / _SHEEN_RANGE, 0.0, 1.0))
 
 
 def bsdf(mitsuba: ModuleType, material: Material) -> Description:
@@ -79,9 +65,8 @@ def linear_reflectance(material: Material) -> NDArray[np.float32]:
     Mitsuba is given linear values: the base colour multiplies what the sRGB bytes stand for, not the bytes.
     """
     assert material.texture is not None
-    code = np.arange(256) / 255
-    linear = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
-    return (linear.astype(np.float32)[material.texture] * material.base_colour).astype(np.float32)
+    linear = LINEAR_OF_SRGB_BYTE.astype(np.float32)[material.texture]
+    return (linear * material.base_colour).astype(np.float32)
 
 
 def _loaded_colour(mitsuba: ModuleType, material: Material) -> Any:

@@ -16,6 +16,7 @@ from tacos_plugins.renderers.mitsuba.library import Backend, mitsuba_for
 from tacos_plugins.renderers.mitsuba.passes import in_passes, is_power_of_four, samples_per_pose
 from tacos_plugins.renderers.mitsuba.pinhole import sensor
 from tacos_plugins.renderers.mitsuba.traced_world import TracedWorld
+from tacos_plugins.renderers.traced.moments import moments_s, world_at
 
 _PATHS_AT_ONCE = 1 << 22
 """Paths of one pass where Mitsuba traces many at once; bounds memory."""
@@ -25,7 +26,8 @@ class MitsubaRenderer:
     """Path tracing with Mitsuba 3: slow, and right to within its noise.
 
     The reference for `renderer.moderngl`, with its geometry, units and materials. Light is not baked but
-    traced, with all reflections, for every picture. Surfaces that glow light the world. A light that no
+    traced, with all reflections, for every picture. Where things move, the world is translated anew for each
+    moment, and they cast their shadows there. Surfaces that glow light the world. A light that no
     surface shows is a black surface of its own, which is seen (`renderer.moderngl` draws none), though not in
     depth and ids.
 
@@ -87,9 +89,8 @@ class MitsubaRenderer:
             When Mitsuba is not installed or its backend does not work here, saying what to do.
         """
         mitsuba = mitsuba_for(self._config.backend)
-        traced = self._translated(mitsuba, episode.world)
         views = (
-            self._view(mitsuba, traced, episode, camera, number, exposure)
+            self._view(mitsuba, episode, camera, number, exposure)
             for number, camera in enumerate(rig.cameras)
         )
         return Capture(episode, tuple(views))
@@ -102,7 +103,6 @@ class MitsubaRenderer:
     def _view(
         self,
         mitsuba: ModuleType,
-        traced: TracedWorld,
         episode: Episode,
         camera: Camera,
         number: int,
@@ -115,13 +115,16 @@ class MitsubaRenderer:
         depth = np.empty(shape, np.float32)
         object_id = np.empty(shape, np.int32)
         for frame, pose in enumerate(poses):
-            depth[frame], object_id[frame] = traced.truth(camera, pose, config.near_m)
-            moments = moments_s(float(episode.time_s[frame]), exposure.time_s, config.motion_samples)
+            middle_s = float(episode.time_s[frame])
+            truth = self._translated(mitsuba, world_at(episode, middle_s)).truth
+            depth[frame], object_id[frame] = truth.seen(camera, pose, config.near_m)
+            moments = moments_s(middle_s, exposure.time_s, config.motion_samples)
             samples = samples_per_pose(config.samples, config.motion_samples)
             during = world_from_camera(episode.trajectory.at(moments), camera.agent_from_camera)
             for moment, at in enumerate(during):
                 noise = np.random.SeedSequence((config.seed, episode.first_frame + frame, number, moment))
                 seen = sensor(mitsuba, camera, at, config.near_m)
+                traced = self._translated(mitsuba, world_at(episode, float(moments[moment])))
                 luminance[frame] += self._traced(mitsuba, traced, seen, samples, noise)
             luminance[frame] /= np.float32(len(moments))
         return View(camera, poses, luminance, depth, object_id)
@@ -150,14 +153,3 @@ class MitsubaRenderer:
             )
             total += paths * np.asarray(picture, np.float64)
         return np.maximum(total / samples, 0.0)
-
-
-def moments_s(middle_s: float, exposure_s: float, count: int) -> NDArray[np.float64]:
-    """(count,) moments spread evenly over an exposure [s].
-
-    Examples
-    --------
-    >>> moments_s(1.0, 0.4, 2).tolist()
-    [0.9, 1.1]
-    """
-    return middle_s + ((np.arange(count) + 0.5) / count - 0.5) * exposure_s

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import pixel_rays
-from tacos_framework.values import Camera, Material, MeshPart, World
-from tacos_plugins.lighting.occlusion import Occlusion
-from tacos_plugins.renderers.mitsuba.light_sources import (
-    area_emitter,
-    bare_lights,
-    light_shape,
-    surroundings,
-)
+from tacos_framework.values import Material, MeshPart, World
+from tacos_plugins.renderers.mitsuba.light_sources import area_emitter, light_shape, surroundings
 from tacos_plugins.renderers.mitsuba.materials import bsdf
+from tacos_plugins.renderers.traced.lamps import bare_lights
+from tacos_plugins.renderers.traced.truth import TracedTruth
 
 
 class TracedWorld:
@@ -38,27 +33,12 @@ class TracedWorld:
 
     def __init__(self, mitsuba: ModuleType, world: World):
         self.scene = mitsuba.load_dict(scene_description(mitsuba, world))
-        self._occlusion = Occlusion(world)
-        counts = [len(part.triangles) for part in world.parts]
-        self._object_of_triangle = np.repeat([part.object_id for part in world.parts], counts).astype(
-            np.int32
-        )
+        self._world = world
 
-    def truth(
-        self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float
-    ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        """(H, W) depth [m] and (H, W) object ids at pixel centres.
-
-        One ray each: Mitsuba would average over the pixel, and a mean of depths or ids is neither.
-        """
-        directions = pixel_rays(camera).reshape(-1, 3) @ world_from_camera[:3, :3].T  # of depth 1
-        origins = (world_from_camera[:3, 3] + near_m * directions).astype(np.float32)
-        hits = self._occlusion.first_hits(origins, directions.astype(np.float32))
-        seen = hits.triangle >= 0
-        object_id = np.zeros(len(seen), np.int32)
-        object_id[seen] = self._object_of_triangle[hits.triangle[seen]]
-        shape = (camera.height_px, camera.width_px)
-        return (hits.distance_m + np.float32(near_m)).reshape(shape), object_id.reshape(shape)
+    @cached_property
+    def truth(self) -> TracedTruth:
+        """Depth and object ids."""
+        return TracedTruth(self._world)
 
 
 def scene_description(mitsuba: ModuleType, world: World) -> dict[str, Any]:

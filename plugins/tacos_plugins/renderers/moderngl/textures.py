@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Material
 from tacos_plugins.renderers.moderngl.context import add_level, describe_gl
 
@@ -19,17 +20,15 @@ ANISOTROPY = 16.0
 """Samples along the longer side of a pixel's footprint, where the hardware takes them [1]."""
 
 
-def linear_from_srgb(encoded: NDArray[np.uint8]) -> NDArray[np.float32]:
+def linear_of_bytes(encoded: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Linear reflectance of sRGB bytes (IEC 61966-2-1) [1].
 
     Examples
     --------
-    >>> linear_from_srgb(np.array([0, 188, 255], np.uint8)).round(3).tolist()
+    >>> linear_of_bytes(np.array([0, 188, 255], np.uint8)).round(3).tolist()
     [0.0, 0.503000020980835, 1.0]
     """
-    code = np.arange(256) / 255
-    linear = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
-    return linear.astype(np.float32)[encoded]
+    return LINEAR_OF_SRGB_BYTE.astype(np.float32)[encoded]
 
 
 def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> moderngl.TextureArray:
@@ -39,10 +38,10 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
     in linear light and encoded then, so that distant surfaces keep their mean reflectance.
     """
     images, _ = _distinct([material.texture for material in materials])
-    encoded = _square_roots(linear_from_srgb(np.arange(256, dtype=np.uint8)))
+    encoded = _square_roots(linear_of_bytes(np.arange(256, dtype=np.uint8)))
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
-        coarser = pyramid(linear_from_srgb(image))[1:]
+        coarser = pyramid(linear_of_bytes(image))[1:]
         return [encoded[image], *map(_square_roots, coarser)]
 
     return _stack(context, np.full((1, 1, 3), 255, np.uint8), images, levels)

@@ -1,8 +1,7 @@
 """The binary side of glTF 2.0: containers, buffers and accessors.
 
-Sizes are checked against what is there before anything is allocated, and no file outside the model's
-folder is
-opened.
+Sizes are checked against what is there before anything is allocated, and no file outside the model's folder
+is opened.
 
 References
 ----------

@@ -8,13 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
 from tacos_worlds.imported.formats.pictures import picture
 from tacos_worlds.imported.model import Skin
-
-_STEPS = np.arange(256) / 255
-_LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4)
-"""Linear value of each sRGB byte (IEC 61966-2-1)."""
 
 
 class Skins:
@@ -62,7 +59,7 @@ class Skins:
         bumps = self._texture(entry.get("normalTexture"))
         glow = _numbers(entry.get("emissiveFactor", (0, 0, 0)), 3)
         if glow.any() and (glowing := self._texture(entry.get("emissiveTexture"))) is not None:
-            glow = glow * _LINEAR[glowing[..., :3]].mean(axis=(0, 1))
+            glow = glow * LINEAR_OF_SRGB_BYTE[glowing[..., :3]].mean(axis=(0, 1))
         strength = float(more.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0))
         unlit = "KHR_materials_unlit" in more
         return Skin(

@@ -9,12 +9,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.imported.model import Model, Skin, Surface
 from tacos_worlds.mesh_files import read_mesh_file
-
-_STEPS = np.arange(256) / 255
-_LINEAR = np.where(_STEPS <= 0.04045, _STEPS / 12.92, ((_STEPS + 0.055) / 1.055) ** 2.4)
-"""Linear value of each sRGB byte (IEC 61966-2-1)."""
 
 
 def read_plain_mesh(file: Path, most_px: int) -> Model:
@@ -47,7 +44,7 @@ def _surface(name: str, mesh: trimesh.Trimesh, skin: int) -> Surface:
     colours = None
     if isinstance(coloured := mesh.visual, trimesh.visual.ColorVisuals):
         if coloured.kind == "vertex":
-            colours = _LINEAR[np.asarray(coloured.vertex_colors)[:, :3]]
+            colours = LINEAR_OF_SRGB_BYTE[np.asarray(coloured.vertex_colors)[:, :3]]
         elif coloured.kind == "face":
             colours = _of_faces(mesh, np.asarray(coloured.face_colors)[:, :3])
     has_normals = "vertex_normals" in mesh._cache  # given in the file, not worked out
@@ -67,7 +64,7 @@ def _of_faces(mesh: trimesh.Trimesh, colours: NDArray[np.uint8]) -> NDArray[np.f
     """Mean colour of the faces around each vertex."""
     total, count = np.zeros((len(mesh.vertices), 3)), np.zeros((len(mesh.vertices), 1))
     for corner in range(3):
-        np.add.at(total, mesh.faces[:, corner], _LINEAR[colours])
+        np.add.at(total, mesh.faces[:, corner], LINEAR_OF_SRGB_BYTE[colours])
         np.add.at(count, mesh.faces[:, corner], 1)
     return np.asarray(total / np.maximum(count, 1))
 
