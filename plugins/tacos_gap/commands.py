@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -159,7 +159,7 @@ def _check(arguments: argparse.Namespace) -> int:
 def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
     """What a folder holds, and what it cannot tell of the effects."""
     from tacos_gap.captures.coverage import untold
-    from tacos_gap.report.words import captures_in_words
+    from tacos_gap.report.words import captures_in_words, gathered
 
     first = folder.captures[0]
     geometry, context = first.geometry, first.context
@@ -182,21 +182,11 @@ def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
         yield "  ".join([*left, *right])
     if folder.limitations or considered.limitations:
         yield from ("", "Limitations")
-        yield from (f"  {text}" for text in _gathered(folder.limitations))
+        yield from (f"  {text}" for text in gathered(folder.limitations))
         yield from (f"  {text}" for text in considered.limitations)
     if lacking := untold(folder.captures, considered.effects):
         yield from ("", "What these captures cannot tell, and what would")
         yield from (f"  {', '.join(effects)}: {remedy}" for remedy, effects in lacking.items())
-
-
-def _gathered(limitations: Iterable[str]) -> Iterator[str]:
-    """Each limitation once, with the names of all captures it is said of."""
-    captures_of: dict[str, list[str]] = {}
-    for limitation in limitations:
-        name, _, text = limitation.partition(": ")
-        captures_of.setdefault(text, []).append(name)
-    for text, names in captures_of.items():
-        yield f"{', '.join(names)}: {text}"
 
 
 def _row(capture: RealCapture) -> tuple[str, ...]:

@@ -120,8 +120,8 @@ class _Reader:
         self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
         if entry.kind == "board" and (entry.simulated is not None or entry.scene is not None):
             self.limitations.append(
-                f"{entry.id}: what is simulated of it is not used; a board is compared with the pose that "
-                f"fits it best."
+                f"{entry.id}: what is simulated is not used; a board is compared with the pose that fits it "
+                f"best."
             )
         expected = self.expected.of(i, entry, shape, len(paths), usable=real is not None)
         mask = files.array(i, "mask", entry.mask, shape)
