@@ -46,6 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="set a key of the recipe, dotted; repeatable",
     )
     simulate.add_argument("--seed", metavar="N", type=int, help="seed, instead of the recipe's")
+    simulate.add_argument("--resume", action="store_true", help="go on with the captures begun in --out")
+    simulate.add_argument(
+        "--accept-changes",
+        action="store_true",
+        help="do so although code, versions or files have changed since",
+    )
     simulate.add_argument("--quiet", action="store_true", help="no progress bar")
     check = actions.add_parser("check", help="check a folder; say what it holds and what it cannot tell")
     check.add_argument("folder", metavar="DIR", type=Path, help="folder with captures.yaml")
@@ -139,7 +145,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
         raise UserError(not_of_a_bench(arguments.recipe))
     options = [f"--out={arguments.out}", *(f"--with={file}" for file in arguments.effects)]
     options += [f"--set={given}" for given in arguments.sets]
-    options += ["--quiet"] if arguments.quiet else []
+    for flag in ("resume", "accept_changes", "quiet"):
+        options += [f"--{flag.replace('_', '-')}"] if getattr(arguments, flag) else []
     options += [] if arguments.seed is None else [f"--seed={arguments.seed}"]
     return run.main([arguments.recipe, *options])
 

@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_gap.captures.images import RAW_SUFFIXES
-from tacos_gap.captures.reader import FILE
+from tacos_gap.captures.images import PICTURE_SUFFIXES, RAW_SUFFIXES
+from tacos_gap.captures.missing import FILE
 from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, board_of
 from tacos_gap.photographs.camera import CameraFound, Given, camera_of, focal_px_of_views
-from tacos_gap.photographs.facts import PICTURE_SUFFIXES
 from tacos_gap.photographs.folder_text import folder_text
 from tacos_gap.photographs.grouping import Stack, stacks_of
 from tacos_gap.photographs.picture import Picture, look_at
