@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tacos_framework.cli import tacos_main
+from tacos_framework.cli import run_main, tacos_main
 from tacos_framework.plugins import Plugins
 from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
@@ -122,6 +122,28 @@ def test_a_simulation_that_was_ended_says_what_goes_on_with_it(ended_by, recipe,
     assert tacos_main([*asked, str(tmp_path / "unbroken")]) == 0
     assert files_of_captures(out) == files_of_captures(tmp_path / "unbroken")
     assert not (out / "captures_begun.jsonl").exists()
+
+
+def test_photographs_without_captures_yaml_are_to_be_imported(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    photos = tmp_path / "my photos"
+    (photos / "monday").mkdir(parents=True)
+    (photos / "monday" / "IMG_1.JPG").write_bytes(b"")
+    import_them = "tacos captures import 'my photos' --out 'my photos_captures'"
+    for asked in (
+        ["captures", "check", "my photos"],
+        ["captures", "guide", "--for", "my photos"],
+    ):
+        assert tacos_main(asked) == 2
+        assert import_them in capsys.readouterr().err
+    assert run_main(["diagnose", "--set", "captures=my photos", "--out", "out", "--quiet"]) == 2
+    assert import_them in capsys.readouterr().err
+    assert tacos_main(["captures", "check", "my photos/monday/IMG_1.JPG"]) == 2
+    assert "this is a file" in capsys.readouterr().err
+    (photos / "sorted").mkdir()
+    (photos / "sorted" / "captures.yaml").write_text("")
+    assert tacos_main(["captures", "check", "my photos"]) == 2
+    assert f"Name one of: {Path('my photos/sorted')}" in capsys.readouterr().err
 
 
 def test_a_recipe_that_photographs_nothing_is_refused(tmp_path, capsys):
