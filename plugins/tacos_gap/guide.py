@@ -195,7 +195,7 @@ def for_diagnosis(path: Path, effects: Mapping[str, type[Any]]) -> Iterator[str]
 def _diagnosis(path: Path) -> dict[str, Any]:
     if path.name == DIAGNOSIS and path.parent.is_dir() and not path.exists():
         raise UserError(_not_diagnosed(path.parent))
-    found = read_json(path, expected="a diagnosis.json")
+    found = read_json(path, expected=f"the {DIAGNOSIS} of `tacos-run diagnose`")
     if not isinstance(found, dict) or not isinstance(found.get("cause_set"), list):
         raise UserError(Fault(str(path), "is no diagnosis", "the diagnosis.json of `tacos-run diagnose`"))
     return found

@@ -75,6 +75,8 @@ class Results(RunFolder):
         """
         with _closed_on_error(cls(folder)) as results:
             with results.writing(remedy=_ANOTHER):
+                if results.folder.is_file():
+                    raise UserError(Fault(str(folder), "this is a file", "a new folder", _ANOTHER))
                 results.folder.mkdir(parents=True, exist_ok=True)
                 results._hold()
                 if results._empty():

@@ -43,7 +43,7 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     """
     path = Path(folder)
     path = path if path.suffix in (".yaml", ".yml") else path / FILE
-    if path.name == FILE and path.parent.exists() and not path.is_file():
+    if path.name == FILE and not path.is_file():
         raise UserError(nothing_to_read(path.parent))
     document = read_yaml(path, aliases=True)
     entry, faults, _ = check(FolderEntry, document.data, document.where)

@@ -72,11 +72,10 @@ def import_photographs(
         When there are no pictures, some cannot be read, or `out` is not empty.
     """
     given = given or Given()
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise UserError(
-            Fault(str(out), "is not empty", "a folder that is new or empty", "Name another --out.")
-        )
     paths, doubts = _pictures_in(sources)
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        what = "is not empty" if out.is_dir() else "is a file"
+        raise UserError(Fault(str(out), what, "a folder that is new or empty", "Name another --out."))
     pictures = _looked_at(paths, given, notify or (lambda text: None))
     size, others = _usual_size(pictures)
     doubts += [f"{p.path.name} is left out: it is not {size[0]} x {size[1]} like most." for p in others]
