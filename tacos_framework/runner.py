@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +92,17 @@ def run(
     )
 
 
+@contextmanager
+def _saying_how_to_go_on(resumable: bool) -> Iterator[None]:
+    """Have Ctrl-C say what goes on with a procedure that can."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupted:
+        if resumable:
+            interrupted.add_note("(the same command with --resume goes on)")
+        raise
+
+
 def _run_procedure(
     given: ProcedureRecipe | ProcedurePlan,
     out: Path,
@@ -111,7 +123,8 @@ def _run_procedure(
     with calling(recipe.use, distribution, "as it is built"):
         procedure = plan.cls(plan.config)
     data = plan.as_data()
-    results = Results.resume(out, data)[0] if resume else Results.create(out, data)
+    resumable = "resume" in plan.asks_for
+    results = Results.resume(out, data)[0] if resume else Results.create(out, data, resumable=resumable)
     supplied = {"out": out, "seed": recipe.seed, "plugins": plugins, "progress": progress, "resume": resume}
     evaluating = executor_of_run(
         executor,
@@ -126,7 +139,7 @@ def _run_procedure(
         with evaluating as evaluates:
             supplied["executor"] = evaluates
             asked = {name: value for name, value in supplied.items() if name in plan.asks_for}
-            with calling(recipe.use, distribution, "run"):
+            with _saying_how_to_go_on(resumable), calling(recipe.use, distribution, "run"):
                 found: Mapping[str, Any] = procedure.run(**asked)
         result = {
             "tacos": __version__,

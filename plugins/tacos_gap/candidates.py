@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plugins import Plugins
 
 
@@ -68,7 +68,13 @@ def candidates(plugins: Plugins, without: tuple[str, ...] = ()) -> Candidates:
     }
     if unknown := [name for name in without if name not in found]:
         raise UserError(
-            Fault("without", f"no effect is called {', '.join(unknown)}", ", ".join(sorted(found)))
+            Fault(
+                "without",
+                f"no effect is called {name}",
+                ", ".join(sorted(found)),
+                did_you_mean(name.removeprefix("effect."), found),
+            )
+            for name in unknown
         )
     effects: dict[str, type[Any]] = {}
     limitations = []

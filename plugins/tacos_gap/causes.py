@@ -22,6 +22,8 @@ from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.pictures import share_of_pictures
 from tacos_gap.presence import BY_PICTURES, BY_STATISTICS, share_explained
 from tacos_gap.problem import Hypothesis, Problem, robust
+from tacos_gap.report.views import view_of
+from tacos_gap.report.words import effect_words
 from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained
 
@@ -195,9 +197,9 @@ def _evidence(
     lead = ""
     if second:
         ahead = scores[term.name] - rivals[second]
-        lead = f"; captures held out are {_times(ahead)} likelier with it than with {second}"
+        lead = f"; captures held out are {_times(ahead)} likelier with it than with {effect_words(second)}"
     if without is None:
-        return f"The captures ask for it{lead}."
+        return f"The other causes cannot be simulated without it{lead}."
     gain: dict[str, float] = {}
     size: dict[str, tuple[float, float, int]] = {}
     for label, a, b in zip(problem.labels, without, best.z, strict=True):
@@ -208,11 +210,10 @@ def _evidence(
         size[label.statistic] = (x + float(a) ** 2, y + float(b) ** 2, n + 1)
     top = max(gain, key=lambda name: gain[name])
     x, y, n = size[top]
-    name = top.replace("_", " ").capitalize()
     without_it, with_it = np.sqrt(x / n), np.sqrt(y / n)
     return (
-        f"{name} differs by {without_it:.1f} times the noise floor without it "
-        f"and by {with_it:.1f} with it{lead}."
+        f"{view_of(top).title}: {without_it:.1f} times the noise floor without it, "
+        f"{with_it:.1f} with it{lead}."
     )
 
 

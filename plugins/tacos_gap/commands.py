@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,6 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="set a key of the recipe, dotted; repeatable",
     )
     simulate.add_argument("--seed", metavar="N", type=int, help="seed, instead of the recipe's")
+    simulate.add_argument("--resume", action="store_true", help="go on with the captures begun in --out")
+    simulate.add_argument(
+        "--accept-changes",
+        action="store_true",
+        help="do so although code, versions or files have changed since",
+    )
     simulate.add_argument("--quiet", action="store_true", help="no progress bar")
     check = actions.add_parser("check", help="check a folder; say what it holds and what it cannot tell")
     check.add_argument("folder", metavar="DIR", type=Path, help="folder with captures.yaml")
@@ -139,7 +145,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
         raise UserError(not_of_a_bench(arguments.recipe))
     options = [f"--out={arguments.out}", *(f"--with={file}" for file in arguments.effects)]
     options += [f"--set={given}" for given in arguments.sets]
-    options += ["--quiet"] if arguments.quiet else []
+    for flag in ("resume", "accept_changes", "quiet"):
+        options += [f"--{flag.replace('_', '-')}"] if getattr(arguments, flag) else []
     options += [] if arguments.seed is None else [f"--seed={arguments.seed}"]
     return run.main([arguments.recipe, *options])
 
@@ -159,7 +166,7 @@ def _check(arguments: argparse.Namespace) -> int:
 def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
     """What a folder holds, and what it cannot tell of the effects."""
     from tacos_gap.captures.coverage import untold
-    from tacos_gap.report.words import captures_in_words
+    from tacos_gap.report.words import captures_in_words, gathered
 
     first = folder.captures[0]
     geometry, context = first.geometry, first.context
@@ -182,21 +189,11 @@ def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
         yield "  ".join([*left, *right])
     if folder.limitations or considered.limitations:
         yield from ("", "Limitations")
-        yield from (f"  {text}" for text in _gathered(folder.limitations))
+        yield from (f"  {text}" for text in gathered(folder.limitations))
         yield from (f"  {text}" for text in considered.limitations)
     if lacking := untold(folder.captures, considered.effects):
         yield from ("", "What these captures cannot tell, and what would")
         yield from (f"  {', '.join(effects)}: {remedy}" for remedy, effects in lacking.items())
-
-
-def _gathered(limitations: Iterable[str]) -> Iterator[str]:
-    """Each limitation once, with the names of all captures it is said of."""
-    captures_of: dict[str, list[str]] = {}
-    for limitation in limitations:
-        name, _, text = limitation.partition(": ")
-        captures_of.setdefault(text, []).append(name)
-    for text, names in captures_of.items():
-        yield f"{', '.join(names)}: {text}"
 
 
 def _row(capture: RealCapture) -> tuple[str, ...]:

@@ -31,6 +31,7 @@ from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem, placed_in, robust
+from tacos_gap.report.views import view_of
 from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
 from tacos_gap.transfer import of_each_capture, of_one_specimen
 from tacos_gap.undiagnosed import nothing_measured
@@ -181,8 +182,8 @@ def _not_taken(evidence: ImageEvidence) -> str:
     """In a sentence, which statistics of a capture could not be taken; empty where all were."""
     if not (names := evidence.left_out):
         return ""
-    listed = ", ".join(name.replace("_", " ") for name in names)
-    return f"{evidence.capture.id}: could not be measured in all simulations and is left out: {listed}."
+    listed = ", ".join(view_of(name).title.lower() for name in names)
+    return f"{evidence.capture.id}: not compared, as some simulations gave no number: {listed}."
 
 
 def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | str | None:

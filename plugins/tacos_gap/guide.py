@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +12,9 @@ from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.files import read_json
+from tacos_gap.captures.missing import FILE, nothing_to_read
+
+DIAGNOSIS = "diagnosis.json"
 
 WIDTH = 100
 
@@ -136,14 +140,10 @@ def for_effect(name: str, effects: Mapping[str, type[Any]]) -> Iterator[str]:
     """
     name = name.removeprefix("effect.")
     if name not in effects:
-        raise UserError(
-            Fault(
-                "guide",
-                f"there is no effect {name!r}",
-                ", ".join(sorted(effects)),
-                did_you_mean(name, effects),
-            )
-        )
+        expected, remedy = ", ".join(sorted(effects)), did_you_mean(name, effects)
+        if Path(name).exists():
+            expected, remedy = "an effect, e.g. vignetting", "A diagnosis is named by --for."
+        raise UserError(Fault("guide", f"there is no effect {name!r}", expected, remedy))
     needs = [need.remedy for need in getattr(effects[name], "shown_by", ())]
     alike = list(_alike(name, effects))
     yield f"To see {name}"
@@ -174,7 +174,7 @@ def for_diagnosis(path: Path, effects: Mapping[str, type[Any]]) -> Iterator[str]
     UserError
         When it is no diagnosis.
     """
-    found = _diagnosis(path / "diagnosis.json" if path.is_dir() else path)
+    found = _diagnosis(path / DIAGNOSIS if path.is_dir() else path)
     wanted = found.get("next_capture")
     undecided = list(found["cause_set"])
     if wanted is None and len(undecided) < 2:
@@ -193,10 +193,21 @@ def for_diagnosis(path: Path, effects: Mapping[str, type[Any]]) -> Iterator[str]
 
 
 def _diagnosis(path: Path) -> dict[str, Any]:
-    found = read_json(path, expected="a diagnosis.json")
+    if path.name == DIAGNOSIS and path.parent.is_dir() and not path.exists():
+        raise UserError(_not_diagnosed(path.parent))
+    found = read_json(path, expected=f"the {DIAGNOSIS} of `tacos-run diagnose`")
     if not isinstance(found, dict) or not isinstance(found.get("cause_set"), list):
         raise UserError(Fault(str(path), "is no diagnosis", "the diagnosis.json of `tacos-run diagnose`"))
     return found
+
+
+def _not_diagnosed(folder: Path) -> Fault:
+    """That a folder holds no diagnosis, and how it comes to one."""
+    remedy = nothing_to_read(folder).remedy
+    if (folder / FILE).is_file():
+        asked = shlex.quote(f"captures={folder}")
+        remedy = f"Diagnose these captures with `tacos-run diagnose --set {asked} --out out`."
+    return Fault(str(folder), f"there is no {DIAGNOSIS}", "what `tacos-run diagnose` left in --out", remedy)
 
 
 def _alike(name: str, effects: Mapping[str, type[Any]]) -> Iterator[tuple[str, str, str]]:

@@ -8,18 +8,76 @@ from typing import TYPE_CHECKING
 
 from tacos_framework.catalog import Catalog, CatalogPart, OffTheShelf
 from tacos_framework.errors import Fault, UserError
+from tacos_report.figures.canvas import NARROW_IN, draw
 from tacos_report.palette import INK, MUTED, camera_colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LABEL_MM, _CELL_MM, _SHEET_MM = 3.4, 9.0, 105.0
-"""Room below a part for its name, least room across, and across the sheet, in millimetres of parts [mm]."""
+_GAP_MM = 1.6
 
-_LETTERS_PER_MM = 1.6  # of the drawing's text
-INCHES_PER_MM = 0.1
-"""Size of the drawing over that of the parts."""
+
+@dataclass(frozen=True)
+class SheetFormat:
+    """How large parts and their names are drawn.
+
+    Parameters
+    ----------
+    width_mm
+        Across the sheet, in millimetres of parts [mm].
+    cell_mm, label_mm
+        Least room across for a part, and room below it for its name and detail, in millimetres of parts [mm].
+    inches_per_mm
+        Size of the drawing over that of the parts [in/mm].
+    name_pt, detail_pt
+        Sizes of letters [pt].
+    groups_in_a_row
+        Names of groups beside one another.
+    least_mm
+        The sheet is so wide, however few parts there are [mm].
+    """
+
+    width_mm: float
+    cell_mm: float
+    label_mm: float
+    inches_per_mm: float
+    name_pt: float
+    detail_pt: float
+    groups_in_a_row: int
+    least_mm: float = 0.0
+
+    @property
+    def letters_per_mm(self) -> float:
+        """Letters of a name beside one another: each is about 0.7 of its height wide."""
+        return self.inches_per_mm * 72 / (0.7 * self.name_pt)
+
+
+ON_SCREEN = SheetFormat(
+    width_mm=105.0,
+    cell_mm=9.0,
+    label_mm=3.4,
+    inches_per_mm=0.1,
+    name_pt=6.5,
+    detail_pt=4.8,
+    groups_in_a_row=5,
+)
+
+
+def for_phone(parts: Sequence[Outline]) -> SheetFormat:
+    """A sheet as wide as a phone: three parts in a row at most, and no part wider than the sheet."""
+    width_mm = max(43.0, max(part.width_mm for part in parts) + 2 * _GAP_MM)
+    per_mm = NARROW_IN / width_mm
+    return SheetFormat(
+        width_mm=width_mm,
+        cell_mm=width_mm / 3 - _GAP_MM,
+        label_mm=0.42 / per_mm,
+        inches_per_mm=per_mm,
+        name_pt=8.0,
+        detail_pt=6.5,
+        groups_in_a_row=3,
+        least_mm=width_mm,
+    )
 
 
 @dataclass(frozen=True)
@@ -109,23 +167,23 @@ def camera_outlines(cameras: Sequence[OffTheShelf]) -> tuple[Outline, ...]:
     return tuple(sorted(found, key=lambda each: (each.width_mm * each.height_mm, each.name)))
 
 
-def arranged(parts: Sequence[Outline]) -> tuple[PlacedOutline, ...]:
+def arranged(parts: Sequence[Outline], form: SheetFormat = ON_SCREEN) -> tuple[PlacedOutline, ...]:
     """Parts in rows from the top left, none over another."""
     placed: list[PlacedOutline] = []
     y = 0.0
-    for row in _rows(parts):
-        y -= max(part.height_mm for part in row) + _LABEL_MM
+    for row in _rows(parts, form):
+        y -= max(part.height_mm for part in row) + form.label_mm
         x = 0.0
         for part in row:
-            placed.append(PlacedOutline(part, x, y + _LABEL_MM))
-            x += _cell_mm(part)
+            placed.append(PlacedOutline(part, x, y + form.label_mm))
+            x += _cell_mm(part, form)
     return tuple(placed)
 
 
-def _rows(parts: Sequence[Outline]) -> Iterator[list[Outline]]:
+def _rows(parts: Sequence[Outline], form: SheetFormat) -> Iterator[list[Outline]]:
     row: list[Outline] = []
     for part in parts:
-        if row and sum(map(_cell_mm, row)) + _cell_mm(part) > _SHEET_MM:
+        if row and sum(_cell_mm(each, form) for each in [*row, part]) > form.width_mm:
             yield row
             row = []
         row.append(part)
@@ -133,44 +191,75 @@ def _rows(parts: Sequence[Outline]) -> Iterator[list[Outline]]:
         yield row
 
 
-def _cell_mm(part: Outline) -> float:
-    return max(part.width_mm, _CELL_MM) + 1.6
+def _cell_mm(part: Outline, form: SheetFormat) -> float:
+    return max(part.width_mm, form.cell_mm) + _GAP_MM
 
 
-def size_in(placed: Sequence[PlacedOutline]) -> tuple[float, float]:
-    """Width and height of the drawing [in]."""
-    wide = max(each.x_mm + _cell_mm(each.outline) for each in placed)
-    high = -min(each.y_mm for each in placed) + _LABEL_MM + 4
-    return wide * INCHES_PER_MM, high * INCHES_PER_MM
+def sheet(name: str, parts: Sequence[Outline], said: str, *, narrow: bool = False) -> str:
+    """SVG of parts to one scale; ``narrow`` for the width of a phone, where names are larger.
+
+    Parameters
+    ----------
+    name
+        Unique among the drawings of a page.
+    parts
+        What is drawn.
+    said
+        In place of the picture to readers who do not see it.
+    """
+    form = for_phone(parts) if narrow else ON_SCREEN
+    placed = arranged(parts, form)
+    size_in = sheet_size_in(placed, form)
+    name = f"{name}-narrow" if narrow else name
+    return draw(name, size_in, said, lambda figure: paint_sheet(figure, placed, form))
 
 
-def paint_sheet(figure: Figure, placed: Sequence[PlacedOutline]) -> None:
-    """Draw the parts, and a scale, on a figure of `size_in`."""
+def sheet_size_in(placed: Sequence[PlacedOutline], form: SheetFormat = ON_SCREEN) -> tuple[float, float]:
+    """Width and height of the drawing, with the names of groups below the parts [in]."""
+    wide, high = (mm * form.inches_per_mm for mm in _size_mm(placed, form))
+    return wide, high + 0.3 * -(-len(_groups(placed)) // form.groups_in_a_row)
+
+
+def _size_mm(placed: Sequence[PlacedOutline], form: SheetFormat) -> tuple[float, float]:
+    """Width and height of what is to scale, with the scale itself below [mm of parts]."""
+    wide = max(each.x_mm + _cell_mm(each.outline, form) for each in placed)
+    return max(wide, form.least_mm), form.label_mm + 4 - min(each.y_mm for each in placed)
+
+
+def _groups(placed: Sequence[PlacedOutline]) -> list[str]:
+    return sorted({each.outline.group for each in placed})
+
+
+def paint_sheet(figure: Figure, placed: Sequence[PlacedOutline], form: SheetFormat = ON_SCREEN) -> None:
+    """Draw the parts, and a scale, on a figure of `sheet_size_in`."""
+    from matplotlib.patches import Patch
+
+    if (layout := figure.get_layout_engine()) is not None:
+        layout.set(w_pad=0, h_pad=0)  # type: ignore[call-arg]  # what is to scale fills the width
     axes = figure.add_subplot()
-    wide, high = (inches / INCHES_PER_MM for inches in size_in(placed))
+    wide, high = _size_mm(placed, form)
     axes.set_xlim(-0.8, wide - 0.8)
     axes.set_ylim(2 - high, 2)
     axes.set_aspect("equal")
     axes.axis("off")
-    groups = sorted({each.outline.group for each in placed})
+    groups = _groups(placed)
     for each in placed:
-        _paint_part(axes, each, camera_colour(1 + groups.index(each.outline.group)))
+        _paint_part(axes, each, camera_colour(1 + groups.index(each.outline.group)), form)
     bottom = 2 - high + 0.9
     axes.plot([0, 10], [bottom, bottom], color=INK, linewidth=1.4)
     axes.text(10.5, bottom, "10 mm", color=INK, va="center", fontsize=8)
-    for i, group in enumerate(groups):
-        axes.text(20 + 16 * i, bottom, group, color=camera_colour(1 + i), va="center", fontsize=8)
+    handles = [Patch(color=camera_colour(1 + i), alpha=0.35, label=group) for i, group in enumerate(groups)]
+    figure.legend(handles=handles, loc="outside lower left", ncols=form.groups_in_a_row, labelcolor=INK)
 
 
-def shortened(name: str, cell_mm: float) -> str:
-    """A name as far as there is room; what is left out stands before its last word, which tells models apart.
+def shortened(name: str, most: int) -> str:
+    """A name of so many letters at most; the last word, which tells models apart, is cut last.
 
     Examples
     --------
-    >>> shortened("Hikrobot MVL-KF0814M-12MPE", 12.0), shortened("IMX219", 10.0)
+    >>> shortened("Hikrobot MVL-KF0814M-12MPE", 19), shortened("IMX219", 16)
     ('…MVL-KF0814M-12MPE', 'IMX219')
     """
-    most = int(cell_mm * _LETTERS_PER_MM)
     if len(name) <= most:
         return name
     kept = name.rpartition(" ")[2][-most + 1 :]
@@ -178,7 +267,7 @@ def shortened(name: str, cell_mm: float) -> str:
     return f"{before}…{kept}" if len(before) > 2 else f"…{kept}"
 
 
-def _paint_part(axes: Axes, placed: PlacedOutline, colour: str) -> None:
+def _paint_part(axes: Axes, placed: PlacedOutline, colour: str, form: SheetFormat) -> None:
     from matplotlib.patches import Ellipse, Patch, Rectangle
 
     part, x, y = placed.outline, placed.x_mm, placed.y_mm
@@ -188,5 +277,6 @@ def _paint_part(axes: Axes, placed: PlacedOutline, colour: str) -> None:
         shape = Rectangle((x, y), part.width_mm, part.height_mm)
     shape.set(facecolor=colour, edgecolor=colour, alpha=0.35, linewidth=1.0)
     axes.add_patch(shape)
-    axes.text(x, y - 0.3, shortened(part.name, _cell_mm(part)), color=INK, va="top", fontsize=6.5)
-    axes.text(x, y - 1.5, part.detail, color=MUTED, va="top", fontsize=4.8)
+    name = shortened(part.name, int(_cell_mm(part, form) * form.letters_per_mm))
+    axes.text(x, y - 0.09 * form.label_mm, name, color=INK, va="top", fontsize=form.name_pt)
+    axes.text(x, y - 0.44 * form.label_mm, part.detail, color=MUTED, va="top", fontsize=form.detail_pt)

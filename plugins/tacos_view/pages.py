@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from tacos_files.images import decode_samples
 from tacos_framework.catalog import Catalog, OffTheShelf
-from tacos_report.figures.canvas import draw
-from tacos_report.page import Drawing, Page, PagePicture, Paragraph, Section, SideBySide, Table, write_page
+from tacos_report.page import (
+    Page,
+    PagePicture,
+    Paragraph,
+    Section,
+    SideBySide,
+    Table,
+    in_both_widths,
+    write_page,
+)
 from tacos_report.page import Warnings as PageWarnings
 from tacos_view.catalog_sheet import (
     Outline,
@@ -18,7 +27,8 @@ from tacos_view.catalog_sheet import (
     camera_outlines,
     outlines,
     paint_sheet,
-    size_in,
+    sheet,
+    sheet_size_in,
 )
 from tacos_view.effect_ladder import EffectLadder
 from tacos_view.floor_plan import floor_plan
@@ -188,9 +198,8 @@ def _write_sheet(
     from matplotlib.figure import Figure
 
     placed = arranged(parts)
-    size = size_in(placed)
     folder = ViewFolder(out)
-    figure = Figure(figsize=size, facecolor="white", layout="constrained")
+    figure = Figure(figsize=sheet_size_in(placed), facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     paint_sheet(figure, placed)
     png = BytesIO()
@@ -199,7 +208,7 @@ def _write_sheet(
     drawn = {part.name for part in parts}
     left_out = [each for each in names if each not in drawn]
     said = f"{len(parts)} parts to one scale: {said}"
-    drawing = Drawing(draw(name, size, said, lambda figure: paint_sheet(figure, placed)), said)
+    drawing = in_both_widths(partial(sheet, name, parts, said), said)
     notes = [Paragraph(f"Without a stated size: {', '.join(left_out)}.")] if left_out else []
     page = Page("tacos view", *head, (Section("To scale", (drawing, *notes)), *more))
     return folder.close(page)

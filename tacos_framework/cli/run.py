@@ -86,9 +86,28 @@ def _device(text: str) -> str:
     return text
 
 
+def _as_a_setting(unknown: Sequence[str]) -> str:
+    """How what is no option is given to a recipe.
+
+    Examples
+    --------
+    >>> _as_a_setting(["--captures", "my_captures"]), _as_a_setting(["my_captures"])
+    ('try --set captures=my_captures', 'settings of the recipe are given by --set KEY=my_captures')
+    """
+    first, *rest = unknown
+    if not first.startswith("--"):
+        return f"settings of the recipe are given by --set {shlex.quote(f'KEY={first}')}"
+    key, equals, value = first.removeprefix("--").partition("=")
+    value = value if equals else next(iter(rest), "VALUE")
+    return f"try --set {shlex.quote(f'{key}={value}')}"
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``tacos-run``."""
-    arguments = parser().parse_args(argv)
+    taking = parser()
+    arguments, unknown = taking.parse_known_args(argv)
+    if unknown:
+        taking.error(f"unrecognized arguments: {shlex.join(unknown)}; {_as_a_setting(unknown)}")
     if arguments.device:
         os.environ[DEVICE_VARIABLE] = arguments.device
     command = shlex.join(["tacos-run", *(sys.argv[1:] if argv is None else argv)])

@@ -94,6 +94,12 @@ def _with_shared_keys(cls: type[Any], faults: Sequence[Fault]) -> list[Fault]:
     suggested = []
     for fault in faults:
         name = fault.what.removeprefix("unknown key ").strip("'")
+        if fault.what == "unknown key 'effects'":
+            takes_some = "a study, or a procedure with the setting effects"
+            suggested.append(
+                Fault(fault.where, "this procedure takes no effects", takes_some, "Leave out --with.")
+            )
+            continue
         unknown = fault.what.startswith("unknown key") and "." not in name
         remedy = did_you_mean(name, known) if unknown else fault.remedy
         suggested.append(Fault(fault.where, fault.what, fault.expected, remedy))

@@ -29,7 +29,7 @@ from tacos_framework.settings.yaml_writer import to_yaml
 FORMAT = 4
 """Format of ``checkpoint.json``; another one cannot be resumed."""
 
-RECIPE, CHECKPOINT, LOG = "recipe.yaml", "checkpoint.json", "log.txt"
+RECIPE, CHECKPOINT, RESULT, LOG = "recipe.yaml", "checkpoint.json", "result.json", "log.txt"
 
 _ANOTHER = "Name another folder with --out."
 
@@ -56,8 +56,17 @@ class Results(RunFolder):
     """
 
     @classmethod
-    def create(cls, folder: Path, recipe: Mapping[str, Any]) -> Results:
+    def create(cls, folder: Path, recipe: Mapping[str, Any], *, resumable: bool = False) -> Results:
         """Start a new run in a folder that does not exist yet or holds nothing that a run computed.
+
+        Parameters
+        ----------
+        folder
+            That of the run.
+        recipe
+            What it does.
+        resumable
+            Whether a run of it can be gone on with from its recipe alone, without a checkpoint.
 
         Raises
         ------
@@ -66,13 +75,16 @@ class Results(RunFolder):
         """
         with _closed_on_error(cls(folder)) as results:
             with results.writing(remedy=_ANOTHER):
+                if results.folder.is_file():
+                    raise UserError(Fault(str(folder), "this is a file", "a new folder", _ANOTHER))
                 results.folder.mkdir(parents=True, exist_ok=True)
                 results._hold()
                 if results._empty():
                     results._write_recipe(recipe)
                     return results
-            resumable = (results.folder / CHECKPOINT).exists()
-            remedy = "Go on with it by --resume, or name another with --out." if resumable else _ANOTHER
+            there = {path.name for path in results.folder.iterdir()}
+            broken = CHECKPOINT in there or (resumable and RECIPE in there and RESULT not in there)
+            remedy = "Go on with it by --resume, or name another with --out." if broken else _ANOTHER
             raise UserError(Fault(str(folder), "the results folder is not empty", "a new folder", remedy))
 
     @classmethod

@@ -52,6 +52,13 @@ def check(
         return None, faults, [_without_tags(details["loc"]) for details in error.errors(include_url=False)]
 
 
+_IN_YAML = {
+    "a valid array": "a list, as in [a, b]",
+    "an object": "keys with their values, as in {key: value}",
+}
+"""What pydantic expects, in the words of whoever writes YAML and not JSON."""
+
+
 def _fault(details: Mapping[str, Any], kind: Any, where: Callable[[Path], str], top: str) -> Fault:
     path = _without_tags(details["loc"])
     name = ".".join(map(str, (top, *path) if top else path))
@@ -67,6 +74,7 @@ def _fault(details: Mapping[str, Any], kind: Any, where: Callable[[Path], str], 
     given = json.dumps(details["input"], default=str)
     given = given if len(given) <= 60 else f"{given[:57]}..."
     expected = details["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
+    expected = _IN_YAML.get(expected, expected)
     meaning = f" ({help})" if (help := _help(field)) else ""
     return Fault(where(path), f"{name or 'value'} is {given}", f"{expected}{meaning}", "Correct the value.")
 

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-from tacos_framework.cli import tacos_main
+from tacos_framework.cli import run_main, tacos_main
 from tacos_framework.plugins import Plugins
 from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
@@ -68,6 +74,76 @@ def test_a_capture_s_own_recipe_is_rendered_by_the_check(recipe, tmp_path, capsy
     capsys.readouterr()
     assert tacos_main(["captures", "check", str(out)]) == 0
     assert "135.5" in capsys.readouterr().out
+
+
+STOPS_AT_THE_SECOND = """\
+import sys, time
+from tacos_framework.cli import tacos_main
+from tacos_gap.bench import CaptureBench
+take = CaptureBench.capture
+def take_one(bench, shot):
+    if shot.id != "dark":
+        print("at the second", flush=True)
+        time.sleep(60)
+    return take(bench, shot)
+CaptureBench.capture = take_one
+sys.exit(tacos_main(sys.argv[1:]))
+"""
+
+
+def files_of_captures(folder: Path) -> dict[str, bytes]:
+    images = (path for path in folder.rglob("*") if path.parent != folder and path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in (*images, folder / "captures.yaml")}
+
+
+@pytest.mark.parametrize("ended_by", [signal.SIGKILL, signal.SIGINT])
+def test_a_simulation_that_was_ended_says_what_goes_on_with_it(ended_by, recipe, tmp_path, capsys):
+    asked, out = ["captures", "simulate", str(recipe), "--quiet", "--out"], tmp_path / "out put"
+    command = [sys.executable, "-c", STOPS_AT_THE_SECOND, *asked, str(out)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, **pipes) as process:
+        assert process.stdout.readline() == "at the second\n"
+        process.send_signal(ended_by)
+        _, said = process.communicate()
+    if ended_by == signal.SIGINT:
+        assert process.returncode == 130
+        assert said == "Interrupted (the same command with --resume goes on).\n"
+    first = out / "dark" / "000.png"
+    taken_ns = first.stat().st_mtime_ns
+
+    assert tacos_main([*asked, str(out)]) == 2
+    assert "Go on with it by --resume" in capsys.readouterr().err
+    assert tacos_main(["captures", "check", str(out)]) == 2
+    (typed,) = re.findall("`tacos (captures simulate .*)`", capsys.readouterr().err)
+
+    assert tacos_main([*shlex.split(typed), "--quiet"]) == 0
+    assert "2 captures, 4 frames" in capsys.readouterr().out
+    assert first.stat().st_mtime_ns == taken_ns
+    assert tacos_main([*asked, str(tmp_path / "unbroken")]) == 0
+    assert files_of_captures(out) == files_of_captures(tmp_path / "unbroken")
+    assert not (out / "captures_begun.jsonl").exists()
+
+
+def test_photographs_without_captures_yaml_are_to_be_imported(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    photos = tmp_path / "my photos"
+    (photos / "monday").mkdir(parents=True)
+    (photos / "monday" / "IMG_1.JPG").write_bytes(b"")
+    import_them = "tacos captures import 'my photos' --out 'my photos_captures'"
+    for asked in (
+        ["captures", "check", "my photos"],
+        ["captures", "guide", "--for", "my photos"],
+    ):
+        assert tacos_main(asked) == 2
+        assert import_them in capsys.readouterr().err
+    assert run_main(["diagnose", "--set", "captures=my photos", "--out", "out", "--quiet"]) == 2
+    assert import_them in capsys.readouterr().err
+    assert tacos_main(["captures", "check", "my photos/monday/IMG_1.JPG"]) == 2
+    assert "this is a file" in capsys.readouterr().err
+    (photos / "sorted").mkdir()
+    (photos / "sorted" / "captures.yaml").write_text("")
+    assert tacos_main(["captures", "check", "my photos"]) == 2
+    assert f"Name one of: {Path('my photos/sorted')}" in capsys.readouterr().err
 
 
 def test_a_recipe_that_photographs_nothing_is_refused(tmp_path, capsys):

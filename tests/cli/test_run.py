@@ -116,8 +116,29 @@ def test_wrong_input_ends_with_status_2_and_no_traceback(arguments, message, cap
     assert "Traceback" not in error
 
 
+@pytest.mark.parametrize("given", [["--captures", "mine"], ["--captures=mine"]])
+def test_a_setting_given_as_an_option_is_told_how_it_is_given(given, capsys):
+    with pytest.raises(SystemExit) as ended:
+        run_main(["diagnose", *given])
+    assert ended.value.code == 2
+    assert "try --set captures=mine" in capsys.readouterr().err
+
+
+def test_effects_for_a_procedure_that_takes_none_are_refused(tmp_path, capsys):
+    (tmp_path / "effects.yaml").write_text("[{use: effect.vignetting, k1: -0.3}]")
+    assert run_main(["diagnose", "--with", str(tmp_path / "effects.yaml"), "--check"]) == 2
+    assert "this procedure takes no effects" in capsys.readouterr().err
+
+
+def test_a_list_is_asked_for_in_the_words_of_yaml(capsys):
+    assert run_main(["diagnose", "--set", "without=vignetting", "--check"]) == 2
+    assert "expected: a list, as in [a, b]" in capsys.readouterr().err
+
+
 def test_results_that_cannot_be_written_are_refused_before_any_work(recipe, tmp_path, capsys):
     (tmp_path / "file").write_text("in the way")
+    assert run_main([str(recipe), "--out", str(tmp_path / "file")]) == 2
+    assert "this is a file" in capsys.readouterr().err
     assert run_main([str(recipe), "--out", str(tmp_path / "file" / "out")]) == 2
     assert "cannot be written" in capsys.readouterr().err
 

@@ -177,7 +177,7 @@ def test_a_folder_that_is_not_there_is_refused(tmp_path: Path, capsys: pytest.Ca
     missing = tmp_path / "missing"
     status = run_main(["diagnose", "--set", f"captures={missing}", "--out", str(tmp_path / "out"), "--quiet"])
     assert status == 2
-    assert str(missing) in capsys.readouterr().err
+    assert f"{missing}: there is no such folder" in capsys.readouterr().err
 
 
 def test_an_empty_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

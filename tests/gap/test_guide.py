@@ -50,3 +50,13 @@ def test_a_settled_diagnosis_asks_for_nothing(tmp_path):
     path.write_text("[]")
     with pytest.raises(guide.UserError, match="is no diagnosis"):
         list(guide.for_diagnosis(path, EFFECTS))
+
+
+def test_captures_that_were_not_diagnosed_are_to_be_diagnosed_first(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "captures.yaml").write_text("")
+    assert tacos_main(["captures", "guide", "--for", "mine"]) == 2
+    assert "`tacos-run diagnose --set captures=mine --out out`" in capsys.readouterr().err
+    assert tacos_main(["captures", "guide", "mine"]) == 2
+    assert "A diagnosis is named by --for." in capsys.readouterr().err

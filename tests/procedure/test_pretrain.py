@@ -106,7 +106,7 @@ def test_it_trains_on_as_many_images_as_asked_and_scores_on_others(done):
     assert "ap50" in result["scores"]
     assert "weights/squares.safetensors" in result["summary"]
     page = (out / "report.html").read_text()
-    assert page.count("<svg") == 2
+    assert page.count("<svg") == 4, "each once more for phones"
     assert 'src="http' not in page
 
 

@@ -178,7 +178,7 @@ def test_parts_are_seen_at_the_field_of_view_asked_for(study, toys):
 
 def test_the_page_shows_both_orders(ranked):
     page = (ranked[1] / "report.html").read_text()
-    assert page.count("<svg") == 2
+    assert page.count("<svg") == 4, "each once more for phones"
     assert "at full size" in page
     assert "None" not in page
     assert 'src="http' not in page

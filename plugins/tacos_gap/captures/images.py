@@ -24,6 +24,8 @@ _RAW_BYTES = 2
 """Bytes of a sample of a mosaic, as LibRaw unpacks it."""
 
 RAW_SUFFIXES = frozenset({".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".rw2", ".orf"})
+PICTURE_SUFFIXES = RAW_SUFFIXES | {".jpg", ".jpeg", ".webp", ".heic", ".png", ".tif", ".tiff", ".npy"}
+"""Of photographs that can be imported."""
 
 
 def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[Any]:

@@ -87,11 +87,11 @@ def limitations_of(capture: RealCapture) -> Iterator[str]:
     """Sentences on what a capture cannot be used for."""
     real, context = capture.real_dn, capture.context
     if (real >= context.white_level_dn).mean() > CLIPPED_SHARE:
-        yield f"{capture.id}: nearly all pixels are saturated; only saturation can be measured in it."
+        yield f"{capture.id}: nearly all pixels are saturated; only saturation can be measured."
     elif capture.kind != "dark" and real.max() == real.min():
         yield f"{capture.id}: every pixel is {real.min():g}; a constant image tells nothing."
     elif capture.kind != "dark" and (real <= 0).mean() > CLIPPED_SHARE:
-        yield f"{capture.id}: nearly all pixels are 0; only the dark can be measured in it."
+        yield f"{capture.id}: nearly all pixels are 0; only the dark can be measured."
     if capture.frames == 1 and capture.kind != "board":
         yield (
             f"{capture.id}: a single frame has no real-against-real noise floor and does not tell fixed "

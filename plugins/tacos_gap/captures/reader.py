@@ -18,12 +18,11 @@ from tacos_gap.captures.entries import BoardEntry, CaptureEntry, FolderEntry
 from tacos_gap.captures.expected_values import ExpectedValues, Render
 from tacos_gap.captures.files import MAX_FRAMES, CaptureFiles
 from tacos_gap.captures.lens_and_sensor import FOCAL_LENGTH_MM, geometry_of, unstated
+from tacos_gap.captures.missing import FILE, nothing_to_read
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
 from tacos_gap.captures.stated_noise import StatedNoise
 from tacos_gap.captures.time_order import in_time_order, time_doubts
-
-FILE = "captures.yaml"
 
 
 def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFolder:
@@ -44,15 +43,8 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     """
     path = Path(folder)
     path = path if path.suffix in (".yaml", ".yml") else path / FILE
-    if path.parent.is_dir() and not path.is_file():
-        raise UserError(
-            Fault(
-                str(path.parent),
-                f"there is no {path.name}",
-                "a folder of captures",
-                "See the how-to on captures.",
-            )
-        )
+    if path.name == FILE and not path.is_file():
+        raise UserError(nothing_to_read(path.parent))
     document = read_yaml(path, aliases=True)
     entry, faults, _ = check(FolderEntry, document.data, document.where)
     if entry is None:
@@ -120,8 +112,8 @@ class _Reader:
         self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
         if entry.kind == "board" and (entry.simulated is not None or entry.scene is not None):
             self.limitations.append(
-                f"{entry.id}: what is simulated of it is not used; a board is compared with the pose that "
-                f"fits it best."
+                f"{entry.id}: what is simulated is not used; a board is compared with the pose that fits it "
+                f"best."
             )
         expected = self.expected.of(i, entry, shape, len(paths), usable=real is not None)
         mask = files.array(i, "mask", entry.mask, shape)

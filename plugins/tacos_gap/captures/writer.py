@@ -2,24 +2,66 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_gap.captures.capture import Noise, RealCapture
-from tacos_gap.captures.files import PATCH_COLUMNS
-from tacos_gap.captures.reader import FILE
+from tacos_gap.captures.entry_files import written_entry
+from tacos_gap.captures.missing import FILE
 
 
 def write_captures(folder: str | Path, captures: Iterable[RealCapture]) -> Path:
     """Write images and ``captures.yaml``; returns its path.
+
+    Parameters
+    ----------
+    folder
+        Where to; made if it is not there.
+    captures
+        Taken one after another, all of one camera.
+
+    Raises
+    ------
+    ValueError
+        When the captures are not of one camera, ids would share a folder, or there are none.
+    """
+    writer = CaptureWriter(folder)
+    for capture in captures:
+        writer.add(capture)
+    return writer.close()
+
+
+@dataclass(frozen=True)
+class WrittenCapture:
+    """A capture whose files are on disk, in plain values that JSON keeps as they are.
+
+    Parameters
+    ----------
+    entry
+        What ``captures.yaml`` says of it.
+    camera
+        The entry ``camera`` of a folder that begins with it.
+    shared
+        What it must share with all captures of the folder.
+    noise
+        Fields of `Noise`, and its ``gain_db``.
+    """
+
+    entry: dict[str, Any]
+    camera: dict[str, Any]
+    shared: dict[str, Any]
+    noise: dict[str, Any]
+
+
+class CaptureWriter:
+    """Writes captures one after another, and ``captures.yaml`` once all of them are there.
 
     Frames of whole numbers become PNG, of 8 bits where the white level allows it and of 16 where not; other
     frames, expectations, depth and motion become ``.npy``. An expectation that is the same everywhere is
@@ -29,44 +71,79 @@ def write_captures(folder: str | Path, captures: Iterable[RealCapture]) -> Path:
     ----------
     folder
         Where to; made if it is not there.
-    captures
-        Taken one after another, all of one camera: equal focal length, pitch, sensor size, principal point,
-        levels and filters.
-
-    Raises
-    ------
-    ValueError
-        When the captures are not of one camera, or ids would share a folder.
+    written
+        What another writer had added to this folder before it was ended.
     """
-    folder = Path(folder)
-    camera: dict[str, Any] = {}
-    first: dict[str, Any] = {}
-    noise: dict[float, Noise] = {}
-    entries: list[dict[str, Any]] = []
-    taken: set[str] = set()
-    for capture in captures:
-        described = _camera_of(capture)
-        if not first:
-            first, camera = described, _camera_entry(capture, described)
-        if differing := [key for key, value in described.items() if not _alike(value, first[key])]:
+
+    def __init__(self, folder: str | Path, written: Sequence[WrittenCapture] = ()) -> None:
+        self._folder = Path(folder)
+        self._written: list[WrittenCapture] = []
+        self._noise: dict[float, Noise] = {}
+        self._names: set[str] = set()
+        for each in written:
+            self._keep(each)
+
+    @property
+    def entries(self) -> list[dict[str, Any]]:
+        """What ``captures.yaml`` says of each capture."""
+        return [each.entry for each in self._written]
+
+    def add(self, capture: RealCapture) -> WrittenCapture:
+        """Write the files of a capture.
+
+        All captures need equal focal length, pitch, sensor size, principal point, levels and filters.
+
+        Raises
+        ------
+        ValueError
+            When it is of another camera than those before, or would share a folder with one of them.
+        """
+        shared = _shared_by_all(capture)
+        first = self._written[0] if self._written else None
+        camera = first.camera if first else _camera_entry(capture, shared)
+        before = first.shared if first else shared
+        if differing := [key for key, value in shared.items() if not _alike(value, before[key])]:
             raise ValueError(
-                f"captures {entries[0]['id']!r} and {capture.id!r} differ in {', '.join(differing)}: "
+                f"captures {self.entries[0]['id']!r} and {capture.id!r} differ in {', '.join(differing)}: "
                 f"those of a folder are of one camera"
             )
-        if noise.setdefault(capture.context.gain_db, capture.noise) != capture.noise and capture.noise.known:
-            raise ValueError(f"captures at {capture.context.gain_db:g} dB have different noise")
         name = _safe(capture.id)
-        if name.lower() in taken:
+        if name.lower() in self._names:
             raise ValueError(f"captures need ids that differ as names of folders: {capture.id!r} does not")
-        taken.add(name.lower())
-        (folder / name).mkdir(parents=True, exist_ok=True)
-        entries.append(_entry(folder, name, capture, camera))
-    if not entries:
-        raise ValueError("there are no captures to write")
-    data = {"tacos_captures": 1, "camera": camera, "noise": _noise(noise), "captures": entries}
-    text = to_yaml(data, flow_style=None)
-    (folder / FILE).write_text(text, encoding="utf-8")
-    return folder / FILE
+        noise = {"gain_db": float(capture.context.gain_db), **asdict(capture.noise)}
+        self._check_noise(noise["gain_db"], capture.noise)
+        (self._folder / name).mkdir(parents=True, exist_ok=True)
+        written = WrittenCapture(written_entry(self._folder, name, capture, camera), camera, shared, noise)
+        self._keep(written)
+        return written
+
+    def close(self) -> Path:
+        """Write ``captures.yaml``, whole or not at all; returns its path."""
+        if not self._written:
+            raise ValueError("there are no captures to write")
+        data = {
+            "tacos_captures": 1,
+            "camera": self._written[0].camera,
+            "noise": _noise(self._noise),
+            "captures": self.entries,
+        }
+        path = self._folder / FILE
+        partial = path.with_name(f"{FILE}.partial")
+        partial.write_text(to_yaml(data, flow_style=None), encoding="utf-8")
+        partial.replace(path)
+        return path
+
+    def _check_noise(self, gain_db: float, noise: Noise) -> None:
+        if self._noise.get(gain_db, noise) != noise and noise.known:
+            raise ValueError(f"captures at {gain_db:g} dB have different noise")
+
+    def _keep(self, written: WrittenCapture) -> None:
+        gain_db, photon, thermal, known = (
+            written.noise[key] for key in ("gain_db", "photon_dn", "thermal_dn2", "known")
+        )
+        self._noise.setdefault(gain_db, Noise(tuple(photon), tuple(thermal), known))
+        self._names.add(_safe(written.entry["id"]).lower())
+        self._written.append(written)
 
 
 def _safe(name: str) -> str:
@@ -77,25 +154,25 @@ def _safe(name: str) -> str:
 # camera and noise -----------------------------------------------------------------------------------------
 
 
-def _camera_entry(capture: RealCapture, described: Mapping[str, Any]) -> dict[str, Any]:
+def _camera_entry(capture: RealCapture, shared: Mapping[str, Any]) -> dict[str, Any]:
     """The entry ``camera``, as files like those of this capture have it."""
     geometry = capture.geometry
     x, y = geometry.offset_px
-    shared = {key: value for key, value in described.items() if key not in ("full", "centre")}
+    stated = {key: value for key, value in shared.items() if key not in ("full", "centre")}
     return {
         "width_px": geometry.width_px,
         "height_px": geometry.height_px,
-        "crop": {"x": x, "y": y, **described["full"]},
+        "crop": {"x": x, "y": y, **shared["full"]},
         **(
             {}
             if "principal_point" in capture.unstated
             else {"principal_point_px": [float(c) for c in geometry.centre_px]}
         ),
-        **{key: value for key, value in shared.items() if value is not None},
+        **{key: value for key, value in stated.items() if value is not None},
     }
 
 
-def _camera_of(capture: RealCapture) -> dict[str, Any]:
+def _shared_by_all(capture: RealCapture) -> dict[str, Any]:
     """What all captures of a camera share; the centre on the full sensor."""
     geometry, context = capture.geometry, capture.context
     white = float(context.white_level_dn)
@@ -133,125 +210,3 @@ def _noise(by_gain: Mapping[float, Noise]) -> Any:
 
 def _numbers(values: Sequence[float]) -> Any:
     return float(values[0]) if len(set(values)) == 1 else [float(value) for value in values]
-
-
-# a capture ------------------------------------------------------------------------------------------------
-
-
-def _entry(folder: Path, name: str, capture: RealCapture, camera: Mapping[str, Any]) -> dict[str, Any]:
-    geometry, context = capture.geometry, capture.context
-    entry: dict[str, Any] = {"id": capture.id, "kind": capture.kind, "real": _frames(folder, name, capture)}
-    if capture.expected_dn is not None:
-        entry["simulated"] = _expected(folder, name, capture.expected_dn)
-    if capture.exposure_stated:
-        entry["exposure_ms"] = context.exposure_s * 1e3
-    if context.gain_db:
-        entry["gain_db"] = float(context.gain_db)
-    if capture.group is not None:
-        entry["group"] = capture.group
-    if capture.level_uncertainty:
-        entry["level_uncertainty"] = capture.level_uncertainty
-    if not capture.valid.all():
-        entry["mask"] = _image(folder, f"{name}/mask.png", capture.valid.astype(np.uint8) * 255)
-    if capture.expected_frames:
-        entry["simulated_frames"] = capture.expected_frames
-    if (geometry.width_px, geometry.height_px) != (camera["width_px"], camera["height_px"]):
-        entry |= {"width_px": geometry.width_px, "height_px": geometry.height_px}
-    crop = {
-        "x": geometry.offset_px[0],
-        "y": geometry.offset_px[1],
-        "full_width_px": geometry.full_width_px,
-        "full_height_px": geometry.full_height_px,
-    }
-    if crop != camera["crop"]:
-        entry["crop"] = crop
-    if capture.board is not None:
-        board = capture.board
-        entry["board"] = {"inner_corners": list(board.inner_corners), "square_mm": board.square_mm}
-        if board.pattern != "chessboard":
-            entry["board"]["pattern"] = board.pattern
-        if board.pattern == "charuco":
-            entry["board"] |= {"marker_mm": board.marker_mm, "dictionary": board.dictionary}
-    if capture.edge_angle_deg is not None:
-        entry["edge"] = {"angle_deg": capture.edge_angle_deg}
-    if capture.patches is not None:
-        entry["chart"] = {"patches": _patches(folder, name, *capture.patches)}
-    if capture.objects is not None:
-        ids = _array(folder, f"{name}/objects.npy", capture.objects.ids)
-        entry["objects"] = {"ids": ids, "classes": list(capture.objects.classes[1:])}
-    return entry | _scene_of(folder, name, capture)
-
-
-def _scene_of(folder: Path, name: str, capture: RealCapture) -> dict[str, Any]:
-    """Depth, motion, readout and time."""
-    context = capture.context
-    entry: dict[str, Any] = {}
-    if context.depth_m is not None:
-        entry["depth"] = _array(folder, f"{name}/depth.npy", np.asarray(context.depth_m, np.float32))
-    if context.velocity_px_s is not None:
-        velocity = np.asarray(context.velocity_px_s)
-        entry["velocity_px_s"] = (
-            velocity.tolist()
-            if velocity.ndim == 1
-            else _array(folder, f"{name}/velocity.npy", velocity.astype(np.float32))
-        )
-    if context.frame_interval_s is not None:
-        entry["frame_interval_ms"] = context.frame_interval_s * 1e3
-    if capture.row_time_us:
-        entry["row_time_us"] = capture.row_time_us
-    if context.reference_row:
-        entry["row_time_reference"] = context.reference_row
-    if capture.motion_blurred:
-        entry["motion_blurred"] = True
-    if capture.taken_s is not None:
-        entry["taken_s"] = float(capture.taken_s)
-    return entry
-
-
-def _frames(folder: Path, name: str, capture: RealCapture) -> list[str]:
-    real = capture.real_dn
-    whole = (
-        bool((real == np.rint(real)).all()) and real.min() >= 0 and capture.context.white_level_dn <= 65535
-    )
-    if not whole:
-        return [_array(folder, f"{name}/{i:03}.npy", frame) for i, frame in enumerate(real)]
-    dtype = np.uint8 if capture.context.white_level_dn <= 255 else np.uint16
-    return [_image(folder, f"{name}/{i:03}.png", frame.astype(dtype)) for i, frame in enumerate(real)]
-
-
-def _expected(folder: Path, name: str, expected_dn: NDArray[np.float32]) -> Any:
-    if expected_dn.min() == expected_dn.max() and len(expected_dn) == 1:
-        return float(expected_dn.flat[0])
-    if len(expected_dn) == 1:
-        return _array(folder, f"{name}/expected.npy", expected_dn[0])
-    return [_array(folder, f"{name}/expected_{i:03}.npy", image) for i, image in enumerate(expected_dn)]
-
-
-def _patches(
-    folder: Path,
-    name: str,
-    boxes: NDArray[np.int64],
-    colours: NDArray[np.float64],
-) -> str:
-    path = f"{name}/patches.csv"
-    with (folder / path).open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        table.writerow(("id", *PATCH_COLUMNS))
-        for i, (box, colour) in enumerate(zip(boxes.tolist(), colours.tolist(), strict=True)):
-            table.writerow((i + 1, *box, *colour))
-    return path
-
-
-def _array(folder: Path, path: str, array: NDArray[Any]) -> str:
-    np.save(folder / path, array)
-    return path
-
-
-def _image(folder: Path, path: str, image: NDArray[Any]) -> str:
-    import cv2
-
-    if image.ndim == 3 and image.shape[-1] == 3:
-        image = np.ascontiguousarray(image[..., ::-1])
-    if not cv2.imwrite(str(folder / path), image, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
-        raise OSError(f"{folder / path} cannot be written")
-    return path

@@ -16,7 +16,6 @@ from tacos_framework.files import read_bytes
 from tacos_gap.captures.images import RAW_SUFFIXES, opened_raw
 
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})
-PICTURE_SUFFIXES = LOSSY_SUFFIXES | RAW_SUFFIXES | {".png", ".tif", ".tiff", ".npy"}
 
 _FULL_FRAME_DIAGONAL_MM = math.hypot(36, 24)
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0, 5: 1e-3}

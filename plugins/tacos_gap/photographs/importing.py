@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_gap.captures.images import RAW_SUFFIXES
-from tacos_gap.captures.reader import FILE
+from tacos_gap.captures.images import PICTURE_SUFFIXES, RAW_SUFFIXES
+from tacos_gap.captures.missing import FILE
 from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, board_of
 from tacos_gap.photographs.camera import CameraFound, Given, camera_of, focal_px_of_views
-from tacos_gap.photographs.facts import PICTURE_SUFFIXES
 from tacos_gap.photographs.folder_text import folder_text
 from tacos_gap.photographs.grouping import Stack, stacks_of
 from tacos_gap.photographs.picture import Picture, look_at
@@ -73,11 +72,10 @@ def import_photographs(
         When there are no pictures, some cannot be read, or `out` is not empty.
     """
     given = given or Given()
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise UserError(
-            Fault(str(out), "is not empty", "a folder that is new or empty", "Name another --out.")
-        )
     paths, doubts = _pictures_in(sources)
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        what = "is not empty" if out.is_dir() else "is a file"
+        raise UserError(Fault(str(out), what, "a folder that is new or empty", "Name another --out."))
     pictures = _looked_at(paths, given, notify or (lambda text: None))
     size, others = _usual_size(pictures)
     doubts += [f"{p.path.name} is left out: it is not {size[0]} x {size[1]} like most." for p in others]

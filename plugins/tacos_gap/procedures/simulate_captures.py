@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.plugins import Plugins
+from tacos_framework.results import Results
 from tacos_framework.study.progress import Progress
 from tacos_gap.bench import BenchSettings, CaptureBench
-from tacos_gap.captures import RealCapture, write_captures
+from tacos_gap.captures import CaptureWriter, WrittenCapture
+from tacos_gap.captures.missing import BEGUN
 
 
 class SimulateCaptures:
@@ -26,22 +29,27 @@ class SimulateCaptures:
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def run(self, *, out: Path, seed: int, plugins: Plugins, progress: Progress) -> Mapping[str, Any]:
-        """Take all captures."""
+    def run(
+        self, *, out: Path, seed: int, plugins: Plugins, progress: Progress, resume: bool
+    ) -> Mapping[str, Any]:
+        """Take all captures, or those that a broken run has not taken: each depends on seed and id alone."""
         bench = CaptureBench(self.config, plugins, seed)
+        results = Results(out)
+        kept = [WrittenCapture(**line) for line in results.read_lines(BEGUN)] if resume else []
+        results.write_lines(BEGUN, map(asdict, kept))  # a last line that was cut short goes
+        writer = CaptureWriter(out, kept)
+        done = {entry["id"] for entry in writer.entries}
         progress.phase("Taking captures", len(bench.shots))
-        taken: dict[str, int] = {}
-
-        def announced() -> Iterator[RealCapture]:
-            for capture in bench.captures():
-                taken[capture.id] = capture.frames
-                yield capture
-                progress.step(capture.id)
-
-        path = write_captures(out, announced())
+        for shot in bench.shots.values():
+            if shot.id not in done:
+                results.append_line(BEGUN, asdict(writer.add(bench.capture(shot))))
+            progress.step(shot.id)
+        path = writer.close()
+        results.remove(BEGUN)
+        frames = sum(len(entry["real"]) for entry in writer.entries)
         effects = ", ".join(use.use for use in self.config.effects) or "no effect"
         return {
-            "captures": list(taken),
+            "captures": [entry["id"] for entry in writer.entries],
             "effects": [use.model_dump(mode="json") for use in self.config.effects],
-            "summary": f"{len(taken)} captures, {sum(taken.values())} frames, {effects}: {path}",
+            "summary": f"{len(writer.entries)} captures, {frames} frames, {effects}: {path}",
         }

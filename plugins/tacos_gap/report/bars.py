@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report.series import AFTER, BEFORE
-from tacos_gap.report.words import share
+from tacos_gap.report.words import effect_words, share
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import DOT, INK, MUTED, RULE, TERMS
 from tacos_report.quantities import number
@@ -23,13 +23,16 @@ def probabilities(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
     """SVG of a bar per cause, its nearest rivals below it, and *unknown* last."""
     rows: list[tuple[str, float, str]] = []  # name, probability, colour
     for cause in diagnosis.causes:
-        rows.append((cause.effect, cause.probability, AFTER))
+        rows.append((effect_words(cause.effect), cause.probability, AFTER))
         places = diagnosis.attribution.probabilities(cause.effect)
         rivals = sorted((n for n in places if n not in ("", cause.effect)), key=lambda n: -places[n])
         near = [n for n in rivals if places[n] >= _LEAST_SHOWN]
         alike = [n for n in cause.confused_with if n not in near]
-        rows += [(f"or {n}", min(places.get(n, 0.0), 1 - cause.probability), DOT) for n in near[:_RIVALS]]
-        rows += [(f"or {n}", cause.probability, DOT) for n in alike]
+        rows += [
+            (f"or {effect_words(n)}", min(places.get(n, 0.0), 1 - cause.probability), DOT)
+            for n in near[:_RIVALS]
+        ]
+        rows += [(f"or {effect_words(n)}", cause.probability, DOT) for n in alike]
     rows.append(("something unknown", diagnosis.unknown.probability, TERMS[5]))
     height, top = (0.34, -0.8) if narrow else (0.62, -0.5)
 
@@ -68,10 +71,10 @@ def closures(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
         rows.append(("all together", together, AFTER))
     for cause in best:
         if len(best) > 1:
-            rows.append((f"{cause.effect}: its share", cause.shapley, TERMS[1]))
+            rows.append((f"{effect_words(cause.effect)}: its share", cause.shapley, TERMS[1]))
             rows.append(("added alone", cause.closure_alone, TERMS[2]))
         else:
-            rows.append((cause.effect, cause.closure, AFTER))
+            rows.append((effect_words(cause.effect), cause.closure, AFTER))
     if diagnosis.negative_control is not None:
         rows.append(("negative control", diagnosis.negative_control.closure, DOT))
     return _bars("closures", rows, diagnosis.closure_interval, narrow=narrow)

@@ -232,8 +232,8 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
         )
     yield Paragraph(words.remainder(diagnosis))
     if nuisances := nuisance_rows(diagnosis.nuisances):
-        heads = ("capture", "its expectation was off by")
-        yield Folded("What was allowed for and is nobody's error", Table(heads, nuisances))
+        heads = ("capture", "expected values were off by")
+        yield Folded("What was allowed for: light, pose and focus that nobody knows", Table(heads, nuisances))
 
 
 def _task(diagnosis: Diagnosis) -> Iterator[Block]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -82,10 +83,11 @@ def not_told(
     yield from effects_not_shown(captures, effects)
     if limits := diagnosis.detectable:
         yield Paragraph(
-            "Of the others none was overlooked that is larger than its detection limit: an effect of that "
-            "size would have shown in these captures nine times in ten."
+            "Other effects may be there below their detection limits. An effect at its limit shows in half "
+            "of such captures, and one a third larger in all of them."
         )
-        yield Folded("Detection limits", Table(("effect", "would have shown from"), limit_rows(limits)))
+        table = Table(("effect", "would have shown from"), limit_rows(limits, effects))
+        yield Folded("Detection limits", table)
 
 
 def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> Iterator[Block]:
@@ -99,33 +101,49 @@ def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, typ
         yield Table(("photograph", "to learn of"), tuple(rows))
 
 
-def limit_rows(limits: Mapping[str, Mapping[str, float]]) -> tuple[tuple[str, str], ...]:
-    """Each effect with the least values that would have shown.
+def limit_rows(
+    limits: Mapping[str, Mapping[str, float]], effects: Mapping[str, type[Any]]
+) -> tuple[tuple[str, str], ...]:
+    """Each effect with the least values that would have shown, to two digits of their way from neutral.
 
     Examples
     --------
-    >>> limit_rows({"prnu": {"sigma": 0.0041}})
+    >>> limit_rows({"prnu": {"sigma": 0.00412}}, {})
     (('PRNU', 'sigma 0.0041'),)
     """
-    return tuple(
-        (words.effect_words(effect), ", ".join(f"{name} {value:.2g}" for name, value in values.items()))
-        for effect, values in sorted(limits.items())
-    )
+    rows = []
+    for effect, values in sorted(limits.items()):
+        neutral = getattr(effects.get(effect), "neutral", {})
+        said = (f"{name} {_told_from(neutral.get(name), value):g}" for name, value in values.items())
+        rows.append((words.effect_words(effect), ", ".join(said).replace("-", "\u2212")))
+    return tuple(rows)
+
+
+def _told_from(neutral: Any, value: float) -> float:
+    """A value to two digits of how far it is from neutral.
+
+    Examples
+    --------
+    >>> _told_from(1.0, 1.02651), _told_from(None, -0.053964)
+    (1.027, -0.054)
+    """
+    distance = abs(value - (neutral if isinstance(neutral, int | float) else 0.0))
+    return value if distance == 0 else round(value, 1 - math.floor(math.log10(distance)))
 
 
 def nuisance_rows(nuisances: Mapping[str, Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:
-    """What the expectation of each capture was off by that is nobody's error.
+    """What the expectation of each capture was off by that is nobody's error; equal ones share a row.
 
     Examples
     --------
     >>> nuisance_rows({"flat_03": {"gain": 1.02, "shift_px": [0.31, -0.12]}})
     (('flat_03', 'gain 1.02, shift 0.31 \u22120.12 px'),)
     """
-    rows = []
+    captures: dict[str, list[str]] = {}
     for capture, values in nuisances.items():
-        said = [_nuisance(name, value) for name, value in values.items()]
-        rows.append((capture, ", ".join(said).replace("-", "\u2212")))
-    return tuple(rows)
+        said = ", ".join(_nuisance(name, value) for name, value in values.items()).replace("-", "\u2212")
+        captures.setdefault(said, []).append(capture)
+    return tuple((words.first_of(names), said) for said, names in captures.items())
 
 
 _UNITS = ("px", "deg", "dn", "mm")

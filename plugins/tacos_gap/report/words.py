@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
@@ -80,7 +81,8 @@ def cause_sentence(cause: Cause) -> str:
     """What a cause is, how sure, how large, and what it explains, in a sentence."""
     name = effect_words(cause.effect)
     said = [
-        f"{key} {_row(key, parameter)[1]}{_unit_after(parameter)}{_interval_after(key, parameter)}"
+        f"{_spoken(key, parameter)} {_row(key, parameter)[1]}{_unit_after(parameter)}"
+        f"{_interval_after(key, parameter)}"
         for key, parameter in cause.parameters.items()
         if not isinstance(parameter.value, list)
     ]
@@ -90,6 +92,12 @@ def cause_sentence(cause: Cause) -> str:
         f"The simulator lacks {name}{sized}: it is there with a probability of {sure}, and adding it alone "
         f"closes {share(cause.closure_alone)} of the gap."
     )
+
+
+def _spoken(name: str, parameter: Parameter) -> str:
+    """The name of a parameter without the unit, which follows its value: ``radius_px`` becomes ``radius``."""
+    unit = re.sub(r"[^a-z0-9]+", "_", parameter.unit.lower().replace("^", "")).strip("_")
+    return name.removesuffix(f"_{unit}").replace("_", " ")
 
 
 def _unit_after(parameter: Parameter) -> str:
@@ -205,11 +213,33 @@ def gathered(limitations: Sequence[str]) -> list[str]:
     for limitation in limitations:
         capture, colon, text = limitation.partition(": ")
         captures.setdefault(text if colon else limitation, []).extend([capture] if colon else [])
-    said = []
-    for text, names in captures.items():
-        shown = names if len(names) <= _NAMED else [*names[: _NAMED - 1], f"{len(names) - _NAMED + 1} more"]
-        said.append(f"{listed(shown)}: {text}" if names else text)
-    return said
+    return [
+        f"{first_of(names)}: {of_many(text) if len(names) > 1 else text}" if names else text
+        for text, names in captures.items()
+    ]
+
+
+def first_of(names: Sequence[str]) -> str:
+    """Names in a row, of many the first ones.
+
+    Examples
+    --------
+    >>> first_of("abcde"), first_of("abcdefg")
+    ('a, b, c, d and e', 'a, b, c, d and 3 more')
+    """
+    many = len(names) > _NAMED
+    return listed([*names[: _NAMED - 1], f"{len(names) - _NAMED + 1} more"] if many else names)
+
+
+def of_many(text: str) -> str:
+    """What is said of one capture, said of several.
+
+    Examples
+    --------
+    >>> of_many("its mask leaves no pixel; it is left out.")
+    'their mask leaves no pixel; they are left out.'
+    """
+    return re.sub(r"\bits\b", "their", re.sub(r"\bit is left out", "they are left out", text))
 
 
 def of_this_camera(causes: Sequence[Cause]) -> str:

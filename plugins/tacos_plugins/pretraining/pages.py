@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_report.figures.canvas import draw, light_grid
-from tacos_report.page import Code, Drawing, Page, Paragraph, Section, Table
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
+from tacos_report.page import Code, Drawing, Page, Paragraph, Section, Table, in_both_widths
 from tacos_report.palette import camera_colour
 
 
@@ -115,17 +116,26 @@ def _drawings(epochs: Sequence[Mapping[str, Any]]) -> tuple[Drawing, ...]:
     drawings = []
     if losses:
         passes = [line["epoch"] for line in epochs]
-        drawings.append(_curves("losses", passes, losses, "mean loss of a pass", "Losses while training."))
+        caption = "Losses while training."
+        drawn = partial(_curves, "losses", passes, losses, "mean loss of a pass", caption)
+        drawings.append(in_both_widths(drawn, caption))
     if first is not None:
         values = {first: [line["scores"].get(first, 0.0) for line in scored]}
         passes = [line["epoch"] for line in scored]
-        drawings.append(_curves("scores", passes, values, first, "On held-out worlds."))
+        caption = "On held-out worlds."
+        drawings.append(in_both_widths(partial(_curves, "scores", passes, values, first, caption), caption))
     return tuple(drawings)
 
 
 def _curves(
-    name: str, passes: Sequence[int], curves: Mapping[str, Sequence[float]], label: str, caption: str
-) -> Drawing:
+    name: str,
+    passes: Sequence[int],
+    curves: Mapping[str, Sequence[float]],
+    label: str,
+    caption: str,
+    *,
+    narrow: bool = False,
+) -> str:
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
         for i, (of, values) in enumerate(curves.items()):
@@ -135,7 +145,10 @@ def _curves(
         axes.set_ylabel(label)
         light_grid(axes, "y")
         if len(curves) > 1:
-            axes.legend(ncols=3)
+            axes.legend(ncols=1 if narrow else 3)
 
     last = ", ".join(f"{of} {values[-1]:.3f}" for of, values in curves.items())
-    return Drawing(draw(name, (9.2, 3.6), f"{caption} At the end: {last}.", paint), caption)
+    described = f"{caption} At the end: {last}."
+    if narrow:
+        return draw(f"{name}-narrow", (NARROW_IN, 3.0), described, paint)
+    return draw(name, (9.2, 3.6), described, paint)

@@ -1,17 +1,17 @@
-"""Drawings of the report of a blind check."""
+"""Curves of the report of a blind check."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure as Canvas
 
-from tacos_report.figures.canvas import draw, light_grid
-from tacos_report.page import Drawing
-from tacos_report.palette import INK, MUTED, PAPER, camera_colour
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
+from tacos_report.page import Drawing, in_both_widths
+from tacos_report.palette import MUTED, camera_colour
 from tacos_validation.blind.calibration import (
     Stated,
     compared,
@@ -22,62 +22,18 @@ from tacos_validation.blind.calibration import (
     reliability,
 )
 from tacos_validation.blind.cases import Case
+from tacos_validation.blind.figure import Figure
 from tacos_validation.blind.scoring import ladder
-
-OTHERWISE = ("no_gap", "unknown", "partly_explained", "error")
-
-
-def confusions(cases: Sequence[Case]) -> list[Drawing]:
-    """Who was taken for whom."""
-    return [
-        drawing
-        for title, chosen in (
-            ("charts", [c for c in cases if c.tier == "T1" and c.captures != "natural"]),
-            ("natural scenes alone", [c for c in cases if c.tier == "T1" and c.captures == "natural"]),
-            ("independent makers", [c for c in cases if c.tier == "T4"]),
-            ("beside nuisances", [c for c in cases if c.tier == "T7" and c.effects]),
-        )
-        if (drawing := _confusion(title, chosen)) is not None
-    ]
-
-
-def _confusion(title: str, cases: Sequence[Case]) -> Drawing | None:
-    if not cases:
-        return None
-    rows = sorted({case.effects[0] for case in cases})
-    columns = sorted(set(rows) | {case.first for case in cases if case.first not in OTHERWISE})
-    columns += [name for name in OTHERWISE if any(case.first == name for case in cases)]
-    counts = np.zeros((len(rows), len(columns)))
-    for case in cases:
-        counts[rows.index(case.effects[0]), columns.index(case.first)] += 1
-    shares = counts / counts.sum(axis=1, keepdims=True)
-
-    def paint(figure: Canvas) -> None:
-        axes = figure.add_subplot()
-        scale = LinearSegmentedColormap.from_list("share", [PAPER, camera_colour(1)])
-        axes.pcolormesh(shares, cmap=scale, vmin=0, vmax=1, edgecolors=PAPER, linewidth=0.5)
-        for row, column in zip(*np.nonzero(counts), strict=True):
-            axes.text(
-                column + 0.5, row + 0.5, f"{counts[row, column]:g}", ha="center", va="center", fontsize=7,
-                color=PAPER if shares[row, column] > 0.5 else INK,
-            )  # fmt: skip
-        axes.set_xticks(np.arange(len(columns)) + 0.5, columns, rotation=90, fontsize=7)
-        axes.set_yticks(np.arange(len(rows)) + 0.5, rows, fontsize=7)
-        axes.invert_yaxis()
-        axes.set_xlabel("named first")
-        axes.set_ylabel("withheld")
-        axes.set_title(title)
-        axes.tick_params(length=0)
-
-    height = 2.6 + 0.19 * len(rows)
-    svg = draw(f"confusion-{title}", (9.2, height), f"Withheld effects against those named, {title}.", paint)
-    return Drawing(svg, f"{title.capitalize()}: numbers are cases of all severities.")
 
 
 def severities(cases: Sequence[Case]) -> Drawing:
     """Share right over the ladder of severities."""
-    steps = ladder(cases)
+    return in_both_widths(
+        partial(_severities, ladder(cases)), "T1 with charts. Dashed: the goal from 4 units on."
+    )
 
+
+def _severities(steps: Sequence[tuple[float, Figure]], *, narrow: bool = False) -> str:
     def paint(figure: Canvas) -> None:
         axes = figure.add_subplot()
         at = [severity for severity, _ in steps]
@@ -95,9 +51,9 @@ def severities(cases: Sequence[Case]) -> Drawing:
         light_grid(axes, "y")
 
     described = "Share of cases with the right first cause against the severity of the withheld effect."
-    return Drawing(
-        draw("ladder", (7.0, 3.2), described, paint), "T1 with charts. Dashed: the goal from 4 units on."
-    )
+    if narrow:
+        return draw("ladder-narrow", (NARROW_IN, 3.0), described, paint)
+    return draw("ladder", (7.0, 3.2), described, paint)
 
 
 def reliability_diagrams(cases: Sequence[Case]) -> list[Drawing]:

@@ -7,12 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from tacos_report.page import Block, Page, Paragraph, Section, SideBySide, Table, Warnings
 from tacos_validation.blind.cases import Case
-from tacos_validation.blind.drawings import (
-    confusions,
-    interval_coverage,
-    reliability_diagrams,
-    severities,
-)
+from tacos_validation.blind.confusion import confusions
+from tacos_validation.blind.drawings import interval_coverage, reliability_diagrams, severities
 from tacos_validation.blind.figure import Figure
 from tacos_validation.blind.judgement import sureness
 from tacos_validation.blind.scoring import baselines, by_nuisance, ladder

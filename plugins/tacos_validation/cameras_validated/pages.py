@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,6 @@ from numpy.typing import NDArray
 from tacos_report.page import (
     Block,
     Detailed,
-    Drawing,
     Heading,
     Page,
     PagePicture,
@@ -19,6 +19,7 @@ from tacos_report.page import (
     SideBySide,
     Table,
     image_uri,
+    in_both_widths,
 )
 from tacos_validation.cameras_validated import figures
 from tacos_validation.cameras_validated.findings import CamerasFindings
@@ -121,8 +122,8 @@ def _rankings(findings: CamerasFindings) -> Iterator[Block]:
     yield Table(("score", "before", "with the causes", "reality with itself"), tuple(rows))
     for scores in findings.scores:
         real, before, after = (", ".join(scores.order(stack)) for stack in figures.TITLES)
-        yield Drawing(
-            figures.levels(scores, findings.seed),
+        yield in_both_widths(
+            partial(figures.levels, scores, findings.seed),
             f"Best first, reality has {real}; the simulator had {before}; with the causes it has {after}.",
         )
 
@@ -133,8 +134,8 @@ def _scenes(scores: CameraScores) -> str:
 
 
 def _noise(findings: CamerasFindings) -> Iterator[Block]:
-    yield Drawing(
-        figures.noise(findings.noise),
+    yield in_both_widths(
+        partial(figures.noise, findings.noise),
         "Variance between frames over signal. Where the dots lie on each other, the simulator has the noise "
         "of the camera.",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
 from tacos_plugins.sensors.calibration import Calibration, load_calibration
-from tacos_report.page import Code, Drawing, Page, Section, Table, Warnings, write_page
+from tacos_report.page import Code, Page, Section, Table, Warnings, in_both_widths, write_page
 from tacos_validation.noise.bench import (
     CameraSetting,
     NoiseBench,
@@ -251,8 +252,13 @@ def _page(
                 "Photon transfer",
                 (
                     Warnings("Before you rely on this", tuple(warnings)),
-                    Drawing(
-                        photon_transfer("calibration", [(calibration.title, clouds)], line="the fitted line"),
+                    in_both_widths(
+                        partial(
+                            photon_transfer,
+                            "calibration",
+                            [(calibration.title, clouds)],
+                            line="the fitted line",
+                        ),
                         "Each dot is a level of brightness with two standard errors; pale dots are left out "
                         "(noise cut off at black or white, finer than a digital number, or saturated).",
                     ),

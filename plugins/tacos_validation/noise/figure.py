@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.palette import MUTED, RULE, camera_colour
 
 CHANNEL_COLOURS = {
@@ -56,7 +57,9 @@ class Cloud:
     line_dn2: NDArray[np.float64]
 
 
-def photon_transfer(name: str, panels: Sequence[tuple[str, Sequence[Cloud]]], *, line: str) -> str:
+def photon_transfer(
+    name: str, panels: Sequence[tuple[str, Sequence[Cloud]]], *, line: str, narrow: bool = False
+) -> str:
     """SVG of a panel per setting, each with what is left over below.
 
     Parameters
@@ -67,13 +70,14 @@ def photon_transfer(name: str, panels: Sequence[tuple[str, Sequence[Cloud]]], *,
         Title and clouds of each.
     line
         What the lines are, for the legend.
+    narrow
+        For the width of a phone: settings stand below each other.
     """
     figures = ", ".join(title for title, _ in panels)
     description = f"Variance over mean signal per channel, with {line} and residuals: {figures}."
 
     def paint(figure: Figure) -> None:
-        grid = figure.subplots(2, len(panels), squeeze=False, sharex="col", height_ratios=(3, 1))
-        for (title, clouds), above, below in zip(panels, grid[0], grid[1], strict=True):
+        for (title, clouds), (above, below) in zip(panels, _axes(figure, len(panels), narrow), strict=True):
             for cloud in clouds:
                 colour = CHANNEL_COLOURS[cloud.channel]
                 kept, left = cloud.used, ~cloud.used
@@ -91,8 +95,24 @@ def photon_transfer(name: str, panels: Sequence[tuple[str, Sequence[Cloud]]], *,
             below.set_xlabel("signal above black [DN]")
             for axes in (above, below):
                 light_grid(axes, "y")
-        grid[0][0].set_ylabel("variance [DN²]")
-        grid[1][0].set_ylabel("off the line [%]")
-        grid[0][0].legend(loc="upper left", labelcolor=MUTED)
+            if narrow or title == panels[0][0]:
+                above.set_ylabel("variance [DN²]")
+                below.set_ylabel("off the line [%]")
+        figure.axes[0].legend(loc="upper left", labelcolor=MUTED)
 
+    if narrow:
+        return draw(f"{name}-narrow", (NARROW_IN, 4.2 * len(panels)), description, paint)
     return draw(name, (4.6 * max(len(panels), 1.6), 4.6), description, paint)
+
+
+def _axes(figure: Figure, count: int, narrow: bool) -> list[tuple[Axes, Axes]]:
+    """For each setting, axes of its variance and axes below of what is left over."""
+    if not narrow:
+        above, below = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
+        return list(zip(above, below, strict=True))
+    column = figure.subplots(2 * count, 1, height_ratios=(3, 1) * count)
+    pairs = list(zip(column[::2], column[1::2], strict=True))
+    for variance, rest in pairs:
+        rest.sharex(variance)
+        variance.tick_params(labelbottom=False)
+    return pairs

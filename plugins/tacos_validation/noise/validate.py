@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
 from tacos_plugins.sensors.calibration import load_calibration
-from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings, write_page
+from tacos_report.page import Page, Paragraph, Section, Table, Warnings, in_both_widths, write_page
 from tacos_validation.noise.bench import (
     CameraSetting,
     NoiseBench,
@@ -237,9 +238,9 @@ def _section(title: str, checked: Sequence[Checked]) -> Section:
     return Section(
         title,
         (
-            Drawing(
-                photon_transfer(f"validation-{title}", panels, line="the predicted lines"),
-                "Variance over signal at the calibrated setting (left) and at others. Pale dots do not "
+            in_both_widths(
+                partial(photon_transfer, f"validation-{title}", panels, line="the predicted lines"),
+                "Variance over signal at the calibrated setting (first) and at others. Pale dots do not "
                 "count: noise cut off at black or white, finer than a digital number, or saturated.",
             ),
             Paragraph(f"{_finding(title, checked)}."),

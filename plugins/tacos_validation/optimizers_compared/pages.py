@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from tacos_report.figures.canvas import draw, light_grid, logarithmic_height
-from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, logarithmic_height
+from tacos_report.page import Page, Paragraph, Section, Table, Warnings, in_both_widths
 from tacos_report.palette import MUTED, camera_colour
 from tacos_validation.optimizers_compared.outcome import Comparison
 from tacos_validation.optimizers_compared.problem import values_text
@@ -34,6 +35,8 @@ def summary(comparison: Comparison) -> str:
 def page(comparison: Comparison) -> Page:
     """The page."""
     runs = max(each.runs for each in comparison.standings)
+    curve = partial(_regret_curve, comparison)
+    caption = "Bands are quartiles. Dashed: the target. Dotted: a tenth of its images."
     notes = (Section("Notes", (Warnings("What to know", comparison.notes),)),) if comparison.notes else ()
     return Page(
         eyebrow="Optimizers compared",
@@ -47,7 +50,7 @@ def page(comparison: Comparison) -> Page:
         ),
         sections=(
             *notes,
-            Section("Regret against images", (_drawing(comparison), _regrets(comparison))),
+            Section("Regret against images", (in_both_widths(curve, caption), _regrets(comparison))),
             Section("Images to the target", (_standings(comparison), *_explained(comparison))),
         ),
     )
@@ -83,7 +86,7 @@ def _finding(comparison: Comparison) -> str:
     )
 
 
-def _drawing(comparison: Comparison) -> Drawing:
+def _regret_curve(comparison: Comparison, *, narrow: bool = False) -> str:
     names = list(comparison.runs)
     finite = [
         figure
@@ -114,16 +117,21 @@ def _drawing(comparison: Comparison) -> Drawing:
         logarithmic_height(axes)
         axes.set_xscale("log")
         shown = sorted({at for each in comparison.standings for at in each.regret})
-        axes.set_xticks(shown, [str(at) for at in shown])
+        axes.set_xticks(shown, [str(at) for at in shown], rotation=90 if narrow else 0)
         axes.minorticks_off()
         axes.set_xlabel("images rendered")
         axes.set_ylabel("regret on the held-out scenes")
         light_grid(axes, "y")
-        axes.legend(ncols=4, labelcolor=MUTED)
+        if narrow:
+            figure.legend(loc="outside lower left", ncols=2, labelcolor=MUTED)
+        else:
+            axes.legend(ncols=4, labelcolor=MUTED)
 
     described = f"Median regret of {', '.join(names)} against images rendered."
-    caption = "Bands are quartiles. Dashed: the target. Dotted: a tenth of its images."
-    return Drawing(draw("regret", (9.2, 4.6), described, paint), caption)
+    if narrow:
+        size_in = (NARROW_IN, 3.8 + 0.1 * len(names))
+        return draw("regret-narrow", size_in, described, paint)
+    return draw("regret", (9.2, 4.6), described, paint)
 
 
 def _regrets(comparison: Comparison) -> Table:

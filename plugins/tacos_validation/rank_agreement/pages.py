@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
+from functools import partial
+from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_report.figures.canvas import draw
-from tacos_report.page import Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_report.figures.canvas import NARROW_IN, draw
+from tacos_report.page import Block, Page, Paragraph, Section, Table, Warnings, in_both_widths
 from tacos_report.palette import INK, MUTED, camera_colour
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
 
@@ -50,10 +52,7 @@ def page(outcome: RankOutcome) -> Page:
         sections=(
             Section("What it does not tell", (Paragraph(outcome.shared),)),
             *((Section("Notes", (Warnings("What to know", warned),)),) if warned else ()),
-            *(
-                Section(f"By {light.name}", (_slopes(light, outcome), _table(light, outcome)))
-                for light in outcome.lights
-            ),
+            *(Section(f"By {light.name}", _by_light(light, outcome)) for light in outcome.lights),
             Section(
                 "What it cost",
                 (
@@ -87,10 +86,16 @@ def _tau(light: RankedLight, confidence: float) -> str:
     return f"{found.tau:.2f} [{found.interval[0]:.2f}, {found.interval[1]:.2f}]"
 
 
-def _slopes(light: RankedLight, outcome: RankOutcome) -> Drawing:
+def _by_light(light: RankedLight, outcome: RankOutcome) -> tuple[Block, ...]:
+    caption = f"Kendall's tau {_tau(light, outcome.confidence)}. The best camera stands on top."
+    return in_both_widths(partial(_slopes, light), caption), _table(light, outcome)
+
+
+def _slopes(light: RankedLight, *, narrow: bool = False) -> str:
     """A line for each camera from its place in one order to that in the other, equal ones side by side."""
     quick, full = ({name: i for i, name in enumerate(light.order(size), 1)} for size in SIZES)
     equal = light.not_told_apart
+    beside = 1.2 if narrow else 0.8
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
@@ -100,16 +105,10 @@ def _slopes(light: RankedLight, outcome: RankOutcome) -> Drawing:
             axes.plot(
                 [0, 1], [quick[name], full[name]], color=colour, linewidth=1.6, marker="o", markersize=4
             )
-            axes.text(
-                -0.04,
-                quick[name],
-                f"{name}{' (equal)' * (name in equal)}",
-                ha="right",
-                va="center",
-                color=INK,
-            )
-            axes.text(1.04, full[name], name, ha="left", va="center", color=INK)
-        axes.set_xlim(-0.8, 1.8)
+            text: dict[str, Any] = {"va": "center", "color": INK, "fontsize": 8 if narrow else 9}
+            axes.text(-0.06, quick[name], f"{name}{' (equal)' * (name in equal)}", ha="right", **text)
+            axes.text(1.06, full[name], name, ha="left", **text)
+        axes.set_xlim(-beside, 1 + beside)
         axes.set_ylim(len(light.ranked) + 0.6, 0.4)
         axes.set_xticks([0, 1], ["as it stands", "at full size"])
         axes.set_yticks([])
@@ -119,8 +118,9 @@ def _slopes(light: RankedLight, outcome: RankOutcome) -> Drawing:
 
     height = 0.6 + 0.26 * max(len(light.ranked), 2)
     described = f"Places of {len(light.ranked)} cameras in both orders, by {light.name}."
-    caption = f"Kendall's tau {_tau(light, outcome.confidence)}. The best camera stands on top."
-    return Drawing(draw(f"places-{light.name}", (7.2, height), described, paint), caption)
+    if narrow:
+        return draw(f"places-{light.name}-narrow", (NARROW_IN, height), described, paint)
+    return draw(f"places-{light.name}", (7.2, height), described, paint)
 
 
 def _table(light: RankedLight, outcome: RankOutcome) -> Table:

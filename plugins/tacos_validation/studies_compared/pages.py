@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_report.figures.canvas import draw, light_grid
-from tacos_report.page import Drawing, Page, Section, Table
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
+from tacos_report.page import Page, Section, Table, in_both_widths
 from tacos_report.palette import MUTED, camera_colour
 from tacos_report.quantities import number, words
 from tacos_validation.studies_compared.pairs import (
@@ -92,6 +93,7 @@ def page(compared: StudiesComparison) -> Page:
     """The page."""
     seeds = sorted({outcome.seed for outcome in compared.outcomes})
     hours = sum(outcome.seconds for outcome in compared.outcomes) / 3600
+    drawn = partial(_by_variant, compared)
     return Page(
         eyebrow="Studies compared",
         title=summary(compared).replace("\n", "; "),
@@ -102,20 +104,21 @@ def page(compared: StudiesComparison) -> Page:
             f"taken seed by seed. ± is the standard error over seeds."
         ),
         sections=(
-            Section("On unseen scenes", (_drawing(compared), _means(compared))),
+            Section("On unseen scenes", (in_both_widths(drawn, "A line for each seed."), _means(compared))),
             Section(f"Differences to {compared.reference}", (_differences(compared),)),
             Section("Every study", (_every(compared),)),
         ),
     )
 
 
-def _drawing(compared: StudiesComparison) -> Drawing:
+def _by_variant(compared: StudiesComparison, *, narrow: bool = False) -> str:
+    """SVG of a panel per score, with a line for each seed over the variants; below each other if narrow."""
     scores = compared.headline_scores[:MOST_DRAWN]
     variants = compared.variants
 
     def paint(figure: Figure) -> None:
-        for place, score in enumerate(scores, start=1):
-            axes = figure.add_subplot(1, len(scores), place)
+        shape = (len(scores), 1) if narrow else (1, len(scores))
+        for score, axes in zip(scores, figure.subplots(*shape, squeeze=False).ravel(), strict=True):
             for i, seed in enumerate(sorted({outcome.seed for outcome in compared.outcomes})):
                 found = {o.variant: o.scores[score] for o in compared.outcomes if o.seed == seed}
                 at = [variants.index(name) for name in variants if name in found]
@@ -127,10 +130,13 @@ def _drawing(compared: StudiesComparison) -> Drawing:
             axes.set_title(words(score))
             light_grid(axes, "y")
         handles, labels = figure.axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), labelcolor=MUTED)
+        ncols = min(len(handles), 4 if narrow else 9)
+        figure.legend(handles, labels, loc="outside lower center", ncols=ncols, labelcolor=MUTED)
 
     described = f"Scores of {', '.join(variants)} on unseen scenes, a line for each seed."
-    return Drawing(draw("studies", (9.2, 3.6), described, paint), "A line for each seed.")
+    if narrow:
+        return draw("studies-narrow", (NARROW_IN, 0.6 + 2.1 * len(scores)), described, paint)
+    return draw("studies", (9.2, 3.6), described, paint)
 
 
 def _means(compared: StudiesComparison) -> Table:

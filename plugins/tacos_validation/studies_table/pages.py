@@ -5,16 +5,22 @@ from __future__ import annotations
 import csv
 import io
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from tacos_report.figures.canvas import draw, light_grid
-from tacos_report.page import Detailed, Drawing, Page, Paragraph, Section, Table, Warnings
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
+from tacos_report.page import Detailed, Page, Paragraph, Section, Table, Warnings, in_both_widths
 from tacos_report.palette import MUTED, camera_colour
 from tacos_report.quantities import duration, number
 from tacos_validation.studies_table.findings import RowResult, StudyRun, SummaryCell
 from tacos_validation.studies_table.settings import StudiesConfig, SummaryColumn
+
+_OF_CURVES = (
+    "A line a run. The fitness is what each study saw when it was evaluated; where weights are trained "
+    "or scenes change on the way, it is no yardstick between studies: the table is."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +85,10 @@ def page(outcome: TableOutcome) -> Page:
         ),
         sections=(
             Section("Results", (_table(outcome), *_differences(outcome))),
-            Section("How the searches went", (_curves(outcome), _costs(outcome))),
+            Section(
+                "How the searches went",
+                (in_both_widths(partial(_curves, outcome), _OF_CURVES), _costs(outcome)),
+            ),
         ),
     )
 
@@ -168,7 +177,8 @@ def _differences(outcome: TableOutcome) -> list[Paragraph | Warnings]:
     return [Warnings("What to know before comparing with published figures", notes)] if notes else []
 
 
-def _curves(outcome: TableOutcome) -> Drawing:
+def _curves(outcome: TableOutcome, *, narrow: bool = False) -> str:
+    """SVG of a line per run: the best fitness so far against images rendered."""
     names = list(dict.fromkeys(run.study for run in outcome.runs))
 
     def paint(figure: Figure) -> None:
@@ -187,14 +197,15 @@ def _curves(outcome: TableOutcome) -> Drawing:
         axes.set_xlabel("images rendered")
         axes.set_ylabel("best fitness so far")
         light_grid(axes, "y")
-        axes.legend(ncols=3, labelcolor=MUTED)
+        if narrow:
+            figure.legend(loc="outside lower left", ncols=1, labelcolor=MUTED)
+        else:
+            axes.legend(ncols=3, labelcolor=MUTED)
 
     described = f"Best fitness so far of {', '.join(names)} against images rendered."
-    caption = (
-        "A line a run. The fitness is what each study saw when it was evaluated; where weights are trained "
-        "or scenes change on the way, it is no yardstick between studies: the table is."
-    )
-    return Drawing(draw("curves", (9.2, 4.2), described, paint), caption)
+    if narrow:
+        return draw("curves-narrow", (NARROW_IN, 3.0 + 0.2 * len(names)), described, paint)
+    return draw("curves", (9.2, 4.2), described, paint)
 
 
 def _costs(outcome: TableOutcome) -> Table:

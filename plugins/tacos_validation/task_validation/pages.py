@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -10,9 +12,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
 from tacos_framework.values import FrameBatch
-from tacos_report.figures.canvas import draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.page import (
-    Drawing,
     Heading,
     Page,
     PagePicture,
@@ -21,6 +22,7 @@ from tacos_report.page import (
     SideBySide,
     Table,
     image_uri,
+    in_both_widths,
 )
 from tacos_report.palette import INK, MUTED, camera_colour
 from tacos_validation.task_validation.acquisition import Taken
@@ -85,7 +87,11 @@ def _section(findings: ValidationFindings, setting: int) -> Section:
     return Section(
         f"At {findings.exposures[setting]}",
         (
-            _figure(findings, setting),
+            in_both_widths(
+                partial(_by_pair, findings, setting),
+                "Between each place and the next. Lines are means over the noise, bands hold 95 % of "
+                "the seeds.",
+            ),
             Paragraph(
                 f"Ranked by the mean over all places, both agree under {overall.same:.0%} of the seeds: rank "
                 f"correlation {overall.tau}. Ranked at each pair of places by itself: "
@@ -105,11 +111,13 @@ def _apart(deviations: float) -> str:
     return f"{deviations:.1f} standard deviations apart from seed to seed"
 
 
-def _figure(findings: ValidationFindings, setting: int) -> Drawing:
+def _by_pair(findings: ValidationFindings, setting: int, *, narrow: bool = False) -> str:
+    """SVG of a panel per score, with two lines for each camera; panels stand below each other if narrow."""
     names = list(findings.reference[0].scores)
 
     def paint(figure: Figure) -> None:
-        for axes, name in zip(np.atleast_1d(figure.subplots(1, len(names))), names, strict=True):
+        shape = (len(names), 1) if narrow else (1, len(names))
+        for axes, name in zip(figure.subplots(*shape, squeeze=False).ravel(), names, strict=True):
             _paint(axes, findings, setting, name)
             axes.set_title(name.replace("_", " "))
         handles = [
@@ -120,13 +128,14 @@ def _figure(findings: ValidationFindings, setting: int) -> Drawing:
             Line2D([], [], color=INK, linewidth=2, label="simulator"),
             Line2D([], [], color=INK, linewidth=2, linestyle="--", label="reference"),
         ]
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), labelcolor=MUTED)
+        ncols = 2 if narrow else len(handles)
+        figure.legend(handles=handles, loc="outside lower center", ncols=ncols, labelcolor=MUTED)
 
     described = f"{', '.join(names)} at each pair of places, for {', '.join(findings.titles)}."
-    return Drawing(
-        draw(f"task-{setting}", (9.2, 3.8), described, paint),
-        "Between each place and the next. Lines are means over the noise, bands hold 95 % of the seeds.",
-    )
+    if narrow:
+        size_in = (NARROW_IN, 0.6 + 2.4 * len(names) + 0.12 * len(findings.titles))
+        return draw(f"task-{setting}-narrow", size_in, described, paint)
+    return draw(f"task-{setting}", (9.2, 3.8), described, paint)
 
 
 def _paint(axes: Axes, findings: ValidationFindings, setting: int, name: str) -> None:

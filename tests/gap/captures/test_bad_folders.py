@@ -29,7 +29,7 @@ from tests.gap.captures.folders import (
 
 def test_a_folder_without_captures_says_so(tmp_path):
     assert "there is no captures.yaml" in only(faults(tmp_path))
-    assert "there is no file" in only(faults(tmp_path / "nowhere"))
+    assert "there is no such folder" in only(faults(tmp_path / "nowhere"))
 
 
 def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):

@@ -12,7 +12,7 @@ from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
 from tacos_gap.locate import Place
 from tacos_gap.report import words
 from tacos_gap.report.page import parameter_table
-from tacos_gap.report.photographed import photographed
+from tacos_gap.report.photographed import limit_rows, nuisance_rows, photographed
 from tacos_gap.unknown import Unexplained
 from tacos_report.page import ContactSheet
 from tests.gap.taken import capture
@@ -120,6 +120,29 @@ def test_limits_name_what_looks_alike_what_is_unknown_and_what_is_too_small() ->
 def test_limitations_of_many_captures_are_counted() -> None:
     said = words.gathered([f"flat_{i}: too dark." for i in range(30)])
     assert said == ["flat_0, flat_1, flat_2, flat_3 and 26 more: too dark."]
+
+
+def test_what_is_said_of_many_captures_is_said_in_the_plural() -> None:
+    said = words.gathered([f"flat_{i}: its mask leaves no pixel; it is left out." for i in range(2)])
+    assert said == ["flat_0 and flat_1: their mask leaves no pixel; they are left out."]
+
+
+def test_a_parameter_in_a_sentence_has_its_unit_once() -> None:
+    blur = cause("lens-blur", parameters={"radius_px": Parameter(1.4, (1.3, 1.5), "px")})
+    assert "lacks lens blur, radius 1.4 px (1.3 to 1.5): it is there" in words.cause_sentence(blur)
+    noise = cause("read-noise", parameters={"sigma_e": Parameter(3.0, None, "e-")})
+    assert "sigma 3 e" in words.cause_sentence(noise)
+
+
+def test_a_detection_limit_is_told_as_fine_as_it_lies_from_neutral() -> None:
+    scaled = {"exposure-error": type("Scaled", (), {"neutral": {"scale": 1.0}})}
+    rows = limit_rows({"exposure-error": {"scale": 1.02651}, "lens-distortion": {"k1": -0.053964}}, scaled)
+    assert rows == (("exposure error", "scale 1.027"), ("lens distortion", "k1 \u22120.054"))
+
+
+def test_captures_that_are_off_alike_share_a_row() -> None:
+    sag = {f"board_{i}": {"paper_sag_mm": 0.2349} for i in range(13)}
+    assert nuisance_rows(sag) == (("board_0, board_1, board_2, board_3 and 9 more", "paper sag 0.235 mm"),)
 
 
 def test_parameters_in_pixels_are_said_to_be_of_this_camera() -> None:
