@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tacos_gap.attribution.fits import CLOSE
+from tacos_gap.attribution.worth import RIVAL_SHARE, least_of_a_rival
 from tacos_gap.fit import fit
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
@@ -73,3 +75,17 @@ def test_what_a_formula_may_miss_of_its_own_change_is_no_further_effect():
     assert gain_beyond(of, rough, exact, nothing) > 0
     allowed = discrepancy(of, rough, share=0.05)
     assert gain_beyond(of, rough, exact, allowed) < 0.1 * (exact.score - rough.score)
+
+
+# which are fitted -----------------------------------------------------------------------------------------
+
+
+@given(st.floats(0, 1e5))
+def test_no_effect_is_left_out_that_promises_to_come_close(gained):
+    least = least_of_a_rival(gained)
+    assert 0 <= least <= RIVAL_SHARE * gained
+    assert least == 0 or gained - least >= CLOSE - 1e-9
+
+
+def test_of_a_strong_effect_those_that_promise_a_tenth_are_no_rivals():
+    assert least_of_a_rival(1000.0) > 100

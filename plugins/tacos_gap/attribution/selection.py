@@ -7,7 +7,7 @@ together: of a processed camera no single effect is a good explanation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -19,7 +19,7 @@ from tacos_gap.attribution.fits import Fits
 from tacos_gap.attribution.found import Attribution
 from tacos_gap.attribution.pairs import best_pair
 from tacos_gap.attribution.shortlist import shortlist
-from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, shows
+from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, least_of_a_rival, shows
 from tacos_gap.codec import codec_of_files
 from tacos_gap.discrete import searched
 from tacos_gap.evidence import ReplicateResiduals
@@ -212,7 +212,7 @@ class ForwardSelection:
 
     # rounds -----------------------------------------------------------------------------------------------
 
-    def _extended(self, base: Fitted, among: Iterable[str] | None = None) -> Fitted | None:
+    def _extended(self, base: Fitted, among: Collection[str] | None = None) -> Fitted | None:
         """The best explanation with one more effect, or two; None when none is worth its penalty."""
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
         guesses = self._shortlist(base, self._free(base, among), least)
@@ -228,13 +228,12 @@ class ForwardSelection:
         guesses = all_initial_guesses(self._directions[best.names[-1]])
         return self._fits.keep(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
 
-    def _two_at_once(self, base: Fitted, best: Fitted, among: Iterable[str] | None) -> Fitted | None:
+    def _two_at_once(self, base: Fitted, best: Fitted, among: Collection[str] | None) -> Fitted | None:
         """Two effects, each needed beside the other, that beat the best single one; None where none do."""
         if len(best.hypothesis) == LARGEST:
             return None
-        left = self._free(base, among)
         alone = screening_score(self._directions[best.names[-1]], base.z).gain
-        pair = best_pair(self._directions, (name for name in left if name not in best.names), base.z)
+        pair = best_pair(self._directions, self._free(best, among), base.z)
         if pair is None or 0.5 * self.problem.weight * (pair.gain - alone) < 2 * COMPLEXITY_PENALTY:
             return None
         for two in self._fits.compared([(*base.hypothesis, *pair.terms)], near=base):
@@ -248,9 +247,9 @@ class ForwardSelection:
             self.problem, self._directions, base, names, count=TRIED, least=least, each=self._each
         )
 
-    def _free(self, base: Fitted, among: Iterable[str] | None = None) -> list[str]:
+    def _free(self, base: Fitted, among: Collection[str] | None = None) -> list[str]:
         """Effects that were screened and are not yet in an explanation."""
-        wanted = set(self._directions if among is None else among)
+        wanted = self._directions if among is None else among
         return [name for name in self._directions if name in wanted and name not in base.names]
 
     def _pruned(self, fitted: Fitted) -> Fitted:
@@ -283,7 +282,8 @@ class ForwardSelection:
         """Fits with other effects in the place of `name`, and with none."""
         rest = _without(fitted.hypothesis, name)
         (without,) = self._fits.compared([rest], near=fitted)
-        guesses = self._shortlist(without, [free for free in self._free(without) if free != name])
+        others = [free for free in self._free(without) if free != name]
+        guesses = self._shortlist(without, others, least_of_a_rival(fitted.score - without.score))
         rivals = self._fits.compared([(*rest, guess) for guess in guesses], near=fitted)
         return {"": without, **{(set(rival.names) - set(fitted.names)).pop(): rival for rival in rivals}}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tacos_gap.attribution.fits import CLOSE
 from tacos_gap.fit import Fitted
 from tacos_gap.problem import Problem, robust
 from tacos_gap.rivals import discrepancy, gain_beyond
@@ -18,6 +19,9 @@ LEAST_OF_REST = 0.08
 MISFIT = 0.05
 """Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
 further effect must gain more than that."""
+
+RIVAL_SHARE = 0.25
+"""Share of what an effect gained that another must promise to be fitted in its place."""
 
 LEAST_CHANGE = 0.25
 """Mean square by which an effect must change some statistic of a capture; less is negligible."""
@@ -39,3 +43,22 @@ def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
     rest = -base.score - 0.5 * problem.weight * len(base.z)  # squares of the noise floor are 1 each
     least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
     return gain_beyond(problem, base, fitted, allowed) > least
+
+
+def least_of_a_rival(gained: float) -> float:
+    """What another effect must promise to first order to be fitted in the place of one that gained so much.
+
+    Screening is coarse, but not so coarse that a rival which gains as much seems to gain a quarter of it; and
+    only those are left out that fall short by more than rivals do.
+
+    Parameters
+    ----------
+    gained
+        Log score with the effect, less that without it [nat].
+
+    Returns
+    -------
+    float
+        A gain [nat]; 0 where all are to be fitted.
+    """
+    return max(0.0, min(RIVAL_SHARE * gained, gained - CLOSE))

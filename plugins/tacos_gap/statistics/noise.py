@@ -102,8 +102,9 @@ def _lattice(sample: Sample, planes: NDArray[np.float32]) -> Iterator[StatisticB
         return
     for plane, label in zip(planes, sample.channels, strict=True):
         height, width = (size // 2 * 2 for size in plane.shape[1:])
-        even = plane[:, :height, :width].reshape(-1, 2, width // 2, 2)
-        phases = np.einsum("nrwc,nrwc->rc", even, even).ravel() / (even.size / 4)
+        pairs = plane[:, :height, :width].reshape(-1, 2, width)
+        columns = np.einsum("nrw,nrw->rw", pairs, pairs)
+        phases = columns.reshape(2, -1, 2).sum(axis=1, dtype=np.float64).ravel() / (pairs.size / 4)
         logs = np.log(np.maximum(phases, ROUNDING_DN2))
         value = logs - logs.mean()
         at = [{"lattice": [c, r], "channel": label} for r in (0, 1) for c in (0, 1)]
