@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import multiprocessing
 import shutil
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,6 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_gap.candidates import candidates
 from tacos_report.page import write_page
-from tacos_report.quantities import duration
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.figure import Figure
 from tacos_validation.blind.generators.specifications import (
@@ -53,8 +52,8 @@ class GapBlindCheck:
         """Settings of the check."""
 
         counts: Counts = setting(Counts(), help="How many cases of each tier.")
-        width_px: int = setting(240, help="Width of the captures.", unit="px", ge=64)
-        height_px: int = setting(180, help="Height of the captures.", unit="px", ge=48)
+        width_px: int = setting(160, help="Width of the captures.", unit="px", ge=64)
+        height_px: int = setting(120, help="Height of the captures.", unit="px", ge=48)
         captures: str = setting("charts", help="Captures of cases with all of them: charts, or smallest.")
         real: str = setting(
             "",
@@ -93,17 +92,15 @@ class GapBlindCheck:
         wanted = [each for each in every if name_of(each) not in done]
         worker = Worker(effects, config.case_limit_s)
         progress.phase("Diagnosing withheld effects", len(wanted))
-        began, solved = time.monotonic(), 0
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(config.makers, mp_context=context) as makers:
             for batch, commitments in made_ahead(wanted, config.batch, results, makers):
-                found = self._solve(batch, commitments, out, worker, executor)
+                right = f"{sum(case.right for case in cases)} of {len(cases)} right so far" if cases else ""
+                found = self._solve(
+                    batch, commitments, out, worker, executor, answered=partial(progress.step, right)
+                )
                 for case in found:
                     results.append_line(CASES, case.as_data())
-                solved += len(found)
-                left_s = (time.monotonic() - began) / solved * (len(wanted) - solved)
-                for case in found:
-                    progress.step(f"{_line(case)}; about {duration(left_s)} left")
                 cases += found
                 if not config.keep:
                     _clear(batch, out)
@@ -126,11 +123,20 @@ class GapBlindCheck:
         return found
 
     def _solve(
-        self, batch: Batch, commitments: Sequence[Commitment], out: Path, worker: Worker, executor: Executor
+        self,
+        batch: Batch,
+        commitments: Sequence[Commitment],
+        out: Path,
+        worker: Worker,
+        executor: Executor,
+        answered: Callable[[], None],
     ) -> list[Case]:
         """Answers first, all of them; then the truth; then how the answers fare on fresh captures."""
         jobs = [self._diagnosing(each, out / MADE) for each in batch]
-        answers = dict(zip([job.case for job in jobs], executor.map(worker, jobs), strict=True))
+        answers = {}
+        for asked, answer in zip(jobs, executor.map(worker, jobs), strict=True):
+            answers[asked.case] = answer
+            answered()
         truths = {s.case: reveal(s, out / TRUTHS / f"{s.case}.json") for s in commitments}
         fresh = [
             job
@@ -173,13 +179,6 @@ def _clear(batch: Batch, out: Path) -> None:
         shutil.rmtree(out / MADE / name_of(each))
     if not any((out / MADE).iterdir()):
         (out / MADE).rmdir()
-
-
-def _line(case: Case) -> str:
-    withheld = " + ".join(case.effects) or "nothing"
-    return (
-        f"{case.tier} {withheld}: {' + '.join(case.causes) or case.first} {'' if case.right else '(wrong)'}"
-    )
 
 
 def _result(cases: Sequence[Case], scored: Sequence[Figure], notes: Sequence[str]) -> dict[str, Any]:
