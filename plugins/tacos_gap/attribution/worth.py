@@ -20,8 +20,9 @@ MISFIT = 0.05
 """Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
 further effect must gain more than that."""
 
-RIVAL_SHARE = 0.25
-"""Share of what an effect gained that another must promise to be fitted in its place."""
+RIVAL_SHARE = 0.03
+"""Share of what an effect gained that another must promise to be fitted in its place: in place of another
+focal length, an error of pose promised a tenth of what it then gained, and most effects a fiftieth."""
 
 LEAST_CHANGE = 0.25
 """Mean square by which an effect must change some statistic of a capture; less is negligible."""
@@ -48,8 +49,8 @@ def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
 def least_of_a_rival(gained: float) -> float:
     """What another effect must promise to first order to be fitted in the place of one that gained so much.
 
-    Screening is coarse, but not so coarse that a rival which gains as much seems to gain a quarter of it; and
-    only those are left out that fall short by more than rivals do.
+    Screening sees effects apart, a parameter at a time, and with rivals that move pixels it is coarse; only
+    those are left out that promise next to nothing, and fall short by more than rivals do.
 
     Parameters
     ----------
