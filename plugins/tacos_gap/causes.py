@@ -15,6 +15,7 @@ from tacos_gap.attribution import Attribution
 from tacos_gap.by_capture import of_capture, own_values
 from tacos_gap.captures import RealCapture
 from tacos_gap.closure import closures_of
+from tacos_gap.effect_names import effect_words
 from tacos_gap.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
@@ -22,8 +23,7 @@ from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.pictures import share_of_pictures
 from tacos_gap.presence import BY_PICTURES, BY_STATISTICS, share_explained
 from tacos_gap.problem import Hypothesis, Problem, robust
-from tacos_gap.report.views import view_of
-from tacos_gap.report.words import effect_words
+from tacos_gap.statistics.views import view_of
 from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained
 

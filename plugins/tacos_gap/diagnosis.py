@@ -31,8 +31,8 @@ from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem, placed_in, robust
-from tacos_gap.report.views import view_of
 from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
+from tacos_gap.statistics.views import view_of
 from tacos_gap.transfer import of_each_capture, of_one_specimen
 from tacos_gap.undiagnosed import nothing_measured
 from tacos_gap.unknown import Unexplained, block_index, unexplained

@@ -8,9 +8,10 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from tacos_gap.effect_names import effect_words
 from tacos_gap.findings import Diagnosis
 from tacos_gap.report.series import AFTER, BEFORE
-from tacos_gap.report.words import effect_words, share
+from tacos_gap.report.words import share
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import DOT, INK, MUTED, RULE, TERMS
 from tacos_report.quantities import number

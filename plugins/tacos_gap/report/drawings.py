@@ -18,7 +18,7 @@ from tacos_gap.report.histogram import histogram
 from tacos_gap.report.image_map import image_map
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.profiles import profile
-from tacos_gap.report.views import over, view_of
+from tacos_gap.statistics.views import over, view_of
 from tacos_report.page import Drawing, in_both_widths
 
 CODES = frozenset({"code_comb", "clipped", "top_level"})

@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from tacos_gap.report.numbers import Numbers
-from tacos_gap.report.views import view_of
+from tacos_gap.statistics.views import view_of
 from tacos_report.figures.canvas import NARROW_IN, draw
 from tacos_report.palette import MUTED, RULE
 from tacos_report.quantities import number

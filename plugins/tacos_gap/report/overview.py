@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from tacos_framework.contracts import STAGES
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER, BEFORE
-from tacos_gap.report.views import view_of
+from tacos_gap.statistics.views import view_of
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import INK, MUTED, RULE
 from tacos_report.quantities import number

@@ -16,7 +16,7 @@ from tacos_gap.report.frames import ComparedFrames, compare, to_show
 from tacos_gap.report.numbers import Numbers, capture_gaps, numbers_of
 from tacos_gap.report.overview import overview
 from tacos_gap.report.photographed import not_told, nuisance_rows, photographed
-from tacos_gap.report.views import over
+from tacos_gap.statistics.views import over
 from tacos_report.page import (
     Block,
     Code,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tacos_gap.evidence import Label
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER_LINE, BAND, BEFORE_LINE, REAL_DOTS, legend
-from tacos_gap.report.views import Over, StatisticView, place_words, position, view_of
+from tacos_gap.statistics.views import Over, StatisticView, place_words, position, view_of
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 
 MOST_PLACES = 16

@@ -5,16 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from tacos_gap.effect_names import effect_words
 from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
-from tacos_gap.report.views import view_of
+from tacos_gap.statistics.views import view_of
 from tacos_gap.transfer import added
 from tacos_report.quantities import number, unit_sign
 
 _NAMED = 5
 """Captures named before the rest are counted."""
-
-_ABBREVIATIONS = frozenset({"CFA", "DSNU", "HDR", "ISP", "JPEG", "LED", "MTF", "PRNU", "PSF"})
-"""Words of the field that are written in capitals."""
 
 _UNITS = {"1": "", "DN^2": "DN²", "um": "µm"}
 
@@ -26,11 +24,6 @@ def captures_in_words(count: int) -> str:
     ('1 capture', '4 captures')
     """
     return f"{count} capture" if count == 1 else f"{count} captures"
-
-
-def effect_words(name: str) -> str:
-    """An effect as it stands in a sentence: ``lens-distortion`` becomes ``lens distortion``."""
-    return " ".join(w.upper() if w.upper() in _ABBREVIATIONS else w for w in name.split("-"))
 
 
 def listed(names: Sequence[str]) -> str:

@@ -19,7 +19,7 @@ from tacos_gap.report.image_map import image_map
 from tacos_gap.report.numbers import Numbers, numbers_of
 from tacos_gap.report.overview import MOST, overview
 from tacos_gap.report.profiles import profile
-from tacos_gap.report.views import over, place_words, view_of
+from tacos_gap.statistics.views import over, place_words, view_of
 from tacos_report.figures.canvas import NARROW_IN
 from tests.gap.taken import HEIGHT, WIDTH, capture, taken
 
