@@ -17,7 +17,6 @@ from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.study.problem import broken_by, design_problem
 from tacos_framework.study.scoring import refuse_race_of_parts
 from tacos_framework.study.search_state import EndOfSearch, SearchState, fitness_of
-from tacos_framework.study.shards import score_sharded
 
 MOST_BROKEN_IN_A_ROW = 1000
 """After so many candidates in a row that break a constraint, no more are asked for."""
@@ -209,38 +208,35 @@ class Search(SearchState):
             states.update(max(scored, key=fitness_of).states)
         return evaluations, states
 
-    def rescore_finalists(
-        self, executor: Executor, evaluate: Evaluator, on_evaluated: Callable[[Evaluation], None]
-    ) -> list[Evaluation]:
-        """Score the best few once more, on episodes that none was chosen by; `best` is then the best of them.
+    @property
+    def _final_episode_count(self) -> int:
+        study = self.plan.recipe.study
+        return study.final_episodes or study.episodes
+
+    def finalist_jobs(self) -> list[ScoreJob]:
+        """Scoring the best few once more, on episodes that none was chosen by; the most promising first.
 
         The best of many noisy scores is too good to be true (the winner's curse), and scores of different
-        episodes, or of weights that have learnt meanwhile, do not even compare. Nothing is scored where
-        there is nothing to choose between. An optimizer that models noise may choose by all it has seen.
-
-        Returns
-        -------
-        The evaluations of the finalists, the most promising first.
+        episodes, or of weights that have learnt meanwhile, do not even compare. There is no job where there
+        is nothing to choose between. An optimizer that models noise may choose by all it has seen.
         """
-        self.finalists_rescored = True
-        self.searched = EndOfSearch(self.best, self.evaluations, self.images)
         wanted = self.most_promising(self.plan.recipe.study.finalists)
         settled = self.comparable and len(wanted) < 2
-        if not wanted or settled or len(self.candidate_stats) < 2:
+        if settled or len(self.candidate_stats) < 2:
             return []
-        study = self.plan.recipe.study
-        episodes = self._episodes("final", study.final_episodes or study.episodes)
-        jobs = [ScoreJob(values, episodes, self.states) for values in wanted]
-        finalists = []
-        for found in score_sharded(jobs, executor, evaluate):
-            finalists.append(replace(found, episode_numbers=tuple(range(len(episodes)))))
-            on_evaluated(finalists[-1])
+        episodes = self._episodes("final", self._final_episode_count)
+        return [ScoreJob(values, episodes, self.states) for values in wanted]
+
+    def choose_among(self, finalists: Sequence[Evaluation]) -> None:
+        """End the search with what came out for its `finalist_jobs`: `best` is then the best of them."""
+        self.finalists_rescored = True
+        self.searched = EndOfSearch(self.best, self.evaluations, self.images)
         self.evaluations += sum(not evaluation.broken for evaluation in finalists)
         self.images += sum(evaluation.images for evaluation in finalists)
-        self.finalists = finalists
-        if scored := [e for e in finalists if e.fitness is not None]:
+        numbers = tuple(range(self._final_episode_count))
+        self.finalists = [replace(evaluation, episode_numbers=numbers) for evaluation in finalists]
+        if scored := [e for e in self.finalists if e.fitness is not None]:
             self.best = self._best_of(scored)
-        return finalists
 
     def _best_of(self, finalists: Sequence[Evaluation]) -> Evaluation:
         """The one the optimizer chooses, else that of highest fitness."""

@@ -15,11 +15,13 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.results import Results
 from tacos_framework.results.manifest import Manifest
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
+from tacos_framework.study.account import Account
 from tacos_framework.study.analysis import make_record
 from tacos_framework.study.checkpoints import Checkpoints
 from tacos_framework.study.degenerate import degenerate
 from tacos_framework.study.extending import budget_of
 from tacos_framework.study.failing import KeepsFailing
+from tacos_framework.study.finalists import rescore_finalists
 from tacos_framework.study.journal import Journal, JournaledExecutor
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
 from tacos_framework.study.outcome import Outcome
@@ -68,7 +70,7 @@ class Study:
         self._evaluate = Evaluator(plan, plugins)
         self._seconds_before = 0.0
         self._started = time.monotonic()
-        self._seconds_by_node: dict[str, float] = {}
+        self._account = Account(self._observers)
         test = plan.recipe.test
         self._test = UnseenTest(test, plan.fitness, DESIGNED) if test else None
         self._analysis: dict[str, Any] = {}
@@ -102,13 +104,14 @@ class Study:
         self._observers.tell("tacos_study_started", recipe=self.plan.recipe, out=self.results.folder)
         for search in self.searches:
             self._search(search)
+        self._rescore_finalists()
         self._train_best()
         self._test_on_unseen_scenes()
         self._analyse()
         self._checkpoint(now=True)
 
     def _search(self, search: Search) -> None:
-        if search.finalists_rescored:
+        if search.stopped:
             return
         title = "Designing" if search.name == DESIGNED else f"Fitting {search.name}"
         self._progress.phase(title, search.expected_candidates())
@@ -130,10 +133,22 @@ class Study:
                 log.info("generation %d: best %s", number, best and best.fitness)
             self._progress.best(search.best)
             self._checkpoint()
-        search.rescore_finalists(self._executor, self._evaluate, self._count)
-        self._progress.best(search.best)
         self._checkpoint(now=True)
         log.info("%s: %s; best fitness %s", search.name, search.stopped, search.best and search.best.fitness)
+
+    def _rescore_finalists(self) -> None:
+        """Score the most promising of each search once more, all at the same time."""
+        if all(search.finalists_rescored for search in self.searches):
+            return
+
+        def on_counted(count: int) -> None:
+            self._progress.phase("Scoring finalists", count)
+
+        rescore_finalists(self.searches, self._executor, self._evaluate, on_counted, self._count)
+        self._checkpoint(now=True)
+        for search in self.searches:
+            if search.finalists:
+                log.info("%s: best of its finalists %s", search.name, search.best and search.best.fitness)
 
     def _train_best(self) -> None:
         """Train each camera's network further on that camera; the cameras at the same time."""
@@ -143,26 +158,14 @@ class Study:
         while pending := [(s, job) for s in self.searches if (job := s.next_training_on_best()) is not None]:
             trained = self._executor.map(self._evaluate, [job for _, job in pending])
             for (search, _), evaluation in zip(pending, trained, strict=True):
-                self._account(evaluation)
+                self._account.add(evaluation)
                 self._progress.step()
                 search.update_weights(evaluation)
             self._checkpoint()
 
     def _count(self, evaluation: Evaluation) -> None:
-        self._account(evaluation)
+        self._account.add(evaluation)
         self._progress.evaluated(evaluation)
-
-    def _account(self, evaluation: Evaluation) -> None:
-        """The time an evaluation took, and why it failed."""
-        for node, seconds in evaluation.seconds.items():
-            self._seconds_by_node[node] = self._seconds_by_node.get(node, 0.0) + seconds
-        if evaluation.failed and not evaluation.cached:
-            where = f"\n{evaluation.raised.traceback}" if evaluation.raised else ""
-            level = logging.ERROR if where else logging.INFO
-            log.log(level, "failed: %s: %s%s", dict(evaluation.values), evaluation.failed, where)
-            self._observers.tell(
-                "tacos_candidate_failed", candidate=evaluation.values, reason=evaluation.failed
-            )
 
     def _record(self, number: int, search: Search, evaluations: Sequence[Evaluation], seconds: float) -> None:
         """Write a generation's line; those of products into a file of their own."""
@@ -237,7 +240,7 @@ class Study:
         return {
             "budget": budget_of(self.plan.optimizer),
             "seconds": self.seconds,
-            "seconds_by_node": self._seconds_by_node,
+            "seconds_by_node": self._account.seconds_by_node,
             "test": {name: as_data(found) for name, found in self._test.evaluations.items()}
             if self._test
             else {},
@@ -249,7 +252,7 @@ class Study:
         if checkpoint is None:
             return
         self._seconds_before = max(self._seconds_before, checkpoint["seconds"])
-        self._seconds_by_node = dict(checkpoint["seconds_by_node"])
+        self._account.seconds_by_node = dict(checkpoint["seconds_by_node"])
         if self._test:
             self._test.evaluations = {n: evaluation_from(found) for n, found in checkpoint["test"].items()}
         if checkpoint["budget"] != budget_of(self.plan.optimizer):
@@ -273,7 +276,7 @@ class Study:
         result = {
             **outcome.as_data(),
             "seconds": round(self.seconds, 3),
-            "seconds_by_node": {name: round(s, 3) for name, s in self._seconds_by_node.items()},
+            "seconds_by_node": {name: round(s, 3) for name, s in self._account.seconds_by_node.items()},
             "environment": self._environment,
             "notes": [
                 *self.plan.recipe.quoted_notes,

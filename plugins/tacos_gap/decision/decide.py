@@ -11,6 +11,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob
+from tacos_framework.study.finalists import rescore_finalists
 from tacos_framework.study.progress import Progress
 from tacos_framework.study.search import Search
 from tacos_framework.study.unseen_test import UnseenTest
@@ -150,8 +151,8 @@ def _ranked(
     for search in searches:
         while not search.stopped:
             search.step(executor, evaluate, progress.evaluated)
-        search.rescore_finalists(executor, evaluate, progress.evaluated)
         progress.step(search.name)
+    rescore_finalists(searches, executor, evaluate, lambda count: None, progress.evaluated)
     found = {search.name: search.best for search in searches if search.best is not None}
     lost = {s.name: Evaluation({}, failed="no candidate could be scored") for s in searches if s.best is None}
     designed = dict(found[DESIGNED].values) if DESIGNED in found else {}

@@ -37,6 +37,9 @@ from tacos_validation.blind.tiers import Counts, case_specifications
 COMPARED = ("T0", "T1", "T2")
 """Tiers on which simpler ways are tried too."""
 
+SLOW = ("T2", "T3")
+"""Tiers whose cases take several effects to explain, or several in the place of the one that is missing."""
+
 
 class GapBlindCheck:
     """Makes cases with withheld effects, diagnoses them, opens the truth, and keeps score.
@@ -69,7 +72,7 @@ class GapBlindCheck:
         case_limit_s: float | None = setting(
             600.0, help="Longest processor time for a diagnosis; past it there is no answer.", unit="s", gt=0
         )
-        batch: int = setting(12, help="Cases solved before their truth is opened.", ge=1)
+        batch: int = setting(48, help="Cases solved before their truth is opened.", ge=1)
         makers: int = setting(1, help="Processes that make cases.", ge=1)
         keep: bool = setting(False, help="Whether captures are kept; some 5 MB a case.")
 
@@ -132,7 +135,7 @@ class GapBlindCheck:
         answered: Callable[[], None],
     ) -> list[Case]:
         """Answers first, all of them; then the truth; then how the answers fare on fresh captures."""
-        jobs = [self._diagnosing(each, out / MADE) for each in batch]
+        jobs = [self._diagnosing(each, out / MADE) for each in sorted(batch, key=_place_in_batch)]
         answers = {}
         for asked, answer in zip(jobs, executor.map(worker, jobs), strict=True):
             answers[asked.case] = answer
@@ -160,6 +163,15 @@ class GapBlindCheck:
             self.config.baselines and each.tier in COMPARED,
             threads=2 if each.tier == "speed" else 1,
         )
+
+
+def _place_in_batch(each: Wanted) -> int:
+    """What takes longest goes first, so that no worker idles while another ends the batch."""
+    if isinstance(each, RealCase):
+        return 2
+    if each.nuisance == "processed":
+        return 0
+    return 1 if each.tier in SLOW else 3
 
 
 def _fresh_gaps_job(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import cycle, islice
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ class Counts(Settings):
     field: int = setting(0, help="T1, cases of each effect at amplitudes met in the field; 1 in full.", ge=0)
     natural: int = setting(1, help="T1, cases of each effect with natural scenes alone; 3 in full.", ge=0)
     t2: int = setting(16, help="T2, two or three effects; 150 in full.", ge=0)
-    t3: int = setting(1, help="T3, cases of each effect with its class removed; 3 in full.", ge=0)
+    t3: int = setting(12, help="T3, an effect whose class is removed; 99 in full, three of each.", ge=0)
     t4: int = setting(1, help="T4, cases of each independent maker; 3 in full.", ge=0)
     t6: int = setting(1, help="T6, cases of each pair of confounders; 5 in full.", ge=0)
     t7: int = setting(
@@ -93,8 +94,8 @@ def _drafts(counts: Counts, rng: np.random.Generator, full_set: str) -> Iterator
             yield {"tier": "T1", "effects": (name,), "severity": None, "captures": full_set}
         for _ in range(counts.natural if CATALOGUE[name].natural else 0):
             yield {"tier": "T1", "effects": (name,), "severity": strongest, "captures": "natural"}
-        for _ in range(counts.t3):
-            yield {"tier": "T3", "effects": (name,), "removed": (name,), **full}
+    for name in islice(cycle(rng.permutation(effects).tolist()), counts.t3):
+        yield {"tier": "T3", "effects": (name,), "removed": (name,), **full}
     for _ in range(counts.t2):
         mixed = _mixture(effects, rng)
         yield {"tier": "T2", "effects": mixed, "scored_on_fresh": True, **full}

@@ -109,19 +109,20 @@ def test_a_broken_check_goes_on_with_its_cases_and_names_one_that_was_damaged(tm
 
 
 def test_tiers_hold_what_they_are_asked_for() -> None:
-    made = case_specifications(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
+    counts = Counts(t0=3, ladder=(0.5, 8.0), t2=5, t3=len(CATALOGUE) + 2)
+    made = case_specifications(counts, seed=1, size_px=(96, 72))
     assert len({spec.case for spec in made}) == len(made)
     count = {tier: [o for o in made if o.tier == tier] for tier in ("T0", "T1", "T2", "T3", "T6", "T7")}
     assert len(count["T0"]) == 3
     assert len([o for o in count["T1"] if o.captures == "charts"]) == 2 * len(CATALOGUE)
     assert {o.effects for o in count["T3"]} == {(name,) for name in CATALOGUE}
+    assert len(count["T3"]) == len(CATALOGUE) + 2
     assert all(o.removed == o.effects for o in count["T3"])
     assert all(2 <= len(set(o.effects)) <= 3 for o in count["T2"])
     assert len(count["T6"]) == 2 * len(PAIRS)
     assert len(count["T7"]) == 4 * len(NUISANCES)
     assert not any(set(o.effects) & NUISANCES[o.nuisance].veils for o in count["T7"])
-    again = case_specifications(Counts(t0=3, ladder=(0.5, 8.0), t2=5), seed=1, size_px=(96, 72))
-    assert made == again
+    assert made == case_specifications(counts, seed=1, size_px=(96, 72))
 
 
 # figures --------------------------------------------------------------------------------------------------
