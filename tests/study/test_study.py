@@ -104,6 +104,31 @@ def test_off_the_shelf_cameras_are_fitted_and_tested_beside(toys, tmp_path):
     assert flea3["evaluations"] >= 7
 
 
+class Batches:
+    """An executor that keeps what episodes the jobs of each batch were scored on."""
+
+    def __init__(self):
+        self.purposes = []
+
+    def map(self, evaluate, jobs):
+        scored = [job.value for job in jobs if isinstance(job.value, ScoreJob)]
+        self.purposes.append([spec.name[0] for job in scored for spec in job.episodes[:1]])
+        return map(evaluate, jobs)
+
+
+def test_finalists_of_all_cameras_are_scored_in_one_batch(toys, tmp_path):
+    executor = Batches()
+    recipe = toy_recipe(
+        compare={"cameras": ["flea3"], "evaluations": 7},
+        rig={"binning": 200},
+        study={"finalists": 2, "final_episodes": 1, "renew_episodes": "each_generation"},
+    )
+    result = run(recipe, toys, tmp_path / "out", executor=executor)
+    finalists = [camera["finalists"] for camera in result["cameras"].values()]
+    assert [len(each) for each in finalists] == [2, 2]
+    assert [batch for batch in executor.purposes if "final" in batch] == [["final"] * 4]
+
+
 @pytest.mark.parametrize(("weights", "evaluations"), [("shared", 5), ("branched", 5), ("frozen", 1)])
 def test_tasks_learn_from_a_camera_that_leaves_nothing_free_as_long_as_from_others(
     toys, tmp_path, weights, evaluations
