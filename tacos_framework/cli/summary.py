@@ -1,0 +1,43 @@
+"""What ``tacos-run`` says when a run has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+
+def summary(result: Mapping[str, Any], out: Path) -> str:
+    """What a run found, in a few lines."""
+    if "procedure" in result:
+        lines = [str(result.get("summary", "")), f"{result['seconds']:.0f} s. Results: {out}"]
+        if (out / "report.html").exists():
+            lines[-1] = f"{result['seconds']:.0f} s. Report: {out / 'report.html'}"
+        return "\n".join(filter(None, lines))
+    lines = []
+    best, degenerate = result["best"], result.get("degenerate")
+    if degenerate and best:
+        lines.append(str(degenerate))
+    elif best:
+        lines.append("Designed: " + ", ".join(f"{k} {_short(v)}" for k, v in best["camera"].items()))
+    tested = result["test"]
+    for name in sorted(tested, key=lambda name: -(tested[name]["fitness"] or float("-inf"))):
+        fitness = tested[name]["fitness"]
+        lines.append(
+            f"  {name:<20} fitness on unseen scenes {'failed' if fitness is None else f'{fitness:.3f}'}"
+        )
+    if not best:
+        reason = result.get("failed", {}).get("designed", "log.txt says why")
+        lines.append(f"No candidate could be scored: {reason}.")
+    decision = result.get("decision")
+    if isinstance(decision, Mapping) and (sentence := decision.get("sentence")) and not degenerate:
+        lines.append(str(sentence))
+    lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
+    lines.append(f"Report: {out / 'report.html'}" if (out / "report.html").exists() else f"Results: {out}")
+    return "\n".join(lines)
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return str(value.get("name", value))
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
