@@ -149,14 +149,16 @@ class ImageFormation:
         chosen = [effect for effect in effects if effect.cls.stage in LIGHT_STAGES]
         if not chosen:
             return capture
-        chains = []
+        views = []
         for view in capture.views:
             context = light_context(view, capture.episode, self.exposure)
-            chains.append(EffectChain.of(chosen, ImageGeometry.of_camera(view.camera), context).light)
-        try:
-            return with_light_effects(capture, chains, self.exposure, draws)
-        except ContextMissing as missing:
-            raise _unknown(capture.views[0].camera.name, missing) from missing
+            acting = EffectChain.of(chosen, ImageGeometry.of_camera(view.camera), context).light
+            try:
+                views.append(with_light_effects(view, capture.episode, acting, self.exposure, draws))
+            except ContextMissing as missing:
+                raise _unknown(view.camera.name, missing) from missing
+        same = all(after is before for after, before in zip(views, capture.views, strict=True))
+        return capture if same else replace(capture, views=tuple(views))
 
     def _files(self, frames: FrameBatch, effect: PlacedEffect, draws: EpisodeDraws) -> FrameBatch:
         """Frames with one effect; the batch itself where it is off."""

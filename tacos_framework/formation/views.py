@@ -16,7 +16,7 @@ from tacos_framework.contracts import moves_pixels
 from tacos_framework.formation.chain import ActingEffect
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.plugins.guarded import calling
-from tacos_framework.values import Capture, Episode, Exposure, ImageContext, ImageGeometry, View
+from tacos_framework.values import Episode, Exposure, ImageContext, ImageGeometry, View
 
 
 def light_context(view: View, episode: Episode, exposure: Exposure) -> ImageContext:
@@ -32,19 +32,22 @@ def light_context(view: View, episode: Episode, exposure: Exposure) -> ImageCont
 
 
 def with_light_effects(
-    capture: Capture,
-    effects: Sequence[Sequence[ActingEffect]],
+    view: View,
+    episode: Episode,
+    effects: Sequence[ActingEffect],
     exposure: Exposure,
     draws: EpisodeDraws,
-) -> Capture:
-    """The capture with effects on the light of every view, frame by frame.
+) -> View:
+    """A view with effects on its light, frame by frame.
 
     Parameters
     ----------
-    capture
-        What the renderer gave.
+    view
+        What the renderer gave of one camera.
+    episode
+        Its frames in the world.
     effects
-        For each view those of its camera, in their order.
+        Those of its camera, in their order.
     exposure
         Of the scenario.
     draws
@@ -52,20 +55,15 @@ def with_light_effects(
 
     Returns
     -------
-    Capture
-        The capture itself where every effect is off.
+    View
+        The view itself where every effect is off.
     """
-    views = [
-        joined([_frame(capture, view, chosen, exposure, draws, i) for i in range(len(capture.episode))], view)
-        for view, chosen in zip(capture.views, effects, strict=True)
-    ]
-    same = all(after is before for after, before in zip(views, capture.views, strict=True))
-    return capture if same else replace(capture, views=tuple(views))
+    return joined([_frame(view, episode, effects, exposure, draws, i) for i in range(len(episode))], view)
 
 
 def _frame(
-    capture: Capture,
     view: View,
+    whole: Episode,
     effects: Sequence[ActingEffect],
     exposure: Exposure,
     draws: EpisodeDraws,
@@ -73,7 +71,7 @@ def _frame(
 ) -> View:
     """One frame of a view with the effects."""
     frame = view if len(view.depth_m) == 1 else view.frame(index)
-    episode = capture.episode[index : index + 1]
+    episode = whole[index : index + 1]
     geometry = ImageGeometry.of_camera(view.camera)
     for acting in effects:
         context = light_context(frame, episode, exposure)

@@ -118,6 +118,14 @@ class Needy(AddingToPixels):
         raise ContextMissing("effect.needy needs the velocity of the capture")
 
 
+class NeedyOfLight(Needy):
+    stage: ClassVar[Any] = "optics"
+
+
+class NeedyOfFiles(Needy):
+    stage: ClassVar[Any] = "isp"
+
+
 def placed(
     cls: type[Any], name: str = "", cameras: tuple[str, ...] | None = None, **config: Any
 ) -> PlacedEffect:
@@ -264,6 +272,12 @@ def test_what_an_effect_lacks_is_said_to_the_user() -> None:
         UserError, match=r"camera 'camera': effect.needy needs the velocity(.|\n)*to do: Use a sensor"
     ):
         expose(placed(Needy))
+
+
+@pytest.mark.parametrize("needy", [Needy, NeedyOfLight, NeedyOfFiles])
+def test_what_an_effect_lacks_is_said_of_the_camera_that_lacks_it(needy: type[Needy]) -> None:
+    with pytest.raises(UserError, match=r"camera 'right': effect\.needy needs the velocity"):
+        expose(placed(needy, cameras=("right",)), rig=sample_rig("left", "right"))
 
 
 def test_an_error_of_an_effect_says_whose_it_is() -> None:
