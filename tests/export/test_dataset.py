@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,11 @@ import yaml
 from numpy.typing import NDArray
 
 from tacos_export.dataset import FORMATS, export_dataset
+from tacos_export.dataset.frame import Dataset
+from tacos_export.dataset.raster import Png16Writer
 from tacos_framework.camera.colour import display_image
 from tacos_framework.errors import UserError
-from tacos_framework.values import FrameBatch
+from tacos_framework.values import Capture, FrameBatch
 from tacos_view import RenderSetup, set_up
 from tests.two_boxes import monocular_recipe, plugins_with_boxes, stereo_recipe
 
@@ -154,6 +157,32 @@ def test_16_bit_png_keeps_what_was_rendered(exported: Any, frames: list[FrameBat
     assert depth == pytest.approx(frames[2].capture.views[1].depth_m[0], abs=5.1e-4)
     ids = read(folder / "right" / "object_id" / "000002.png")
     assert np.array_equal(ids, frames[2].capture.views[1].object_id[0])
+
+
+def with_objects(frame: FrameBatch, count: int) -> FrameBatch:
+    """The frame in a world of so many objects, its first pixel showing the last of them."""
+    view = frame.capture.views[0]
+    ids = view.object_id.copy()
+    ids[0, 0, 0] = count - 1
+    world = frame.episode.world
+    many = replace(world, objects=world.objects + (world.objects[1],) * (count - len(world.objects)))
+    capture = Capture(replace(frame.episode, world=many), (replace(view, object_id=ids),))
+    return replace(frame, capture=capture, images=frame.images[:1])
+
+
+def test_more_objects_than_16_bits_number_are_refused_not_numbered_anew(
+    frames: list[FrameBatch], pair: RenderSetup, tmp_path: Path
+) -> None:
+    writer = Png16Writer(Dataset(tmp_path, pair.rig, {}, "srgb"))
+    writer.add(0, with_objects(frames[0], 65536))
+    assert read(tmp_path / "left" / "object_id" / "000000.png")[0, 0] == 65535
+    with pytest.raises(UserError) as refused:
+        writer.add(1, with_objects(frames[0], 65537))
+    said = str(refused.value)
+    assert "--format png16: the scene has 65537 objects" in said
+    assert "65536 at most" in said
+    assert "--format exr" in said
+    assert not (tmp_path / "left" / "image" / "000001.png").exists()
 
 
 def test_exr_holds_light_and_depth_as_they_are(exported: Any, frames: list[FrameBatch]) -> None:

@@ -14,6 +14,9 @@ from tacos_framework.values import FrameBatch
 DEPTH_CODES_PER_M = 1000.0
 """Depth files are in millimetres."""
 
+MOST_OBJECTS = 1 << 16
+"""As many ids as 16 bits tell apart, that of the background among them."""
+
 
 class Png16Writer:
     """``CAMERA/image/``, ``CAMERA/depth/``, ``CAMERA/object_id/``, all of 16 bits.
@@ -26,7 +29,16 @@ class Png16Writer:
         self._out = dataset.out
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write the images of a frame."""
+        """Write the images of a frame; `UserError` where its world has more objects than 16 bits number."""
+        if (count := len(frame.episode.world.objects)) > MOST_OBJECTS:
+            raise UserError(
+                Fault(
+                    "--format png16",
+                    f"the scene has {count} objects",
+                    f"{MOST_OBJECTS} at most, as ids have 16 bits",
+                    "Choose --format exr, whose ids have 32.",
+                )
+            )
         for i, view in enumerate(frame.capture.views):
             folder, name = self._out / view.camera.name, f"{index:06d}.png"
             write_image(folder / "image" / name, linear_16_bit(frame, i))
