@@ -130,6 +130,7 @@ def one_frame(batch: FrameBatch, index: int) -> FrameBatch:
         capture=capture,
         images=tuple(image[index : index + 1] for image in batch.images),
         exposures=tuple(taken[index : index + 1] for taken in batch.exposures),
+        dn_per_electron=tuple(known[index : index + 1] for known in batch.dn_per_electron),
     )
 
 

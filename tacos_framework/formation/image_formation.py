@@ -92,12 +92,17 @@ class ImageFormation:
             loop = ExposureLoop(self.control, self.exposure, partial(self._at, capture.pending, sensor))
             return loop.frames(replace(capture, pending=()), sensor.name, draws)
         effects = (*self.effects, *capture.pending)
-        images = [self._exposed(view, capture, sensor, effects, draws) for view in capture.views]
+        places = [self._sensor_at(sensor, view) for view in capture.views]
+        images = [
+            self._exposed(view, capture, at, effects, draws)
+            for view, at in zip(capture.views, places, strict=True)
+        ]
         return FrameBatch(
             capture=replace(capture, pending=()),
             images=tuple(images),
             black_level_dn=black_level_dn,
             white_level_dn=white_level_dn,
+            dn_per_electron=tuple((at.context.dn_per_electron,) * len(capture.episode) for at in places),
         )
 
     def _at(
@@ -115,18 +120,21 @@ class ImageFormation:
             capture = fixed.with_effect(capture, effect, draws)  # type: ignore[assignment]
         return fixed.expose(capture, sensor, draws)
 
+    def _sensor_at(self, sensor: PlacedSensor, view: View) -> SensorAt:
+        """The sensor behind the camera of a view."""
+        camera = view.camera
+        return SensorAt(sensor.use, sensor.name, sensor.at(camera.name), camera, self.exposure)
+
     def _exposed(
         self,
         view: View,
         capture: Capture,
-        sensor: PlacedSensor,
+        at: SensorAt,
         effects: Sequence[PlacedEffect],
         draws: EpisodeDraws,
     ) -> NDArray[np.unsignedinteger]:
         """The files of one camera, frame by frame."""
-        camera = view.camera
-        at = SensorAt(sensor.use, sensor.name, sensor.at(camera.name), camera, self.exposure)
-        geometry = ImageGeometry.of_camera(camera)
+        geometry = ImageGeometry.of_camera(view.camera)
         chain = EffectChain.of(effects, geometry, at.context)
         files = []
         for i in range(len(capture.episode)):
@@ -141,7 +149,7 @@ class ImageFormation:
                     frame=capture.episode.first_frame + i,
                 )
             except ContextMissing as missing:
-                raise _unknown(camera.name, missing) from missing
+                raise _unknown(view.camera.name, missing) from missing
             files.append(made.astype(file_type(at.context.white_level_dn)))
         return files[0] if len(files) == 1 else np.concatenate(files)
 
@@ -162,47 +170,31 @@ class ImageFormation:
 
     def _files(self, frames: FrameBatch, effect: PlacedEffect, draws: EpisodeDraws) -> FrameBatch:
         """Frames with one effect; the batch itself where it is off."""
-        exposures = frames.exposures or [(self.exposure,) * len(frames.episode)] * len(frames.images)
-        images = [
-            self._processed(frames, image, view, taken, effect, draws)
-            for image, view, taken in zip(frames.images, frames.capture.views, exposures, strict=True)
-        ]
+        images = [self._processed(frames, number, effect, draws) for number in range(len(frames.images))]
         same = all(after is before for after, before in zip(images, frames.images, strict=True))
         return frames if same else replace(frames, images=tuple(images))
 
     def _processed(
-        self,
-        frames: FrameBatch,
-        image: NDArray[np.unsignedinteger],
-        view: View,
-        exposures: Sequence[Exposure],
-        effect: PlacedEffect,
-        draws: EpisodeDraws,
+        self, frames: FrameBatch, number: int, effect: PlacedEffect, draws: EpisodeDraws
     ) -> NDArray[np.unsignedinteger]:
-        context = ImageContext(
-            exposure_s=exposures[0].time_s,
-            gain_db=exposures[0].gain_db,
-            f_number=self.exposure.f_number,
-            black_level_dn=frames.black_level_dn,
-            white_level_dn=frames.white_level_dn,
-        )
+        """The files of one camera with an effect, each in the units of its own exposure."""
+        image, view = frames.images[number], frames.capture.views[number]
         geometry = ImageGeometry.of_camera(view.camera)
-        chain = EffectChain.of([effect], geometry, context)
+        chains: dict[tuple[float, float, float | None], EffectChain] = {}
         changed: dict[int, NDArray[Any]] = {}
         for i in range(len(image)):
+            context = self._file_context(frames, number, i)
+            units = (context.exposure_s, context.gain_db, context.dn_per_electron)
+            if units not in chains:
+                chains[units] = EffectChain.of([effect], geometry, context)
             before = image[i : i + 1].astype(np.float32)
             after = before
             try:
-                for acting in chain.files:
+                for acting in chains[units].files:
                     after = acting.on(
                         after,
                         geometry=geometry,
-                        context=replace(
-                            context,
-                            exposure_s=exposures[i].time_s,
-                            gain_db=exposures[i].gain_db,
-                            depth_m=view.depth_m[i],
-                        ),
+                        context=context,
                         draws=draws,
                         frame=frames.episode.first_frame + i,
                     )
@@ -213,6 +205,19 @@ class ImageFormation:
         if not changed:
             return image
         return np.concatenate([changed.get(i, image[i : i + 1]) for i in range(len(image))])
+
+    def _file_context(self, frames: FrameBatch, number: int, index: int) -> ImageContext:
+        """What is known of one file of a camera."""
+        taken = frames.exposures[number][index] if frames.exposures else self.exposure
+        return ImageContext(
+            exposure_s=taken.time_s,
+            gain_db=taken.gain_db,
+            f_number=taken.f_number,
+            black_level_dn=frames.black_level_dn,
+            white_level_dn=frames.white_level_dn,
+            depth_m=frames.capture.views[number].depth_m[index],
+            dn_per_electron=frames.dn_per_electron[number][index] if frames.dn_per_electron else None,
+        )
 
 
 def _unknown(camera: str, missing: ContextMissing) -> UserError:

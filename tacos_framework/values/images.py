@@ -93,6 +93,9 @@ class FrameBatch:
         Pedestal and full scale [DN].
     exposures
         For each camera what its N frames were taken with, where that is controlled; empty where it is fixed.
+    dn_per_electron
+        For each camera what an electron of a photosite added to the samples of its N frames, None where its
+        sensor does not know; empty where nobody said it of any [DN/e-].
     """
 
     capture: Capture
@@ -100,13 +103,16 @@ class FrameBatch:
     black_level_dn: float = 0.0
     white_level_dn: float = 255.0
     exposures: tuple[tuple[Exposure, ...], ...] = ()
+    dn_per_electron: tuple[tuple[float | None, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.images) != len(self.capture.views):
             raise ValueError(f"{len(self.images)} images for {len(self.capture.views)} cameras")
         frames = len(self.capture.episode)
-        if self.exposures and [len(taken) for taken in self.exposures] != [frames] * len(self.images):
-            raise ValueError(f"exposures must be {frames} for each of {len(self.images)} cameras, or none")
+        for name in ("exposures", "dn_per_electron"):
+            stated = getattr(self, name)
+            if stated and [len(of_camera) for of_camera in stated] != [frames] * len(self.images):
+                raise ValueError(f"{name} must be {frames} for each of {len(self.images)} cameras, or none")
         frozen = []
         for image, view in zip(self.images, self.capture.views, strict=True):
             if image.shape[:3] != view.depth_m.shape or image.dtype not in (np.uint8, np.uint16):

@@ -161,13 +161,13 @@ def test_16_bit_png_keeps_what_was_rendered(exported: Any, frames: list[FrameBat
 
 def with_objects(frame: FrameBatch, count: int) -> FrameBatch:
     """The frame in a world of so many objects, its first pixel showing the last of them."""
-    view = frame.capture.views[0]
+    view, *others = frame.capture.views
     ids = view.object_id.copy()
     ids[0, 0, 0] = count - 1
     world = frame.episode.world
     many = replace(world, objects=world.objects + (world.objects[1],) * (count - len(world.objects)))
-    capture = Capture(replace(frame.episode, world=many), (replace(view, object_id=ids),))
-    return replace(frame, capture=capture, images=frame.images[:1])
+    views = (replace(view, object_id=ids), *others)
+    return replace(frame, capture=Capture(replace(frame.episode, world=many), views))
 
 
 def test_more_objects_than_16_bits_number_are_refused_not_numbered_anew(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 from tacos_framework.errors import ContractBroken
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedControl, PlacedEffect, PlacedSensor
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.testing.samples import part_of, sample_capture, sample_exposure, sample_rig
 from tacos_framework.values import Exposure
 from tacos_plugins.controls.mean_level import MeanLevel
@@ -37,6 +38,32 @@ class Recording:
         self.shown.append(frame_dn.copy())
         context.memory["calls"] = context.memory.get("calls", 0) + 1
         return replace(exposure, time_s=0.030 / 2 ** context.memory["calls"])
+
+
+class Amplifying:
+    """Adds gain and takes away time from frame to frame."""
+
+    def adjust(self, frame_dn, *, exposure, context):
+        return replace(exposure, gain_db=exposure.gain_db + 4, time_s=exposure.time_s / 1.5)
+
+
+class Adding:
+    """Adds to files: a number of DN or of electrons, and as many DN as the camera turns pixels."""
+
+    class Config(Settings):
+        by: float = setting(0.0, help="How much.", unit="DN")
+        by_e: float | None = physical("by", help="The same in electrons.", unit="e-")
+        by_px: float = setting(0.0, help="How far.", unit="px")
+        by_deg_s: float | None = physical("by_px", help="The same as speed.", unit="deg/s")
+
+    stage: ClassVar[Any] = "isp"
+    neutral: ClassVar[Any] = {"by": 0.0, "by_px": 0.0}
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def on_array(self, samples, *, geometry, context, rng):
+        return samples + np.float32(self.config.by + self.config.by_px)
 
 
 def formed(control: Any, capture=None, effects=(), given=None):
@@ -73,6 +100,19 @@ def test_an_effect_on_light_in_the_graph_waits_for_the_exposure():
     assert waiting.pending == (BLUR,)
     in_graph = formation.expose(waiting, SENSOR, own)
     np.testing.assert_array_equal(in_graph.images[0], formed(Recording(), effects=[BLUR]).images[0])
+
+
+@pytest.mark.parametrize("given", ["by_e", "by_deg_s"])
+def test_an_effect_on_files_in_the_graph_is_in_the_units_of_each_frame(given: str):
+    """Gain and time differ from frame to frame, and with them what an electron or a turn comes to."""
+    effect = PlacedEffect("effect.adding", "adding", Adding, Adding.Config(**{given: 300.0}))
+    formation = ImageFormation(sample_exposure(), (), PlacedControl("control.test", Amplifying()))
+    capture, own = sample_capture(frames=3), draws()
+    found = formation.with_effect(formation.expose(capture, SENSOR, own), effect, own)
+    for i, exposure in enumerate(found.exposures[0]):
+        fixed, own = ImageFormation(exposure, [effect]), draws()
+        alone = fixed.expose(part_of(capture, i, i + 1), SENSOR, own)
+        np.testing.assert_array_equal(found.images[0][i], alone.images[0][0])
 
 
 def test_batches_do_not_matter():

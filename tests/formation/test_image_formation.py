@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.errors import UserError
+from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.formation import (
     EpisodeDraws,
     ImageFormation,
@@ -20,7 +20,7 @@ from tacos_framework.formation import (
     PlacedEffect,
     PlacedSensor,
 )
-from tacos_framework.settings import Settings, setting
+from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.testing.samples import part_of, sample_capture, sample_exposure, sample_rig
 from tacos_framework.values import ContextMissing
 from tacos_plugins.controls.mean_level import MeanLevel
@@ -88,6 +88,21 @@ class EverySecond(AddingToFiles):
     def on_array(self, samples, *, geometry, context, rng):
         context.memory["frames"] = context.memory.get("frames", 0) + 1
         return samples if context.memory["frames"] % 2 else samples + np.float32(self.config.by)
+
+
+class AddingElectrons(AddingToFiles):
+    """Adds to files, by a number of DN or of electrons."""
+
+    class Config(Settings):
+        """Settings."""
+
+        by: float = setting(0.0, help="How much.", unit="DN")
+        by_e: float | None = physical("by", help="The same in electrons.", unit="e-")
+
+
+class HalfADnPerElectron(AffineNoise):
+    def dn_per_electron(self, camera, exposure):
+        return 0.5
 
 
 class Shifting:
@@ -198,6 +213,22 @@ def test_an_effect_on_files_that_leaves_some_frames_alone_acts_on_the_others() -
     formation, draws = ImageFormation(sample_exposure()), EpisodeDraws(7, ("design", 0))
     found = formation.with_effect(formation.expose(sample_capture(frames=5), SENSOR, draws), effect, draws)
     np.testing.assert_array_equal(found.images[0], listed.images[0])
+
+
+def test_electrons_in_files_are_those_of_the_sensor_that_took_them() -> None:
+    """As a node of the graph the effect does what it does in the list of a recipe, camera by camera."""
+    rig, effect = sample_rig("left", "right"), placed(AddingElectrons, by_e=200.0)
+    sensor = replace(SENSOR, by_camera={"right": HalfADnPerElectron(AffineNoise.Config())})
+    draws = EpisodeDraws(7, ("design", 0))
+    listed = ImageFormation(sample_exposure(), [effect]).expose(sample_capture(rig), sensor, draws)
+    formation = ImageFormation(sample_exposure())
+    plain = formation.expose(sample_capture(rig), sensor, draws)
+    found = formation.with_effect(plain, effect, draws)
+    for image, same, before in zip(found.images, listed.images, plain.images, strict=True):
+        assert not np.array_equal(image, before)
+        np.testing.assert_array_equal(image, same)
+    with pytest.raises(CandidateFailed, match="how many DN an electron makes on camera 'left' is not known"):
+        formation.with_effect(replace(plain, dn_per_electron=()), effect, draws)
 
 
 def test_where_pixels_move_truth_moves_along() -> None:
