@@ -14,7 +14,7 @@ FILE = "captures.yaml"
 BEGUN = "captures_begun.jsonl"
 """What ``tacos captures simulate`` keeps of the captures it has taken, until all of them are there."""
 
-_BEGIN = "`tacos captures guide` says what to photograph, `tacos captures import` makes the folder."
+BEGIN = "`tacos captures guide` says what to photograph, `tacos captures import` makes the folder."
 
 _LOOKED_AT = 5000
 """Files and folders looked at: a folder may be somebody's whole disk."""
@@ -30,7 +30,7 @@ def nothing_to_read(folder: Path) -> Fault:
         be a photograph itself; or not be there.
     """
     if not folder.exists():
-        return Fault(str(folder), "there is no such folder", f"a folder of captures, with {FILE}", _BEGIN)
+        return Fault(str(folder), "there is no such folder", f"a folder of captures, with {FILE}", BEGIN)
     if folder.is_file():
         remedy = _sorted_by_import(folder.parent) if folder.suffix.lower() in PICTURE_SUFFIXES else ""
         return Fault(str(folder), "this is a file", f"a folder of captures, with {FILE}", remedy)
@@ -54,7 +54,7 @@ def nothing_to_read(folder: Path) -> Fault:
             f"a folder of captures, whose {FILE} says what each photograph shows",
             _sorted_by_import(folder),
         )
-    return Fault(str(folder), f"there is no {FILE}", "a folder of captures", _BEGIN)
+    return Fault(str(folder), f"there is no {FILE}", "a folder of captures", BEGIN)
 
 
 def _sorted_by_import(photographs: Path) -> str:

@@ -20,6 +20,7 @@ from tacos_gap.captures.files import MAX_FRAMES, CaptureFiles
 from tacos_gap.captures.lens_and_sensor import FOCAL_LENGTH_MM, geometry_of, unstated
 from tacos_gap.captures.missing import FILE, nothing_to_read
 from tacos_gap.captures.noise_estimate import estimate_noise
+from tacos_gap.captures.other_yaml import something_else
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
 from tacos_gap.captures.stated_noise import StatedNoise
 from tacos_gap.captures.time_order import in_time_order, time_doubts
@@ -46,6 +47,8 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     if path.name == FILE and not path.is_file():
         raise UserError(nothing_to_read(path.parent))
     document = read_yaml(path, aliases=True)
+    if other := something_else(path, document.data):
+        raise UserError(other)
     entry, faults, _ = check(FolderEntry, document.data, document.where)
     if entry is None:
         raise UserError(faults)

@@ -32,6 +32,40 @@ def test_a_folder_without_captures_says_so(tmp_path):
     assert "there is no such folder" in only(faults(tmp_path / "nowhere"))
 
 
+@pytest.mark.parametrize(
+    ("text", "looks"),
+    [
+        (
+            "tacos: 1\nname: bench\nuse: procedure.simulate-captures",
+            "a recipe, of procedure.simulate-captures",
+        ),
+        ("tacos: 1\nname: day\nrig: {}", "a recipe, of a study"),
+        ("tacos: 1\nuse: procedure.diagnose\ncaptures: my_captures", "a recipe, of procedure.diagnose"),
+        ("- {use: effect.vignetting}", "a list of effects, as --with takes"),
+        ("effects: [{use: effect.vignetting}]", "a list of effects, as --with takes"),
+        ("title: Lenses\nparts: {}", "a catalog of parts"),
+        ("photon_dn: [1]\nthermal_dn2: [1]", "a calibration of noise"),
+        ("a: 1\nb: 2\nc: 3\nd: 4\ne: 5", "something with the keys a, b, c, d, ..."),
+    ],
+)
+def test_a_file_that_is_not_of_captures_is_called_what_it_looks_like(tmp_path, text, looks):
+    """And nothing else is said of it: all its keys would be unknown, and all of captures.yaml's missing."""
+    path = tmp_path / "it is.yaml"
+    path.write_text(text)
+    said = only(faults(path))
+    assert f"it is.yaml: this is no captures file: it looks like {looks}\n" in said
+    assert "a folder of captures, whose captures.yaml begins with tacos_captures: 1" in said
+    assert "`tacos captures guide`" in said
+    assert (f"`tacos-run '{path}'`" in said) == ("tacos: 1" in text)
+    flat_folder(tmp_path)
+    assert f"Name the folder {tmp_path}." in only(faults(path))
+
+
+def test_a_captures_file_without_its_mark_is_still_one(tmp_path):
+    (tmp_path / "captures.yaml").write_text("camera: {width_px: 20, height_px: 12}\ncaptures: []")
+    assert "'tacos_captures' is missing" in only(faults(tmp_path))
+
+
 def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
     save(tmp_path / "wide.png", noisy()[0].T)
     text = (
