@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 from small_worlds import box, camera, matte, moving, pose, quad, rig, room, standing, world
 
-from tacos_framework.camera.geometry import project
+from tacos_framework.camera.geometry import agent_from_camera, pixel_rays, project
 from tacos_framework.errors import UserError
 from tacos_framework.values import Exposure, Light, Material
 from tacos_plugins.renderers.mitsuba import library
@@ -197,6 +197,49 @@ def test_polished_metal_mirrors_its_surroundings():
     metal = Material("metal", np.full(3, 0.9), roughness=0.1, metallic=1.0)
     place = world([FLOOR], [metal], ambient_cd_m2=4.0)
     np.testing.assert_allclose(seen(TRACED, place)[6, 8], 0.9 * 4.0, rtol=0.02)
+
+
+def panorama(rows=64):
+    """Red tells the angle from the zenith, green that from +x, blue which side of it: +y or -y."""
+    zenith = (np.arange(rows) + 0.5) / rows
+    azimuth = (np.arange(2 * rows) + 0.5) / (2 * rows)
+    red, green = np.meshgrid(180 * zenith, 180 * (1 - np.abs(1 - 2 * azimuth)), indexing="ij")
+    return np.stack([red, green, np.broadcast_to(azimuth < 0.5, red.shape) * 10.0], axis=-1).astype(
+        np.float32
+    )
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 75.0, -140.0])
+def test_the_sky_is_seen_in_its_direction(turn_deg):
+    through = camera(24, 16, 40.0, agent_from_camera=agent_from_camera((0, 0, 0), 20.0, turn_deg))
+    below = quad((0, 0, -1), (1, 0, 0), (0, 1, 0))
+    place = replace(world([below], [matte(0.5)]), sky_cd_m2=panorama())
+    view = TRACED.capture(standing(place, pose((0, 0, 2))), rig=rig(through), exposure=Exposure()).views[0]
+    rays = pixel_rays(through) @ view.world_from_camera[0, :3, :3].T
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    away = np.abs(rays[..., 1]) > 0.1  # from the seam, where green and blue are not linear
+    seen, up = view.luminance_cd_m2[0][away], rays[away]
+    assert away.sum() > 100
+    assert seen[:, 0] == pytest.approx(np.degrees(np.arccos(up[:, 2])), abs=0.2)
+    assert seen[:, 1] == pytest.approx(np.degrees(np.arctan2(np.abs(up[:, 1]), up[:, 0])), abs=0.2)
+    assert seen[:, 2] == pytest.approx(np.where(up[:, 1] > 0, 10.0, 0.0), abs=0.1)
+
+
+def test_a_sky_lights_from_where_it_is_bright():
+    """The wall's side that faces +y is lit by a sky that shines from there alone, the other is not."""
+    azimuth = (np.arange(64) + 0.5) / 64
+    towards_y = np.where(azimuth < 0.5, 10.0, 0.0)
+    sky = np.broadcast_to(towards_y[None, :, None], (32, 64, 3)).astype(np.float32)
+    wall = quad((0, 0, 0), (3, 0, 0), (0, 0, 3))
+    place = replace(world([wall], [matte(0.5)]), sky_cd_m2=sky)
+    lit, dark = (seen(TRACED, place, pose((0, y, 0), (1e-3, -y, 0.0))).mean() for y in (2.0, -2.0))
+    assert lit == pytest.approx(5.0, rel=0.02)  # a half space of 10 cd/m2 on a reflectance of a half
+    assert dark < 0.01  # what the columns between bright and dark send along the wall
+
+
+def test_a_dark_sky_is_dark():
+    place = replace(world([FLOOR], [matte(0.5)]), sky_cd_m2=np.zeros((4, 8, 3), np.float32))
+    assert not seen(TRACED, place).any()
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch):

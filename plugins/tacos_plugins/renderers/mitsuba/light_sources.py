@@ -41,12 +41,46 @@ def area_emitter(luminance_cd_m2: NDArray[Any], area_m2: float) -> Description:
     }
 
 
-def surroundings(world: World) -> Description | None:
-    """What lies beyond the geometry, where it shines at all."""
+def surroundings(mitsuba: ModuleType, world: World) -> Description | None:
+    """What lies beyond the geometry, where it shines at all: a panorama as it is seen, or even light."""
+    sky = world.sky_cd_m2
+    if sky is not None:
+        return _panorama(mitsuba, sky) if sky.any() else None
     if not world.ambient_cd_m2.any():
         return None
     radiance = {"type": "rgb", "value": world.ambient_cd_m2.astype(float).tolist()}
     return {"type": "constant", "radiance": radiance}
+
+
+def _panorama(mitsuba: ModuleType, sky_cd_m2: NDArray[np.float32]) -> Description:
+    """The panorama of a world (`World.sky_cd_m2`) as an environment map."""
+    return {
+        "type": "envmap",
+        "bitmap": mitsuba.Bitmap(np.ascontiguousarray(_rows_from_pole_to_pole(sky_cd_m2)[:, ::-1])),
+        "to_world": mitsuba.ScalarTransform4f(_WORLD_FROM_PANORAMA),
+    }
+
+
+_WORLD_FROM_PANORAMA = np.array([[0.0, 0, -1, 0], [-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+"""Mitsuba's panoramas have y up, begin at -z and go on by way of x: here +x, and, mirrored, by way of -y."""
+
+
+def _rows_from_pole_to_pole(sky_cd_m2: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(2 H + 1, ...) rows of a panorama of H, for a reader whose first and last row are zenith and nadir.
+
+    Mitsuba lays columns as a world has them, by their middles; it lays rows from pole to pole. Every second
+    row here lies where one of the panorama's has its middle, and is that; those between are means.
+
+    Examples
+    --------
+    >>> _rows_from_pole_to_pole(np.float32([[1.0], [3.0]])).ravel().tolist()
+    [1.0, 1.0, 2.0, 3.0, 3.0]
+    """
+    ends = np.concatenate([sky_cd_m2[:1], sky_cd_m2, sky_cd_m2[-1:]])
+    rows = np.empty((2 * len(sky_cd_m2) + 1, *sky_cd_m2.shape[1:]), np.float32)
+    rows[0::2] = (ends[:-1] + ends[1:]) / 2
+    rows[1::2] = sky_cd_m2
+    return rows
 
 
 def _placed_square(light: Light) -> NDArray[np.float64]:

@@ -52,7 +52,7 @@ def scene_description(mitsuba: ModuleType, world: World) -> dict[str, Any]:
             )
     for index, light in enumerate(bare_lights(world)):
         scene[f"light_{index}"] = light_shape(mitsuba, light)
-    if (beyond := surroundings(world)) is not None:
+    if (beyond := surroundings(mitsuba, world)) is not None:
         scene["surroundings"] = beyond
     return scene
 
