@@ -11,7 +11,7 @@
 ``locate``         where a gap lies
 ``candidates``     the effects that are considered: all that are installed and can be built
 ``parameters``     effects as hypotheses, and where the search for each begins
-``fit``            parameters that explain the evidence best
+``fit``            parameters that explain the evidence best, with ``jacobian``: how residuals move with them
 ``screening``      which effects are worth a fit
 ``attribution``    which effects: forward selection on held-out conditions, with ``pruning`` of parameters
 ``intervals``      how well the captures settle the parameters

@@ -7,20 +7,26 @@ one that is no longer that of the place.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.by_capture import is_of_one_capture, penalty
-from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.jacobian import (
+    STEP,
+    Column,
+    columns_of,
+    free_names,
+    jacobian_at,
+    jacobian_of,
+    residual_of,
+    theta_of,
+    with_theta,
+)
 from tacos_gap.problem import ROBUST_SCALE, Hypothesis, Problem, robust, robust_derivative
 
 ITERATIONS = 10
-STEP = 0.25
-"""Finite differences take this share of the step that matters of a parameter."""
-
 REACH = 4.0
 """Steps that matter which the search moves at most at first; each such move that pays doubles it."""
 
@@ -112,7 +118,7 @@ def finished(problem: Problem, fitted: Fitted) -> Fitted:
     """A fit led to its end by the mean of several simulations, with the Jacobian of the place it ends at."""
     averaged = problem.averaging(max(DRAWS, problem.draws))
     state = _State(
-        fitted.hypothesis, _residual(averaged, fitted.hypothesis), *jacobian_at(problem, fitted.hypothesis)
+        fitted.hypothesis, residual_of(averaged, fitted.hypothesis), *jacobian_at(problem, fitted.hypothesis)
     )
     ended = _searched(averaged, problem, state, ITERATIONS, 0.0)
     jacobian, _ = jacobian_at(problem, ended.hypothesis)
@@ -124,7 +130,7 @@ def settled(problem: Problem, fitted: Fitted) -> Fitted:
     if fitted.draws >= DRAWS or not fitted.hypothesis:  # that of nothing is the mean of the null replicates
         return fitted
     averaged = problem.averaging(max(DRAWS, problem.draws))
-    z = _residual(averaged, fitted.hypothesis)
+    z = residual_of(averaged, fitted.hypothesis)
     state = _State(fitted.hypothesis, z, fitted.jacobian, fitted.steps, is_exact=False)
     return _searched(averaged, problem, state, 1, WORTH_A_SKETCH)
 
@@ -163,18 +169,6 @@ def _searched(problem: Problem, single: Problem, state: _State, iterations: int,
     return _fitted(problem, state.hypothesis, state.z, state.jacobian, state.steps)
 
 
-def _residual(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64]:
-    """Residuals of a hypothesis that was simulated before, and so is one its effects allow."""
-    z = problem.residual(hypothesis)
-    assert z is not None
-    return z
-
-
-def jacobian_at(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """`jacobian_of` where a hypothesis stands, by the same simulations as its neighbours."""
-    return jacobian_of(problem, hypothesis, _residual(problem, hypothesis))
-
-
 def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> Fitted:
     """A fit in the units of a reweighted problem, to first order; `before` is the scale it was made with."""
     factor = before / problem.scale
@@ -199,73 +193,14 @@ def _cost(z: NDArray[np.float64]) -> float:
     return float(np.sum(robust(z) ** 2))
 
 
-def theta_of(hypothesis: Hypothesis) -> NDArray[np.float64]:
-    """All free parameters, effect by effect."""
-    return np.concatenate([term.theta for term in hypothesis]) if hypothesis else np.zeros(0)
-
-
-def free_names(hypothesis: Hypothesis) -> list[str]:
-    """The free parameters, effect by effect, as `theta_of` has them."""
-    return [name for term in hypothesis for name in term.free]
-
-
-def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis:
-    """The hypothesis with other values of its free parameters."""
-    changed: list[HypothesisTerm] = []
-    start = 0
-    for term in hypothesis:
-        stop = start + len(term.free)
-        changed.append(term.with_free(theta[start:stop].tolist()))
-        start = stop
-    return tuple(changed)
-
-
-Column = tuple[str, str, float]
-"""Which derivative: of an effect, by a free parameter, per step."""
-
-
 def _columns(fitted: Fitted, z: NDArray[np.float64]) -> dict[Column, NDArray[np.float64]]:
     """The columns of a fit's Jacobian, as they are for robust residuals of (K,) `z`."""
-    return dict(zip(_columns_of(fitted.hypothesis), _jacobian_for(fitted, z).T, strict=True))
+    return dict(zip(columns_of(fitted.hypothesis), _jacobian_for(fitted, z).T, strict=True))
 
 
 def _jacobian_for(fitted: Fitted, z: NDArray[np.float64]) -> NDArray[np.float64]:
     """(K, P) a fit's Jacobian, as it is for robust residuals of (K,) `z`."""
     return np.asarray(fitted.jacobian * (robust_derivative(z) / robust_derivative(fitted.z))[:, None])
-
-
-def _columns_of(hypothesis: Hypothesis) -> list[Column]:
-    return [(term.name, name, step) for term in hypothesis for name, step in term.free.items()]
-
-
-def jacobian_of(
-    problem: Problem,
-    hypothesis: Hypothesis,
-    z: NDArray[np.float64],
-    known: Mapping[Column, NDArray[np.float64]] | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(K, P) change of the robust residuals per step of each free parameter, and (P,) those steps.
-
-    Columns that are `known` are taken as they are.
-    """
-    theta = theta_of(hypothesis)
-    steps = np.array([step for term in hypothesis for step in term.free.values()])
-    columns = []
-    for k, column in enumerate(_columns_of(hypothesis)):
-        if known and column in known:
-            columns.append(known[column])
-            continue
-        step = steps[k]
-        for side in (1, -1):
-            nearby = theta.copy()
-            nearby[k] += side * STEP * step
-            changed = problem.residual(with_theta(hypothesis, nearby))
-            if changed is not None:
-                columns.append((robust(changed) - robust(z)) / (side * STEP))
-                break
-        else:
-            columns.append(np.zeros_like(z))
-    return (np.stack(columns, axis=1) if columns else np.zeros((len(z), 0))), steps
 
 
 def _move(state: _State, damping: float) -> NDArray[np.float64]:

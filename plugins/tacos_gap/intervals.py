@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from tacos_gap.evidence import ImageEvidence
-from tacos_gap.fit import Fitted, jacobian_at
+from tacos_gap.fit import Fitted
+from tacos_gap.jacobian import jacobian_at
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
 from tacos_gap.problem import Hypothesis, Problem, robust, robust_derivative
 from tacos_gap.unknown import block_index

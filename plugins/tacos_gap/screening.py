@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.boards import BoardEvidence
 from tacos_gap.evidence import ImageEvidence
-from tacos_gap.fit import theta_of
+from tacos_gap.jacobian import theta_of
 from tacos_gap.parameters import HypothesisTerm, initial_guesses_for, neutral_value
 from tacos_gap.problem import Map, Problem, robust, robust_derivative
 

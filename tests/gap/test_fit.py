@@ -12,8 +12,9 @@ import pytest
 from tacos_framework.settings import Settings, setting
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.evidence import Label, ReplicateResiduals
-from tacos_gap.fit import finished, fit, jacobian_of, rescored
+from tacos_gap.fit import finished, fit, rescored
 from tacos_gap.intervals import FEWEST, half_widths, spread_between
+from tacos_gap.jacobian import jacobian_of
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem
 from tacos_gap.pruning import restored
