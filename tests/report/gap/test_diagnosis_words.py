@@ -11,7 +11,7 @@ from tacos_gap.ambiguity import NextCapture
 from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
 from tacos_gap.locate import Place
 from tacos_gap.report import words
-from tacos_gap.report.page import parameter_table
+from tacos_gap.report.gap_and_causes import parameter_table
 from tacos_gap.report.photographed import limit_rows, nuisance_rows, photographed
 from tacos_gap.unknown import Unexplained
 from tacos_report.page import ContactSheet
