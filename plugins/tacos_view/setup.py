@@ -56,19 +56,28 @@ class RenderSetup:
         seed
             Which world and trip; the recipe's seed if None.
         """
-        spec = self.episode_spec(count, seed)
-        graph = self.plan.graph
-        fed = [
-            task for task in graph.of_kind("task") if [*graph.nodes[task].sources.values()] == [graph.shown]
-        ]
-        if fed:
-            for batch in self.simulation.batches(fed[0], self.camera.values, spec):
+        spec, values = self.episode_spec(count, seed), self.camera.values
+        if taken := self._taken_by_a_task:
+            task, port = taken
+            for batch in self.simulation.batches(task, values, spec, port):
                 for i in range(len(batch.episode)):
                     yield one_frame(batch, i)
             return
-        length = self._length(spec)
-        for i in range(length):  # no task takes these frames alone
-            yield self.simulation.sample(self.camera.values, spec, i / max(1, length - 1))
+        length = self.simulation.frame_count(values, spec)
+        for i in range(length):
+            yield self.simulation.sample(values, spec, i / max(1, length - 1))
+
+    @property
+    def _taken_by_a_task(self) -> tuple[str, str] | None:
+        """A task and its port that take the frames that are shown, with as little else as may be."""
+        graph = self.plan.graph
+        taking = [
+            (task, port)
+            for task in graph.of_kind("task")
+            for port, source in graph.nodes[task].sources.items()
+            if source == graph.shown
+        ]
+        return min(taking, key=lambda each: len(graph.nodes[each[0]].sources), default=None)
 
     def along_the_trip(self, count: int, *, seed: int | None = None) -> Iterator[FrameBatch]:
         """Frames spread evenly over the trip that the recipe's scene makes."""
@@ -83,11 +92,6 @@ class RenderSetup:
         return EpisodeSpec(
             self.plan.recipe.seed if seed is None else seed, (PURPOSE,), count, (0, 1), scenario
         )
-
-    def _length(self, spec: EpisodeSpec) -> int:
-        if spec.frames is not None:
-            return spec.frames
-        return len(self.simulation.sample(self.camera.values, spec, 0.0).episode)
 
     @cached_property
     def exposure(self) -> Exposure:

@@ -175,14 +175,24 @@ class Simulation:
             self._ahead[learning[0].key, training, task] = rendered_ahead(learning, task, training)
         return Evaluation(values=values, seconds=clock.seconds)
 
-    def batches(self, task: str, values: Mapping[str, Any], spec: EpisodeSpec) -> Iterator[FrameBatch]:
-        """What a task of one port is given of an episode that a candidate sees, without scoring it."""
+    def batches(
+        self, task: str, values: Mapping[str, Any], spec: EpisodeSpec, port: str | None = None
+    ) -> Iterator[FrameBatch]:
+        """What a task is given of an episode that a candidate sees, without scoring it.
+
+        At a port; at its only one where none is named.
+        """
         context = self._evaluation_context(values, spec)
         scene = self.plan.graph.scene_of(task)
         episode = context.episode(scene, spec)
         for inputs in context.stream(scene, episode, context.draws(spec), [task]):
-            (batch,) = inputs[task].values()
+            (batch,) = inputs[task].values() if port is None else (inputs[task][port],)
             yield batch
+
+    def frame_count(self, values: Mapping[str, Any], spec: EpisodeSpec) -> int:
+        """How many frames an episode has, which may be fewer than were asked for."""
+        context = self._evaluation_context(values, spec)
+        return len(context.episode(self.plan.graph.scene_of(self.plan.graph.shown), spec))
 
     def sample(self, values: Mapping[str, Any], spec: EpisodeSpec, position: float) -> FrameBatch:
         """One frame as tasks see it, at a position in 0..1 along the episode."""

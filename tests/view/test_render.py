@@ -10,10 +10,12 @@ import pytest
 import tacos
 from tacos_framework.camera.geometry import pixel_rays
 from tacos_framework.errors import UserError
+from tacos_framework.recipe import Recipe
 from tacos_framework.simulation import EpisodeSpec
 from tacos_view import Rendering, render, set_up
 from tacos_view.cameras import built_rig
 from tests.two_boxes import monocular_recipe, plugins_with_boxes, stereo_recipe
+from tests.view.two_ports import plugins_with_two_ports
 
 CAMERA = {"focal_length_mm": 0.6, "pitch_deg": -5.0}
 
@@ -58,6 +60,26 @@ def test_frames_are_bit_for_bit_those_that_a_task_is_given() -> None:
     given = [batch.images[0] for batch in setup.simulation.batches("features", setup.camera.values, spec)]
     taken = [frame.images[0] for frame in setup.frames(2, seed=5)]
     assert np.array_equal(np.concatenate(given), np.concatenate(taken))
+
+
+def two_ports(**sections: object) -> Recipe:
+    """The boxes, seen by a task that takes frames beside what the renderer gave."""
+    recipe = monocular_recipe(**sections).model_dump(by_alias=True, exclude_unset=True, mode="json")
+    recipe["nodes"]["features"] = {"use": "task.seen", "in": {"capture": "capture", "frames": "frames"}}
+    return Recipe.model_validate(recipe | {"fitness": [{"score": "features.count", "weight": 1}]})
+
+
+@pytest.mark.parametrize("asked", [None, 2, 5])
+def test_a_task_that_takes_more_than_frames_shows_each_frame_once(asked: int | None) -> None:
+    """With an exposure that is controlled from frame to frame, as for a task that takes frames alone."""
+    controlled = {"exposure": {"use": "control.mean-level", "lag_frames": 0, "warm_up_frames": 0}}
+    alone = set_up(monocular_recipe(**controlled), CAMERA, plugins=plugins_with_boxes())
+    beside = set_up(two_ports(**controlled), CAMERA, plugins=plugins_with_two_ports())
+    expected, found = (list(setup.frames(asked)) for setup in (alone, beside))
+    assert [float(each.episode.time_s[0]) for each in found] == [
+        float(each.episode.time_s[0]) for each in expected
+    ]
+    assert [each.exposures for each in found] == [each.exposures for each in expected]
 
 
 def test_seeds_differ_in_noise_and_repeat_themselves() -> None:
