@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 from tacos_framework.cli.exits import DONE
@@ -70,6 +69,7 @@ def _dataset(arguments: argparse.Namespace) -> int:
     if arguments.frames < 1:
         raise UserError(Fault("--frames", f"{arguments.frames} frames are none", "1 or more"))
     plugins = Plugins.discover()
+    written = _Written(arguments.frames)
     with said_meanwhile(plugins):
         setup = set_up(arguments.recipe, arguments.camera, sets=read_sets(arguments.sets), plugins=plugins)
         notes = export_dataset(
@@ -79,28 +79,29 @@ def _dataset(arguments: argparse.Namespace) -> int:
             frames=arguments.frames,
             seed=arguments.seed,
             encoding=arguments.encoding,
-            progress=_paced(arguments.frames),
+            progress=written,
         )
-    print(f"{arguments.frames} frames of {setup.camera.title} as {arguments.format}: {arguments.out}")
+    print(f"{written.count} frames of {setup.camera.title} as {arguments.format}: {arguments.out}")
     _tell(notes, setup.camera.assumed)
     return DONE
 
 
-def _paced(frames: int) -> Callable[[int], None]:
-    """Says how many frames are written, and how long the rest may take, now and then."""
-    from tacos_framework.cli.bar import LONGEST_SILENCE_S
-    from tacos_framework.cli.pace import Pace
+class _Written:
+    """Counts the frames that are written; says how many, and how long the rest may take, now and then."""
 
-    pace, said_s = Pace("Frames", frames), time.monotonic()
+    def __init__(self, frames: int) -> None:
+        from tacos_framework.cli.pace import Pace
 
-    def written(done: int) -> None:
-        nonlocal said_s
-        pace.done = done
-        if time.monotonic() - said_s >= LONGEST_SILENCE_S:
-            print(pace, file=sys.stderr)
-            said_s = time.monotonic()
+        self._pace, self._said_s = Pace("Frames", frames), time.monotonic()
+        self.count = 0
 
-    return written
+    def __call__(self, count: int) -> None:
+        from tacos_framework.cli.bar import LONGEST_SILENCE_S
+
+        self.count = self._pace.done = count
+        if time.monotonic() - self._said_s >= LONGEST_SILENCE_S:
+            print(self._pace, file=sys.stderr)
+            self._said_s = time.monotonic()
 
 
 def _tell(notes: list[str], assumed: tuple[str, ...]) -> None:

@@ -17,6 +17,7 @@ from tacos_export.dataset import FORMATS, export_dataset
 from tacos_export.dataset.frame import Dataset
 from tacos_export.dataset.raster import Png16Writer
 from tacos_framework.camera.colour import display_image
+from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
 from tacos_framework.values import Capture, FrameBatch
 from tacos_view import RenderSetup, set_up
@@ -271,6 +272,21 @@ def test_what_is_wrong_is_said(pair: RenderSetup, tmp_path: Path) -> None:
         export_dataset(pair, tmp_path, "coco", frames=1)
     with pytest.raises(UserError, match="Did you mean 'coco'"):
         export_dataset(pair, tmp_path / "new", "cocoo", frames=1)
+
+
+def test_a_trip_that_is_over_before_is_counted_as_long_as_it_was(
+    frames: list[FrameBatch],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """As of a recorded path, which has as many frames as it lasts."""
+    monkeypatch.setattr(RenderSetup, "frames", lambda *_, **__: iter(frames[:2]))
+    command = ["export", "dataset", "stereo_quick", "--format", "tum", "--frames", "5"]
+    assert tacos_main([*command, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("2 frames of ")
+    assert "note: the trip ends after 2 of 5 frames\n" in said
 
 
 def test_the_command_offers_all_formats() -> None:

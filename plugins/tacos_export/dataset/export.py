@@ -48,7 +48,7 @@ def export_dataset(
     format
         One of `FORMATS`.
     frames
-        How many consecutive frames of one trip.
+        How many consecutive frames of one trip, which may be over before.
     seed
         Which world; the recipe's if None.
     encoding
@@ -79,11 +79,15 @@ def export_dataset(
     writer = writer_class(dataset)
     out.mkdir(parents=True, exist_ok=True)  # nothing is left of a format that refuses the rig
     manifest = Manifest(dataset, setup.camera.title)
+    count = 0
     for index, frame in enumerate(setup.frames(frames, seed=seed)):
         writer.add(index, frame)
         manifest.add(frame)
+        count = index + 1
         if progress:
-            progress(index + 1)
+            progress(count)
+    if count < frames:
+        notes.append(f"the trip ends after {count} of {frames} frames")
     writer.close()
     manifest.write(out / "frames.json")
     return notes
