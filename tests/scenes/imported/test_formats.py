@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from base64 import b64encode
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tacos_framework.errors import UserError
+from tacos_view.pictures import png_uri
 from tacos_worlds.imported.formats.gltf import read_gltf
 from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.formats.poses import read_poses
@@ -66,6 +68,36 @@ def test_gltf_names_places_extras_emission_and_lights(tmp_path: Path) -> None:
     (star,) = of_file(model.lights, y_up_to_z_up)
     assert star.position_m == pytest.approx([0, 0, SUN_DISTANCE_M], abs=1e-6)
     assert star.flux_lm / (4 * np.pi * SUN_DISTANCE_M**2) == pytest.approx(np.full(3, 500.0))  # lux
+
+
+@pytest.mark.parametrize("normalised", [True, False])
+def test_whole_numbers_of_a_quantised_mesh_are_scaled_by_the_transform_of_its_texture(
+    normalised: bool, tmp_path: Path
+) -> None:
+    """As gltfpack writes them: 12 bits in 16, not said to stand for 0..1."""
+    given = np.array([[0, 0], [4095, 0], [0, 2048]], "<u2")
+    scale = 65535 / 4095 if normalised else 1 / 4095
+    moved = {"KHR_texture_transform": {"scale": [2 * scale, scale]}}
+    file = gltf(
+        tmp_path,
+        extensionsRequired=["KHR_mesh_quantization", "KHR_texture_transform"],
+        buffers=[
+            {"uri": "corners.bin", "byteLength": 36},
+            {"uri": f"data:;base64,{b64encode(given.tobytes()).decode()}", "byteLength": 12},
+        ],
+        bufferViews=[{"buffer": 0, "byteLength": 36}, {"buffer": 1, "byteLength": 12}],
+        accessors=[
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "VEC2", "normalized": normalised},
+        ],
+        meshes=[{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+        materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": moved}}}],
+        textures=[{"source": 0}],
+        images=[{"uri": png_uri(np.zeros((2, 2, 3), np.uint8))}],
+    )
+    (surface,) = read_gltf(file, 64).surfaces
+    assert surface.uv is not None
+    assert surface.uv == pytest.approx(np.array([[0, 1], [2, 1], [0, 1 - 2048 / 4095]]))
 
 
 @pytest.mark.parametrize(

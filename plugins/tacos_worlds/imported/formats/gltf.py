@@ -61,6 +61,7 @@ class _Reader:
         self._placed: set[object] = set()
         self._triangle_count = 0
         self._default_skin = len(buffers.listed("materials"))
+        self._quantised = "KHR_mesh_quantization" in buffers.header.get("extensionsRequired", [])
 
     def model(self) -> Model:
         scenes = self._buffers.listed("scenes")
@@ -143,7 +144,9 @@ class _Reader:
         which, moved = self._skins.uv_set(material)
         if (name := f"TEXCOORD_{which}") not in attributes:
             return None
-        uv = _unit(self._buffers.accessor(attributes[name]))[:, :2]
+        read = self._buffers.accessor(attributes[name])
+        # Whole numbers of a quantised mesh are what they are: the transform of the texture scales them.
+        uv = (read.astype(np.float64) if self._quantised else _unit(read))[:, :2]
         if len(uv) != count:
             raise Damaged(f"{name} has {len(uv)} entries for {count} vertices")
         uv = uv @ moved[:2, :2].T + moved[:2, 2]
