@@ -98,6 +98,8 @@ def _array(content: bytes, where: str, name: str, kinds: str) -> NDArray[Any]:
         raise UserError(_no_array(where, name, error)) from error
     if dtype.kind not in kinds:
         raise UserError(Fault(where, f"{name} holds {dtype}", "numbers"))
+    if not dtype.itemsize:
+        raise UserError(Fault(where, f"{name} holds texts of no letters", "numbers or texts"))
     start = stream.tell()
     wanted, there = math.prod(shape) * dtype.itemsize, len(content) - start
     if any(length < 0 for length in shape) or wanted != there:

@@ -190,3 +190,12 @@ def test_a_scene_that_copies_itself_without_end_is_a_fault(tmp_path):
         glb_of({"asset": {"version": "2.0"}, "nodes": nodes, "scenes": [{"nodes": [0]}]})
     )
     assert "more than once" in fault_of(read_mesh_file, tmp_path / "m.glb")
+
+
+def test_texts_of_no_length_are_no_array(tmp_path) -> None:
+    stream = BytesIO()
+    np.save(stream, np.zeros(3, "U1"))
+    empty = stream.getvalue().replace(b"'<U1'", b"'<U0'")[:128]
+    with zipfile.ZipFile(tmp_path / "names.npz", "w") as archive:
+        archive.writestr("names.npy", empty)
+    assert "names.npz: names holds texts of no letters" in fault_of(read_npz, tmp_path / "names.npz")
