@@ -17,6 +17,9 @@ from tacos_view.cameras import CameraName
 from tacos_view.pictures import contact_sheet, encoded_png, png_uri, shown_depth, shown_frame
 from tacos_view.setup import set_up
 
+MOST_SHOWN = 12
+"""Frames side by side in a notebook: more would be too small to see anything in."""
+
 
 @dataclass(frozen=True, eq=False)
 class CameraFrames:
@@ -143,19 +146,22 @@ class Rendering:
         )
 
     def _repr_png_(self) -> bytes:
-        """In a notebook: every frame of every camera above its depth, reduced."""
+        """In a notebook: frames of every camera above their depth, reduced; of many some from all over."""
         return encoded_png(self._sheet())
 
     def _repr_html_(self) -> str:
-        caption = f"<figcaption>{self._said}</figcaption>"
+        some = f"; {MOST_SHOWN} of them" if len(self) > MOST_SHOWN else ""
+        caption = f"<figcaption>{self._said}{some}</figcaption>"
         return f'<figure><img style="max-width: 100%" src="{png_uri(self._sheet())}">{caption}</figure>'
 
     def _sheet(self) -> NDArray[np.uint8]:
+        shown = np.linspace(0, len(self) - 1, min(len(self), MOST_SHOWN)).round().astype(int)
+        levels = self.black_level_dn, self.white_level_dn
         tiles = []
         for taken in self.cameras.values():
-            tiles += [shown_frame(each, self.black_level_dn, self.white_level_dn) for each in taken.image]
-            tiles += [shown_depth(each) for each in taken.depth_m]
-        return contact_sheet(tiles, columns=len(self))
+            tiles += [shown_frame(taken.image[i], *levels) for i in shown]
+            tiles += [shown_depth(taken.depth_m[i]) for i in shown]
+        return contact_sheet(tiles, columns=len(shown))
 
 
 def render(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.simulation import EpisodeSpec
 from tacos_view import Rendering, render, set_up
 from tacos_view.cameras import built_rig
+from tacos_view.rendering import CameraFrames
 from tests.two_boxes import monocular_recipe, plugins_with_boxes, stereo_recipe
 from tests.view.two_ports import plugins_with_two_ports
 
@@ -104,6 +107,21 @@ def test_a_pair_has_both_cameras() -> None:
 def test_it_shows_itself(shot: Rendering) -> None:
     assert shot._repr_png_().startswith(b"\x89PNG")
     assert "3 frames of 64 x 48 pixels" in shot._repr_html_()
+
+
+def test_of_many_frames_it_shows_some(shot: Rendering) -> None:
+    """Three hundred side by side left no pixel for any, which no picture has."""
+    taken = {name: _repeated(each, 100) for name, each in shot.cameras.items()}
+    many = replace(shot, cameras=taken, time_s=np.tile(shot.time_s, 100))
+    sheet = cv2.imdecode(np.frombuffer(many._repr_png_(), np.uint8), cv2.IMREAD_COLOR)
+    assert sheet.shape[:2] == (2 * 48 + 6, 12 * 64 + 11 * 6)
+    assert "300 frames of 64 x 48 pixels" in many._repr_html_()
+    assert "; 12 of them" in many._repr_html_()
+
+
+def _repeated(taken: CameraFrames, times: int) -> CameraFrames:
+    names = ("image", "depth_m", "object_id", "world_from_camera", "luminance_cd_m2")
+    return replace(taken, **{name: np.concatenate([getattr(taken, name)] * times) for name in names})
 
 
 def test_effects_are_added() -> None:
