@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from tacos_worlds.imported.preparation import Place
 
 _DEEPEST_M = 4.0
+"""An eye is no higher above what the agent steps on [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,5 +77,6 @@ def _steps(place: Place) -> list[tuple[float, int]]:
     if not len(time_s) or not place.obstacles:
         return []
     eyes = trajectory.at(time_s)[:, :3, 3]
-    way = stepped_on(place.occlusion, place.object_of_triangle, eyes, place.obstacles, _DEEPEST_M / 2)
+    underfoot = place.occlusion, place.object_of_triangle
+    way = stepped_on(*underfoot, eyes, place.obstacles, above_m=0.0, reach_m=_DEEPEST_M)
     return [(float(time_s[point]), thing) for point, thing in way.steps_on]

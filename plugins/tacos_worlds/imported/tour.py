@@ -106,12 +106,24 @@ def stepped_on(
     object_of_triangle: NDArray[np.int32],
     points_m: NDArray[np.float64],
     obstacles: Sequence[int],
-    step_m: float,
+    *,
+    above_m: float,
+    reach_m: float,
 ) -> Way:
-    """A line over the floor with the obstacles on it: what lies underfoot, seen from a step above."""
-    above = (points_m + np.array([0, 0, step_m + 0.05])).astype(np.float32)
+    """A line with the obstacles on it: what lies underfoot, seen from above it.
+
+    Parameters
+    ----------
+    points_m
+        (N, 3) places of the line [m].
+    obstacles
+        Ids of objects that count.
+    above_m, reach_m
+        From how far above the line one looks, and how far down from there [m].
+    """
+    above = (points_m + np.array([0, 0, above_m])).astype(np.float32)
     hits = occlusion.first_hits(above, np.tile(np.array([0, 0, -1], np.float32), (len(above), 1)))
-    near = (hits.triangle >= 0) & (hits.distance_m <= 2 * step_m + 0.1)
+    near = (hits.triangle >= 0) & (hits.distance_m <= reach_m)
     underfoot = np.where(near, object_of_triangle[np.maximum(hits.triangle, 0)], 0)
     counts = np.isin(underfoot, np.asarray(obstacles, np.int32))
     begins = counts & np.concatenate([[True], underfoot[1:] != underfoot[:-1]])

@@ -50,7 +50,15 @@ def draw_walks(
                     remedy="Leave closed doors out (leave_out), set start_m, or a smaller radius_m.",
                 )
             )
-        way = stepped_on(place.occlusion, place.object_of_triangle, line, place.obstacles, place.agent.step_m)
+        step_m = place.agent.step_m
+        way = stepped_on(
+            place.occlusion,
+            place.object_of_triangle,
+            line,
+            place.obstacles,
+            above_m=step_m + 0.05,
+            reach_m=2 * step_m + 0.1,
+        )
         route = Route(line[:, :2], tuple((point, thing - _FIRST_OBJECT) for point, thing in way.steps_on))
         height_m = float(rng.uniform(*camera_height_m))
         yield draw_walk(

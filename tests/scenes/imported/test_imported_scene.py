@@ -205,3 +205,14 @@ def test_waypoints_are_walked_by_and_those_off_the_floor_refused(house: Path) ->
     off = scene(house, waypoints_m=((1.0, 2.0), (1.0, 0.5)))  # on the sofa
     with pytest.raises(UserError, match="waypoint 2 is"):
         off.episode(rng=np.random.default_rng(0), illumination_lux=30.0)
+
+
+def test_a_recorded_path_steps_on_what_lies_below_it_under_a_ceiling(house: Path, tmp_path: Path) -> None:
+    """A head 1.5 m above the floor walks through the door, from 1 m in x to 5 m, at 1 m/s."""
+    poses = tmp_path / "poses.txt"
+    poses.write_text("0 1 2 1.5 0 0 0 1\n4 5 2 1.5 0 0 0 1\n", encoding="utf-8")
+    imported = scene(house, path=str(poses), path_of="agent", path_axes="world", frames=21)
+    episode = imported.episode(rng=np.random.default_rng(0), illumination_lux=30.0)
+    (crossing,) = episode.crossings
+    assert episode.world.objects[crossing.object_id].class_name == "threshold"
+    assert crossing.time_s == pytest.approx(1.9, abs=0.06)  # the sill begins at 2.9 m
