@@ -52,7 +52,7 @@ def study_recipe(
         When there is none, or with the faults of its form.
     """
     if isinstance(what, Recipe):
-        return what
+        return _changed(what, sets, effects) if sets or effects else what
     if str(what).startswith("scene."):
         return _scene_recipe(str(what), sets or {}, effects, plugins)
     file = Path(what) / "recipe.yaml"
@@ -62,6 +62,15 @@ def study_recipe(
             Fault(str(what), f"it is a recipe of {recipe.use}, which has no camera", "a recipe of a study")
         )
     return recipe
+
+
+def _changed(recipe: Recipe, sets: Mapping[str, Any] | None, effects: Sequence[Mapping[str, Any]]) -> Recipe:
+    """A recipe with other values and further effects, checked anew."""
+    document = recipe.text or read_yaml_draft(to_yaml(recipe.as_data()), name=recipe.name)
+    changed, faults = recipe_from(document, sets or {}, effects)
+    if faults:
+        raise UserError(faults)
+    return changed
 
 
 def _scene_recipe(

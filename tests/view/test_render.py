@@ -12,7 +12,8 @@ import pytest
 import tacos
 from tacos_framework.camera.geometry import pixel_rays
 from tacos_framework.errors import UserError
-from tacos_framework.recipe import Recipe
+from tacos_framework.recipe import Recipe, parse_recipe
+from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.simulation import EpisodeSpec
 from tacos_view import Rendering, render, set_up
 from tacos_view.cameras import built_rig
@@ -133,6 +134,21 @@ def test_effects_are_added() -> None:
     )
     grey = dark.image[0].mean(axis=-1)
     assert grey[0, 0] < 0.5 * grey[24, 32]
+
+
+@pytest.mark.parametrize("written", [False, True])
+def test_a_recipe_built_in_python_takes_settings_and_effects_too(written: bool) -> None:
+    plain = monocular_recipe()
+    if written:
+        plain, _ = parse_recipe(to_yaml(plain.as_data()))
+    plugins = plugins_with_boxes()
+    dark = [{"use": "effect.vignetting", "k1": -0.8}]
+    changed = set_up(plain, CAMERA, sets={"rig.binning": 4}, effects=dark, plugins=plugins)
+    assert changed.rig.cameras[0].width_px == 32
+    assert [effect.name for effect in changed.effects] == ["vignetting"]
+    assert set_up(plain, CAMERA, plugins=plugins).rig.cameras[0].width_px == 64
+    with pytest.raises(UserError, match=r"rig\.binnning"):
+        set_up(plain, CAMERA, sets={"rig.binnning": 4}, plugins=plugins)
 
 
 def test_the_facade_is_the_same_functions() -> None:
