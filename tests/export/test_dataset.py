@@ -249,6 +249,14 @@ def test_images_are_photographs_or_the_cameras_numbers(
     assert json.loads((folder / "frames.json").read_text())["encoding"] == encoding
 
 
+def test_images_of_16_bits_are_said_to_be_linear(exported: Any, pair: RenderSetup, tmp_path: Path) -> None:
+    """Whoever took them for sRGB, as `frames.json` said, would take the curve off once too often."""
+    assert json.loads((exported("png16") / "frames.json").read_text())["encoding"] == "linear"
+    with pytest.raises(UserError, match="--encoding srgb: images of png16 have 16 bits"):
+        export_dataset(pair, tmp_path / "new", "png16", frames=1, encoding="srgb")
+    assert not (tmp_path / "new").exists()
+
+
 def test_a_tone_curve_is_not_encoded_twice(tmp_path: Path) -> None:
     recipe = monocular_recipe(effects=[{"use": "effect.tone-curve", "gamma": 2.2}])
     setup = set_up(recipe, {"focal_length_mm": 0.6}, plugins=plugins_with_boxes())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ class CocoWriter:
     ----------
     Lin et al. 2014, "Microsoft COCO: Common Objects in Context", ECCV; cocodataset.org, "Data format".
     """
+
+    eight_bits: ClassVar[bool] = True
 
     def __init__(self, dataset: Dataset) -> None:
         self._dataset = dataset

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +32,8 @@ class EurocWriter:
     ----------
     Burri et al. 2016, "The EuRoC micro aerial vehicle datasets", IJRR 35(10).
     """
+
+    eight_bits: ClassVar[bool] = True
 
     def __init__(self, dataset: Dataset) -> None:
         self._dataset = dataset

@@ -63,7 +63,7 @@ def export_dataset(
     Raises
     ------
     UserError
-        When there is no such format, it has no place for the rig, or the folder is not empty.
+        When there is no such format, it has no place for the rig or the encoding, or the folder is not empty.
     """
     writer_class = _writer(format)
     if out.exists() and any(out.iterdir()):
@@ -74,11 +74,15 @@ def export_dataset(
         lenses[camera.name] = DatasetCamera(lens, distortion)
         notes += [f"{camera.name}: {each}" for each in said]
     curved = any(issubclass(effect.cls, ToneCurve) for effect in setup.effects)
+    if encoding == "srgb" and not writer_class.eight_bits:
+        what = f"images of {format} have 16 bits of the camera's own numbers"
+        raise UserError(Fault("--encoding srgb", what, "a format of 8 bits", "Leave --encoding out."))
     encoding = encoding or ("camera" if curved else "srgb")
     dataset = Dataset(out, setup.rig, lenses, encoding)
     writer = writer_class(dataset)
     out.mkdir(parents=True, exist_ok=True)  # nothing is left of a format that refuses the rig
-    manifest = Manifest(dataset, setup.camera.title)
+    as_taken = "camera" if curved else "linear"
+    manifest = Manifest(dataset, setup.camera.title, encoding if writer_class.eight_bits else as_taken)
     count = 0
     for index, frame in enumerate(setup.frames(frames, seed=seed)):
         writer.add(index, frame)
@@ -104,13 +108,23 @@ def _writer(format: str) -> type[DatasetWriter]:
 
 
 class Manifest:
-    """``frames.json``: cameras, poses and objects, the same beside every format."""
+    """``frames.json``: cameras, poses and objects, the same beside every format.
 
-    def __init__(self, dataset: Dataset, title: str) -> None:
+    Parameters
+    ----------
+    dataset
+        The cameras.
+    title
+        What to call the camera.
+    encoding
+        What the numbers of images are: srgb, camera (the camera's own digital numbers), or linear.
+    """
+
+    def __init__(self, dataset: Dataset, title: str, encoding: str) -> None:
         self._data: dict[str, Any] = {
             "tacos": __version__,
             "camera": title,
-            "encoding": dataset.encoding,
+            "encoding": encoding,
             "conventions": "x right, y down, z forward; metres; pixel (0, 0) has its centre at (0, 0); depth "
             "is along z; poses take points of the camera to the world",
             "cameras": {

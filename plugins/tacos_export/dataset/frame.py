@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import cv2
 import numpy as np
@@ -51,6 +51,9 @@ class Dataset:
 
 class DatasetWriter(Protocol):
     """Writes frames in one format, as they come."""
+
+    eight_bits: ClassVar[bool]
+    """Whether its images have 8 bits, as `Dataset.encoding` says, or 16 of the camera's own numbers."""
 
     def __init__(self, dataset: Dataset) -> None:
         """Write nothing yet; `UserError` where the format has no place for such a rig."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,8 @@ class KittiWriter:
     Geiger, Lenz and Urtasun 2012, "Are we ready for autonomous driving?", CVPR, and the development kits for
     objects, depth, stereo and odometry.
     """
+
+    eight_bits: ClassVar[bool] = True
 
     def __init__(self, dataset: Dataset) -> None:
         self._dataset = dataset

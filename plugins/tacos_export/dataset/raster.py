@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -24,6 +24,8 @@ class Png16Writer:
     Images are linear from the black level (0) to the white level (65535), depth is in millimetres, ids are
     places in the list ``objects`` of ``frames.json``.
     """
+
+    eight_bits: ClassVar[bool] = False
 
     def __init__(self, dataset: Dataset) -> None:
         self._out = dataset.out
@@ -56,6 +58,8 @@ class ExrWriter:
     the optical axis, infinite where nothing is [m]; ``id``: the object. Needs the package OpenEXR (extra
     ``export``).
     """
+
+    eight_bits: ClassVar[bool] = False
 
     def __init__(self, dataset: Dataset) -> None:
         self._out = dataset.out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 from tacos_export.conventions import depth_codes, quaternion_xyzw
 from tacos_export.dataset.frame import Dataset, photograph, write_image
@@ -22,6 +23,8 @@ class TumWriter:
     ----------
     Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems", IROS, and its file formats.
     """
+
+    eight_bits: ClassVar[bool] = True
 
     def __init__(self, dataset: Dataset) -> None:
         self._dataset = dataset
