@@ -34,7 +34,6 @@ from tacos_report.quantities import duration, number
 from tacos_report.story import design_words
 
 SIMULATIONS = ("real", "simulated", "simulated with the causes")
-DIFFERENCES = ("real less simulated", "real less simulated with the causes")
 MOST_SCORES = 3
 """Scores of tasks that are drawn."""
 

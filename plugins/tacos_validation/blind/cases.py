@@ -75,6 +75,11 @@ class Case:
         return tuple(sureness(cause) for cause in self.answer.get("causes", ()))
 
     @property
+    def named(self) -> tuple[str, ...]:
+        """The causes that are named with a presence above one half."""
+        return tuple(name for name, sure in zip(self.causes, self.sureness, strict=True) if sure > SURE)
+
+    @property
     def first(self) -> str:
         """The first cause, or what was said in its place: a verdict, or an error."""
         if self.failed:

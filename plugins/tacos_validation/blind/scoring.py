@@ -32,6 +32,9 @@ def figures(cases: Sequence[Case]) -> list[Figure]:
         share("T1 first cause right, charts", [c.right for c in charts], ">= 95 %", at_least(0.95)),
         share("T1 first cause right, natural", [c.right for c in natural], ">= 80 %", at_least(0.8)),
         share("T2 exact set", [c.right for c in of.get("T2", ())], ">= 70 %", at_least(0.7)),
+        share(
+            "T2 exact set, of presence above 50 %", [set(c.named) == set(c.effects) for c in of.get("T2", ())]
+        ),
         share("T3 says that something is unknown", [c.right for c in third], ">= 90 %", at_least(0.9)),
         share("T3 verdict unknown, strictly", [c.answer.get("verdict") == "unknown" for c in third]),
         *_fourth(of.get("T4", ()), charts),

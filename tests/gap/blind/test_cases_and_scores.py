@@ -193,6 +193,9 @@ def test_sets_must_be_exact() -> None:
     exact = case("T2", "prnu", "jpeg", named=("jpeg", "prnu"))
     more = case("T2", "prnu", "jpeg", named=("jpeg", "prnu", "dsnu"))
     assert figure("T2 exact set", exact, more).value == 0.5
+    more.answer["causes"][2]["present"] = 0.4
+    assert figure("T2 exact set", exact, more).value == 0.5
+    assert figure("T2 exact set, of presence above 50 %", exact, more).value == 1.0
 
 
 def test_removed_effects_must_be_called_unknown() -> None:
