@@ -123,7 +123,7 @@ _MOST_STRIPS = 1_000_000
 
 
 def _tiff(content: bytes) -> ImageHeader:
-    tags = dict(_tiff_tags(content))
+    tags = dict(tiff_tags(content))
 
     def largest(tag: int, default: int) -> int:
         return max(tags.get(tag) or (default,))
@@ -146,16 +146,24 @@ def _tiff(content: bytes) -> ImageHeader:
     return ImageHeader("TIFF", width, height, sample_bytes)
 
 
-def _tiff_tags(content: bytes) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """Whole numbers by tag, of the first image of a TIFF file; a tag that comes twice has all its values."""
+def tiff_tags(content: bytes, directory: int | None = None) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """Whole numbers by tag, of an image of a TIFF file; a tag that comes twice has all its values.
+
+    Parameters
+    ----------
+    content
+        The file.
+    directory
+        Where the directory of the image begins; the first one's, when left out.
+    """
     order = "<" if content[:2] == b"II" else ">"
     (version,) = struct.unpack_from(order + "H", content, 2)
     if version == 42:
-        (offset,) = struct.unpack_from(order + "I", content, 4)
+        offset = struct.unpack_from(order + "I", content, 4)[0] if directory is None else directory
         (count,) = struct.unpack_from(order + "H", content, offset)
         start, entry, letter = offset + 2, "HHI", "I"
     elif version == 43:
-        (offset,) = struct.unpack_from(order + "Q", content, 8)
+        offset = struct.unpack_from(order + "Q", content, 8)[0] if directory is None else directory
         (count,) = struct.unpack_from(order + "Q", content, offset)
         start, entry, letter = offset + 8, "HHQ", "Q"
     else:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_files.image_headers import FORMATS, HeaderError, ImageHeader, read_header
+from tacos_files.tiff_as_stored import tiff_as_stored
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files.limits import limits
 from tacos_framework.files.regular import read_bytes, too_large
@@ -44,9 +45,21 @@ def decode_samples(content: bytes, where: str, name: str) -> NDArray[Any]:
     where, name
         What the fault is of, and what to call the file in it.
     """
+    header = checked_header(content, where, name)
+    if header.format != "TIFF":
+        return _decoded(content, header, where, name)
+    try:
+        stored = tiff_as_stored(content)
+    except HeaderError as error:
+        raise UserError(_unreadable(where, name, error)) from error
+    planes = [_decoded(plane, header, where, name) for plane in stored.planes]
+    samples = planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)
+    return samples >> stored.shift if stored.shift else samples
+
+
+def _decoded(content: bytes, header: ImageHeader, where: str, name: str) -> NDArray[Any]:
     import cv2
 
-    header = checked_header(content, where, name)
     try:
         image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
@@ -83,13 +96,16 @@ def checked_header(content: bytes, where: str, name: str) -> ImageHeader:
     try:
         header = read_header(content)
     except HeaderError as error:
-        raise UserError(
-            Fault(where, f"{name} is no image that can be read: {error}", FORMATS, "Copy or save it anew.")
-        ) from error
+        raise UserError(_unreadable(where, name, error)) from error
     size = f"{header.width_px} x {header.height_px} pixels of {name}"
     if header.decoded_bytes > limits().bytes_of("image_mb"):
         raise UserError(too_large(where, f"the image of {size}", header.decoded_bytes, "image_mb"))
     return header
+
+
+def _unreadable(where: str, name: str, error: HeaderError) -> Fault:
+    what = f"{name} is no image that can be read: {error}"
+    return Fault(where, what, FORMATS, "Copy or save it anew.")
 
 
 def _damaged(where: str, name: str, reason: str) -> Fault:

@@ -31,7 +31,8 @@ _CAPTURES_RULES = f"""\
 - Images are PNG or TIFF of 8 or 16 bits, `.npy`, or camera RAW (extra `raw`), in the order R, G, B; a mosaic
   has one channel. Values are right-aligned (a 12-bit camera's reach up to 4095) and the camera's own: no
   gamma added, not scaled, not rotated. JPEG files should be the camera's own: how they were coded is read
-  from their headers, and taken as given.
+  from their headers, and taken as given. Files that ask to be turned (EXIF, TIFF) are read as they lie, alpha
+  is left out, and a TIFF of several images is refused: each frame is a file.
 - Paths start from the folder. `real` and `simulated` take a file, a list, or a glob, whose files come in the
   order of their names, 10 after 9. Of the frames of a capture the first {MAX_FRAMES} are read.
 - `simulated` is linear, in digital numbers with the pedestal, without noise, not clipped: (height, width) or
