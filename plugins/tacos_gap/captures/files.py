@@ -61,14 +61,23 @@ class CaptureFiles:
                 self.fault(("captures", i, key), f"{name!r} leaves the folder", f"files in {self.folder}")
                 continue
             try:
-                matching = sorted(filter(Path.is_file, self.folder.glob(name)), key=_by_number)
+                matching = self._matching(name)
             except (ValueError, NotImplementedError) as error:
                 self.fault(("captures", i, key), f"{name!r} is no pattern for files: {error}")
                 continue
             if not matching:
-                self.fault(("captures", i, key), f"no file matches {name!r}", f"files in {self.folder}")
+                other = self._matching(_any_case(name))
+                remedy = f"Capitals count: there is {other[0].relative_to(self.folder)}." if other else ""
+                what, expected = f"no file matches {name!r}", f"files in {self.folder}"
+                self.fault(("captures", i, key), what, expected, remedy)
             paths += matching
         return paths
+
+    def _matching(self, pattern: str) -> list[Path]:
+        """The files of a pattern; hidden ones, which systems leave beside others, only where it says so."""
+        hidden = Path(pattern).name.startswith(".")
+        found = (path for path in self.folder.glob(pattern) if hidden or not path.name.startswith("."))
+        return sorted(filter(Path.is_file, found), key=_by_number)
 
     def stack(
         self, i: int, key: str, paths: Sequence[Path], shape: tuple[int, int]
@@ -160,6 +169,13 @@ class CaptureFiles:
             return None
         boxes, colours = zip(*rows, strict=True)
         return np.array(boxes, np.int64), np.array(colours, np.float64)
+
+
+def _any_case(pattern: str) -> str:
+    """A pattern that capitals do not matter to, but for those in brackets of its own."""
+    if "[" in pattern:
+        return pattern
+    return "".join(f"[{c.lower()}{c.upper()}]" if c.isascii() and c.isalpha() else c for c in pattern)
 
 
 def _by_number(path: Path) -> list[tuple[int, str]]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_files.arrays import read_npy
+from tacos_files.image_headers import FORMATS
 from tacos_files.images import read_samples
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits, read_bytes
@@ -23,9 +24,16 @@ _LARGEST_DN = 1e9
 _RAW_BYTES = 2
 """Bytes of a sample of a mosaic, as LibRaw unpacks it."""
 
-RAW_SUFFIXES = frozenset({".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".rw2", ".orf"})
-PICTURE_SUFFIXES = RAW_SUFFIXES | {".jpg", ".jpeg", ".webp", ".heic", ".png", ".tif", ".tiff", ".npy"}
-"""Of photographs that can be imported."""
+RAW_SUFFIXES = frozenset(
+    {".dng", ".cr2", ".cr3", ".nef", ".nrw", ".arw", ".raf", ".rw2", ".rwl", ".orf", ".pef", ".srw", ".3fr"}
+)
+_HEIF_SUFFIXES = frozenset({".heic", ".heif"})
+PICTURE_SUFFIXES = (
+    RAW_SUFFIXES
+    | _HEIF_SUFFIXES
+    | {*(".jpg", ".jpeg", ".webp", ".png", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".npy")}
+)
+"""Of photographs, as the import looks for them."""
 
 
 def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[Any]:
@@ -49,6 +57,9 @@ def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[An
         image = read_array(path, where, within)
     elif path.suffix.lower() in RAW_SUFFIXES:
         image = _read_raw(path, where, within)
+    elif path.suffix.lower() in _HEIF_SUFFIXES:
+        what, remedy = f"{path.name} is HEIF, which cannot be read", "Let the camera save RAW or JPEG files."
+        raise UserError(Fault(where, what, FORMATS, remedy))
     else:
         image = read_samples(path, where=where, within=within)
     if image.ndim == 2:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from tacos_files.images import UNREADABLE
-from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_gap.captures.images import RAW_SUFFIXES, opened_raw
 
@@ -82,13 +81,14 @@ def read_facts(path: Path) -> Facts:
     """
     said = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else {}
     if path.suffix.lower() != ".npy":
-        said = {**_of_exif(path, needed=not said), **said}
+        said = {**_of_exif(path), **said}
     if said.get("exposure_ms") is None and (found := _TIME_IN_NAME.search(path.stem.replace("_", " "))):
         said |= {"exposure_ms": float(found[1]) * _MS[found[2].lower()], "time_from_name": True}
     return Facts(**said, lossy=path.suffix.lower() in LOSSY_SUFFIXES)
 
 
-def _of_exif(path: Path, *, needed: bool) -> dict[str, Any]:
+def _of_exif(path: Path) -> dict[str, Any]:
+    """What EXIF says; nothing of a file that Pillow does not know, which may hold a picture all the same."""
     from PIL import Image
 
     content = read_bytes(path, "image_mb")
@@ -99,9 +99,7 @@ def _of_exif(path: Path, *, needed: bool) -> dict[str, Any]:
                 width, height = image.size
                 base = image.getexif()
                 tags = {**base, **base.get_ifd(_EXIF)}
-    except (*UNREADABLE, Image.DecompressionBombError) as error:
-        if needed:
-            raise UserError(Fault(str(path), f"{path.name} cannot be read: {error}")) from error
+    except (*UNREADABLE, Image.DecompressionBombError):
         return {}
     exposure_s, plane = _number(tags.get(_EXPOSURE)), _number(tags.get(_PLANE_X))
     return {

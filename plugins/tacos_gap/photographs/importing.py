@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import shutil
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -13,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_gap.captures.images import PICTURE_SUFFIXES, RAW_SUFFIXES
 from tacos_gap.captures.missing import FILE
 from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, board_of
 from tacos_gap.photographs.camera import CameraFound, Given, camera_of, focal_px_of_views
 from tacos_gap.photographs.folder_text import folder_text
 from tacos_gap.photographs.grouping import Stack, stacks_of
 from tacos_gap.photographs.picture import Picture, look_at
+from tacos_gap.photographs.sources import pictures_in
 
 _UNKNOWN_MS = 30.0
 _ORDER = ("dark", "flat", "bracket", "edge", "board", "chart", "sequence", "scene")
@@ -72,7 +71,7 @@ def import_photographs(
         When there are no pictures, some cannot be read, or `out` is not empty.
     """
     given = given or Given()
-    paths, doubts = _pictures_in(sources)
+    paths, doubts = pictures_in(sources)
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         what = "is not empty" if out.is_dir() else "is a file"
         raise UserError(Fault(str(out), what, "a folder that is new or empty", "Name another --out."))
@@ -96,36 +95,6 @@ def import_photographs(
     path = out / FILE
     path.write_text(folder_text(out.name, camera, entries, doubts), encoding="utf-8")
     return Imported(path, entries, camera, tuple(doubts))
-
-
-def _pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
-    """Files of pictures, and sentences on what was passed over."""
-    missing = [
-        Fault(str(source), "is neither a file nor a folder", "pictures, or a folder of them")
-        for source in sources
-        if not source.exists()
-    ]
-    if missing:
-        raise UserError(missing)
-    found = [
-        path
-        for source in sources
-        for path in (sorted(source.rglob("*"), key=_by_number) if source.is_dir() else [source])
-        if path.is_file() and path.suffix.lower() in PICTURE_SUFFIXES
-    ]
-    raw = {path.with_suffix("") for path in found if path.suffix.lower() in RAW_SUFFIXES}
-    kept = [p for p in found if p.suffix.lower() in RAW_SUFFIXES or p.with_suffix("") not in raw]
-    if not kept:
-        what = "holds no pictures" if len(sources) == 1 else "and the others hold no pictures"
-        raise UserError(Fault(str(sources[0]), what, "JPEG, PNG, TIFF, camera RAW or .npy"))
-    beside = len(found) - len(kept)
-    return kept, [f"{beside} files beside a RAW file of the same name are passed over."] if beside else []
-
-
-def _by_number(path: Path) -> list[tuple[int, str]]:
-    """A key that puts 10 after 9."""
-    parts = re.split(r"(\d+)", str(path))
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
 
 
 def _looked_at(paths: Sequence[Path], given: Given, tell: Callable[[str], None]) -> list[Picture]:

@@ -316,3 +316,14 @@ def test_captures_may_not_name_files_elsewhere(tmp_path):
     assert "leaves the folder" in only(faults(describe(folder, described)))
     (folder / "patches.csv").symlink_to("/etc/passwd")
     assert "leads out of" in only(faults(flat_folder(folder, chart={"patches": "patches.csv"})))
+
+
+def test_hidden_files_beside_frames_are_no_frames(tmp_path):
+    flat_folder(tmp_path, real="flat/*.png")
+    (tmp_path / "flat/._000.png").write_bytes(b"what a system keeps")
+    assert read_captures(tmp_path).captures[0].frames == 2
+
+
+def test_a_pattern_in_other_capitals_is_told_what_there_is(tmp_path):
+    flat_folder(tmp_path, real="Flat/*.PNG")
+    assert "Capitals count: there is flat/000.png." in only(faults(tmp_path))

@@ -119,7 +119,7 @@ def test_what_is_no_photograph_is_refused_in_a_sentence(tmp_path):
     with pytest.raises(UserError, match="holds no pictures"):
         import_photographs([tmp_path / "photos"], tmp_path / "out")
     (tmp_path / "photos/a.jpg").write_bytes(b"no picture")
-    with pytest.raises(UserError, match=r"a\.jpg cannot be read"):
+    with pytest.raises(UserError, match=r"a\.jpg is no image that can be read"):
         import_photographs([tmp_path / "photos"], tmp_path / "out")
     save(tmp_path / "photos/a.jpg", np.full((*SHAPE, 3), 90.0) * [1, 0.9, 0.8])
     with pytest.raises(UserError, match="pictures are in colour"):

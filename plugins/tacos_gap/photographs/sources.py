@@ -1,0 +1,79 @@
+"""Which files of what was named are photographs, and which are passed over."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from tacos_framework.errors import Fault, UserError
+from tacos_gap.captures.images import PICTURE_SUFFIXES, RAW_SUFFIXES
+
+_OF_SYSTEMS = frozenset({"__macosx", "@eadir", "thumbs.db", "desktop.ini"})
+"""Files and folders that systems leave beside photographs, in small letters; others begin with a dot."""
+
+_NAMED = 3
+"""Files that are named of those passed over."""
+
+
+def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Files of pictures, each once, and sentences on what was passed over.
+
+    Parameters
+    ----------
+    sources
+        Files and folders, searched through. What is hidden, or left there by a system, counts for nothing.
+
+    Raises
+    ------
+    UserError
+        When a source is not there, or all of them hold no picture.
+    """
+    missing = [
+        Fault(str(source), "is neither a file nor a folder", "pictures, or a folder of them")
+        for source in sources
+        if not source.exists()
+    ]
+    if missing:
+        raise UserError(missing)
+    there = list({path.resolve(): path for source in sources for path in _files_of(source)}.values())
+    found = [path for path in there if path.suffix.lower() in PICTURE_SUFFIXES]
+    raw = {path.with_suffix("") for path in found if path.suffix.lower() in RAW_SUFFIXES}
+    kept = [p for p in found if p.suffix.lower() in RAW_SUFFIXES or p.with_suffix("") not in raw]
+    if not kept:
+        what = "holds no pictures" if len(sources) == 1 else "and the others hold no pictures"
+        others = f"; there is {_listed(there)}" if there else ""
+        raise UserError(
+            Fault(str(sources[0]), what + others, "JPEG, PNG, TIFF, BMP, PGM, PPM, camera RAW or .npy")
+        )
+    said = []
+    if beside := len(found) - len(kept):
+        said.append(f"{beside} files beside a RAW file of the same name are passed over.")
+    if others := [path for path in there if path not in set(found)]:
+        said.append(f"Passed over, as no pictures that can be read: {_listed(others)}.")
+    return kept, said
+
+
+def _files_of(source: Path) -> Iterator[Path]:
+    """A file, or the files of a folder by their names, 10 after 9."""
+    if not source.is_dir():
+        yield source
+        return
+    for path in sorted(source.rglob("*"), key=_by_number):
+        if path.is_file() and not any(map(_is_of_system, path.relative_to(source).parts)):
+            yield path
+
+
+def _is_of_system(name: str) -> bool:
+    return name.startswith(".") or name.lower() in _OF_SYSTEMS
+
+
+def _listed(paths: Sequence[Path]) -> str:
+    names = ", ".join(path.name for path in paths[:_NAMED])
+    return names + (f" and {len(paths) - _NAMED} more" if len(paths) > _NAMED else "")
+
+
+def _by_number(path: Path) -> list[tuple[int, str]]:
+    """A key that puts 10 after 9."""
+    parts = re.split(r"(\d+)", str(path))
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
