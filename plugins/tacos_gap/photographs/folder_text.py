@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -31,7 +32,7 @@ def folder_text(
     doubts
         Sentences on what is unsure; they become comments.
     """
-    lines = [_comment(line) for line in _HEADER.format(folder=folder).splitlines()]
+    lines = [_comment(line) for line in _HEADER.format(folder=shlex.quote(folder)).splitlines()]
     if doubts:
         lines += ["#", "# Unsure of:"]
         lines += [_comment(doubt, "- ", "  ") for doubt in doubts]

@@ -17,7 +17,8 @@ from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, board_of
 from tacos_gap.photographs.camera import CameraFound, Given, camera_of, focal_px_of_views
 from tacos_gap.photographs.folder_text import folder_text
 from tacos_gap.photographs.grouping import Stack, stacks_of
-from tacos_gap.photographs.picture import Picture, look_at
+from tacos_gap.photographs.looking import looked_at, of_one_form
+from tacos_gap.photographs.picture import Picture
 from tacos_gap.photographs.sources import pictures_in
 
 _UNKNOWN_MS = 30.0
@@ -75,19 +76,17 @@ def import_photographs(
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         what = "is not empty" if out.is_dir() else "is a file"
         raise UserError(Fault(str(out), what, "a folder that is new or empty", "Name another --out."))
-    pictures = _looked_at(paths, given, notify or (lambda text: None))
-    size, others = _usual_size(pictures)
-    doubts += [f"{p.path.name} is left out: it is not {size[0]} x {size[1]} like most." for p in others]
-    pictures = [picture for picture in pictures if picture.size_px == size]
+    pictures, left_out = of_one_form(looked_at(paths, given, notify or (lambda text: None)))
+    doubts += left_out
     boards = [picture for picture in pictures if picture.shown.kind == "board"]
     board = board_of(boards, given.inner_corners)
     lost = [picture for picture in boards if board is None or picture not in board.corners_px]
-    doubts += [f"{picture.path.name} is left out: its chessboard is not seen whole." for picture in lost]
+    doubts += [f"{picture.name} is left out: {_not_seen(picture, given)}." for picture in lost]
     pictures = [picture for picture in pictures if picture not in lost]
     if not pictures:
         raise UserError(Fault(str(sources[0]), "no picture is left to import", "", " ".join(doubts)))
     seen = tuple(board.corners_px.values()) if board else ()
-    focal_px = focal_px_of_views(seen, board.inner_corners, size) if board else None
+    focal_px = focal_px_of_views(seen, board.inner_corners, pictures[0].size_px) if board else None
     camera = camera_of(pictures, given, focal_px)
     stacks = sorted(stacks_of(pictures), key=lambda stack: _ORDER.index(stack.kind))
     doubts += [*camera.doubts, *_doubts(stacks, board, given)]
@@ -97,31 +96,20 @@ def import_photographs(
     return Imported(path, entries, camera, tuple(doubts))
 
 
-def _looked_at(paths: Sequence[Path], given: Given, tell: Callable[[str], None]) -> list[Picture]:
-    pictures: list[Picture] = []
-    faults: list[Fault] = []
-    for path in paths:
-        tell(path.name)
-        try:
-            pictures.append(look_at(path, given.black_level_dn, given.bit_depth))
-        except UserError as error:
-            faults += error.faults
-    if faults:
-        raise UserError(faults)
-    return sorted(pictures, key=lambda picture: picture.facts.taken)
-
-
-def _usual_size(pictures: Sequence[Picture]) -> tuple[tuple[int, int], list[Picture]]:
-    size = Counter(picture.size_px for picture in pictures).most_common(1)[0][0]
-    return size, [picture for picture in pictures if picture.size_px != size]
+def _not_seen(picture: Picture, given: Given) -> str:
+    """Why a chessboard is of no use."""
+    wanted, counted = given.inner_corners, picture.shown.corners
+    if wanted and counted and sorted(wanted) != sorted(counted):
+        return "its chessboard shows {} x {} inner corners, not {} x {} (--board)".format(*counted, *wanted)
+    return "its chessboard is not seen whole"
 
 
 def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> Iterator[str]:
     for stack in stacks:
         for picture in stack.pictures:
             if picture.shown.doubt and picture.shown.kind == stack.kind:
-                yield f"{picture.path.name}: {picture.shown.doubt}"
-    untimed = [stack.first.path.name for stack in stacks if stack.first.facts.exposure_ms is None]
+                yield f"{picture.name}: {picture.shown.doubt}"
+    untimed = [stack.first.name for stack in stacks if stack.first.facts.exposure_ms is None]
     if untimed:
         yield (
             f"{_untimed_words(untimed)}: darks need it, brackets are found by it. Write exposure_ms, or put "
@@ -137,7 +125,7 @@ def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> 
         )
     scenes = [stack for stack in stacks if stack.kind == "scene"]
     if scenes:
-        names = ", ".join(stack.first.path.name for stack in scenes[:3])
+        names = ", ".join(stack.first.name for stack in scenes[:3])
         yield (
             f"{len(scenes)} pictures show neither cap, wall, bracket, edge, chessboard nor ColorChecker "
             f"({names}): nothing is known of what they should look like, so they are left unused until "
@@ -196,9 +184,9 @@ def _copied(stack: Stack, out: Path, name: str) -> list[str]:
     (out / name).mkdir(parents=True, exist_ok=True)
     files = []
     for number, picture in enumerate(stack.pictures):
-        own = f"{name}/{picture.path.name}"
+        own = f"{name}/{picture.name}"
         if (out / own).exists():  # of another folder of photographs
-            own = f"{name}/{number}_{picture.path.name}"
+            own = f"{name}/{number}_{picture.name}"
         shutil.copy2(picture.path, out / own)
         files.append(own)
     return files

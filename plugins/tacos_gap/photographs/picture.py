@@ -14,6 +14,9 @@ from tacos_gap.photographs.shown import Shown, shown_in
 
 _LATTICE = 0.03
 
+USUAL_DEPTH = 12
+"""Bits of a camera that writes 16-bit files of values that 8 bits hold: they are dark to it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Picture:
@@ -29,10 +32,14 @@ class Picture:
         Width and height.
     mono
         Whether it has one channel, or three that are equal.
+    channels
+        Channels of the file.
+    sample
+        Type of its samples, as NumPy calls it.
     bits
-        Bits that its type and its largest value need.
-    middle_dn
-        Middle value of the file [DN].
+        Bits of the camera, as far as its type and largest value tell.
+    middle_dn, largest_dn
+        Middle and largest value of the file [DN].
     lattice
         Whether its pixels differ two by two, as behind a mosaic of filters.
     """
@@ -42,9 +49,17 @@ class Picture:
     shown: Shown
     size_px: tuple[int, int]
     mono: bool
+    channels: int
+    sample: str
     bits: int
     middle_dn: float
+    largest_dn: float
     lattice: bool
+
+    @property
+    def name(self) -> str:
+        """The name of the file, for print and for YAML: what neither can hold is an underscore."""
+        return "".join(letter if letter.isprintable() else "_" for letter in self.path.name)
 
 
 def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Picture:
@@ -57,7 +72,8 @@ def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Pictur
     """
     facts = read_facts(path)
     image = read_image(path, str(path))
-    bits = bit_depth or _bits(image, facts)
+    largest = float(image.max())
+    bits = bit_depth or bits_of(max(largest, facts.white_level_dn or 0.0), image.dtype.name)
     black = black_dn if black_dn is not None else facts.black_level_dn or 0.0
     white = facts.white_level_dn or 2.0**bits - 1
     height, width, channels = image.shape
@@ -69,17 +85,25 @@ def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Pictur
         shown_in(seen, min(black, 0.9 * white), white),
         (width, height),
         mono,
+        channels,
+        image.dtype.name,
         bits,
         float(np.median(image)),
+        largest,
         channels == 1 and _has_lattice(image[..., 0]),
     )
 
 
-def _bits(image: NDArray[np.generic], facts: Facts) -> int:
-    if image.dtype == np.uint8:
+def bits_of(largest_dn: float, sample: str) -> int:
+    """Bits of a camera by the largest value of its files and the type of their samples.
+
+    >>> bits_of(200, "uint8"), bits_of(2300, "uint16"), bits_of(200, "uint16")
+    (8, 12, 12)
+    """
+    if sample == "uint8":
         return 8
-    largest = max(float(facts.white_level_dn or 0), float(np.asarray(image).max()))
-    return max(8, int(np.ceil(np.log2(largest + 1))))
+    needed = max(8, int(np.ceil(np.log2(largest_dn + 1))))
+    return USUAL_DEPTH if sample == "uint16" and needed == 8 else needed
 
 
 def _has_lattice(plane: NDArray[np.generic]) -> bool:

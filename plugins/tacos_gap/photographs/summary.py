@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -35,7 +36,8 @@ def summary(imported: Imported) -> Iterator[str]:
         for doubt in imported.doubts:
             yield from textwrap.wrap(doubt, 100, initial_indent="  - ", subsequent_indent="    ")
     yield ""
-    yield f"Next: tacos captures check {folder}, then tacos-run diagnose --set captures={folder} --out out"
+    check, diagnose = shlex.quote(str(folder)), shlex.quote(f"captures={folder}")
+    yield f"Next: tacos captures check {check}, then tacos-run diagnose --set {diagnose} --out out"
 
 
 def _is_number(value: Any) -> bool:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
 
+from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
 from tacos_gap.captures import read_captures
+from tacos_gap.photographs.camera import Given
 from tacos_gap.photographs.importing import import_photographs
 
 SHAPE = (120, 160)
@@ -71,3 +75,77 @@ def test_a_heif_file_says_what_to_set_the_camera_to(tmp_path):
     (tmp_path / "IMG_1.HEIC").write_bytes(b"\0\0\0 ftypheic")
     with pytest.raises(UserError, match=r"IMG_1.HEIC is HEIF.*\n.*\n.*Let the camera save RAW or JPEG files"):
         import_photographs([tmp_path], tmp_path / "out")
+
+
+def deep(path: Path, level_dn: float, sigma_dn: float, seed: int = 0) -> Path:
+    """An even picture of a camera of 12 bits, in a file of 16."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    noisy = np.rint(np.random.default_rng(seed).normal(level_dn, sigma_dn, SHAPE))
+    assert cv2.imwrite(str(path), np.clip(noisy, 0, 4095).astype(np.uint16))
+    return path
+
+
+@pytest.mark.parametrize("with_wall", [True, False])
+def test_the_dark_of_a_deep_camera_is_dark_to_its_full_scale(tmp_path, with_wall):
+    deep(tmp_path / "in/a_10ms.png", 168, 4)
+    if with_wall:
+        deep(tmp_path / "in/b_10ms.png", 2300, 30)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert [entry["kind"] for entry in found.entries] == ["dark", "flat"][: 1 + with_wall]
+    assert found.camera.entry["bit_depth"] == 12
+    assert found.camera.entry["black_level_dn"] == 168
+
+
+def test_a_camera_of_ten_bits_keeps_its_ten(tmp_path):
+    deep(tmp_path / "in/a_10ms.png", 40, 3)
+    deep(tmp_path / "in/b_10ms.png", 800, 9)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert [entry["kind"] for entry in found.entries] == ["dark", "flat"]
+    assert found.camera.entry["bit_depth"] == 10
+
+
+def test_pictures_of_another_form_are_left_out_and_the_rest_can_be_read(tmp_path):
+    for seed in range(2):
+        taken(tmp_path / f"in/wall_{seed}.png", [120, 110, 100], seed=seed)
+    taken(tmp_path / "in/grey.png", 12)
+    deep(tmp_path / "in/deep.png", 2300, 30)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert [len(entry["real"]) for entry in found.entries] == [2]
+    assert "grey.png is left out: it has one channel, and most have three." in found.doubts
+    assert read_captures(tmp_path / "out").captures[0].frames == 2
+
+
+def test_eight_bits_beside_twelve_are_left_out(tmp_path):
+    for seed in range(2):
+        deep(tmp_path / f"in/wall_{seed}.png", 2300, 30, seed)
+    taken(tmp_path / "in/preview.jpg", 140)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert "preview.jpg is left out: it has 8 bits a sample, and most have more." in found.doubts
+    assert read_captures(tmp_path / "out").captures[0].frames == 2
+
+
+def test_a_copy_is_no_second_frame(tmp_path):
+    shutil.copy(taken(tmp_path / "in/a.png", 120), tmp_path / "in/a (1).png")
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert "a.png is left out: it is the same, byte by byte, as a (1).png." in found.doubts
+    assert read_captures(tmp_path / "out").captures[0].frames == 1
+
+
+def test_names_of_other_alphabets_can_be_read_and_printed(tmp_path, capsys):
+    (tmp_path / "in").mkdir()
+    taken(tmp_path / "a.png", 120).rename(tmp_path / "in/gr\udcfcn\n.png")  # Latin-1, from an archive
+    assert tacos_main(["captures", "import", str(tmp_path / "in"), "--out", str(tmp_path / "my out")]) == 0
+    printed = capsys.readouterr().out
+    printed.encode("utf-8")
+    assert f"captures check '{tmp_path / 'my out'}'" in printed
+    assert len(read_captures(tmp_path / "my out").captures) == 1
+
+
+def test_a_board_of_another_size_than_was_said_is_told_so(tmp_path):
+    squares = np.kron(np.indices((6, 8)).sum(axis=0) % 2, np.ones((15, 15)))
+    board = 30 + 170 * np.pad(squares, ((15, 15), (20, 20)), constant_values=1)
+    path = tmp_path / "in/board.png"
+    path.parent.mkdir()
+    Image.fromarray(board.astype(np.uint8)).save(path)
+    with pytest.raises(UserError, match=r"shows 7 x 5 inner corners, not 8 x 6 \(--board\)"):
+        import_photographs([path], tmp_path / "out", Given(inner_corners=(8, 6)))

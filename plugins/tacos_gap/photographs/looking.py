@@ -1,0 +1,96 @@
+"""All photographs looked at, and those kept that one folder of captures can hold."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from hashlib import sha256
+from pathlib import Path
+
+from tacos_framework.errors import Fault, UserError
+from tacos_framework.files import read_bytes
+from tacos_gap.photographs.camera import Given
+from tacos_gap.photographs.picture import Picture, bits_of, look_at
+
+
+def looked_at(paths: Sequence[Path], given: Given, tell: Callable[[str], None]) -> list[Picture]:
+    """The pictures of files, in the order they were taken, each seen at the depth that all of them need.
+
+    Raises
+    ------
+    UserError
+        With what is wrong with every file that cannot be read.
+    """
+    pictures: list[Picture] = []
+    faults: list[Fault] = []
+    for path in paths:
+        tell(path.name)
+        try:
+            pictures.append(look_at(path, given.black_level_dn, given.bit_depth))
+        except UserError as error:
+            faults += error.faults
+    if faults:
+        raise UserError(faults)
+    return sorted(_at_one_depth(pictures, given), key=lambda picture: picture.facts.taken)
+
+
+def _at_one_depth(pictures: Sequence[Picture], given: Given) -> list[Picture]:
+    """Pictures, seen again where brighter ones show another depth of the camera: a dark is dark to that."""
+    of_no_said_depth = [p for p in pictures if p.sample != "uint8" and p.facts.white_level_dn is None]
+    if given.bit_depth is not None or not of_no_said_depth:
+        return list(pictures)
+    brightest = max(of_no_said_depth, key=lambda picture: picture.largest_dn)
+    bits = bits_of(brightest.largest_dn, brightest.sample)
+    again = {picture for picture in of_no_said_depth if picture.bits != bits}
+    return [look_at(p.path, given.black_level_dn, bits) if p in again else p for p in pictures]
+
+
+def of_one_form(pictures: Sequence[Picture]) -> tuple[list[Picture], list[str]]:
+    """Those of the size, channels and depth that most have, none twice, and a sentence for each left out."""
+    said: list[str] = []
+
+    def leave_out(those: Sequence[Picture], why: Callable[[Picture], str]) -> None:
+        nonlocal pictures
+        said.extend(f"{picture.name} is left out: {why(picture)}." for picture in those)
+        pictures = [picture for picture in pictures if picture not in set(those)]
+
+    size = Counter(picture.size_px for picture in pictures).most_common(1)[0][0]
+    others = [picture for picture in pictures if picture.size_px != size]
+    leave_out(others, lambda picture: f"it is not {size[0]} x {size[1]} like most")
+
+    grey, rgb = ([p for p in pictures if p.channels == channels] for channels in (1, 3))
+    if grey and not all(picture.mono for picture in rgb):
+        if len(rgb) >= len(grey):
+            leave_out(grey, lambda picture: "it has one channel, and most have three")
+        else:
+            colour = [picture for picture in rgb if not picture.mono]
+            leave_out(colour, lambda picture: "it is in colour, and most have one channel")
+
+    eight, deeper = [], []
+    for picture in pictures:
+        (eight if picture.sample == "uint8" else deeper).append(picture)
+    if eight and deeper:
+        if len(deeper) >= len(eight):
+            leave_out(eight, lambda picture: "it has 8 bits a sample, and most have more")
+        else:
+            leave_out(deeper, lambda picture: "it has more than 8 bits a sample, and most have 8")
+
+    copies = _copies(pictures)
+    leave_out(list(copies), lambda picture: f"it is the same, byte by byte, as {copies[picture].name}")
+    return list(pictures), said
+
+
+def _copies(pictures: Sequence[Picture]) -> dict[Picture, Picture]:
+    """Pictures that another is a copy of, by the copy; darks without noise may well be alike."""
+    first: dict[tuple[int, bytes], Picture] = {}
+    copies: dict[Picture, Picture] = {}
+    sizes = Counter(picture.path.stat().st_size for picture in pictures)
+    for picture in pictures:
+        size = picture.path.stat().st_size
+        if picture.shown.kind == "dark" or sizes[size] == 1:
+            continue
+        digest = sha256(read_bytes(picture.path, "image_mb")).digest()
+        original = first.setdefault((size, digest), picture)
+        if original is not picture:
+            copies[picture] = original
+    return copies
