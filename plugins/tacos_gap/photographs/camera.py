@@ -185,8 +185,11 @@ def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -
         yield "The focal length changed between pictures: a zoom has to stay where it is."
     if len({f.f_number for f in facts if f.f_number}) > 1:
         yield "The aperture changed between pictures: it is best left alone."
-    if any(f.time_from_name for f in facts):
-        yield "Exposure times were read from the names of files."
+    if by_name := next((picture for picture in pictures if picture.facts.time_from_name), None):
+        yield (
+            f"Exposure times were read from the names of files ({by_name.name}: "
+            f"{by_name.facts.exposure_ms:g} ms)."
+        )
     if channels == 1 and entry.get("cfa") is None and any(picture.lattice for picture in pictures):
         yield (
             "Neighbouring pixels differ as behind colour filters: if this is a mosaic, say which "

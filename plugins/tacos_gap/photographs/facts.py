@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 import re
+import struct
 import warnings
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tacos_files.images import UNREADABLE
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_gap.captures.images import RAW_SUFFIXES, opened_raw
 
@@ -20,11 +24,17 @@ _FULL_FRAME_DIAGONAL_MM = math.hypot(36, 24)
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0, 5: 1e-3}
 """Millimetres of EXIF's FocalPlaneResolutionUnit: inch, cm, mm, um."""
 
-_TIME_IN_NAME = re.compile(r"(?<![a-z0-9.])(\d+(?:\.\d+)?)\s?(us|ms|s)(?![a-z0-9])", re.IGNORECASE)
-_MS = {"us": 1e-3, "ms": 1.0, "s": 1e3}
+_TIME_IN_NAME = re.compile(
+    r"(?<![a-z0-9.,])(\d+(?:[.,]\d+)?)\s?(us|\u00b5s|\u03bcs|ms|msec|s|sec)(?![a-z0-9])", re.IGNORECASE
+)
+"""A decimal point or comma; the micro sign, or the Greek letter."""
+
+_MS = {"us": 1e-3, "\u00b5s": 1e-3, "\u03bcs": 1e-3, "ms": 1.0, "msec": 1.0, "s": 1e3, "sec": 1e3}
 
 _MAKE, _MODEL, _SOFTWARE, _ORIENTATION, _EXIF = 0x010F, 0x0110, 0x0131, 0x0112, 0x8769
 _EXPOSURE, _F_NUMBER, _ISO, _TAKEN, _SUBSECOND = 0x829A, 0x829D, 0x8827, 0x9003, 0x9291
+_SHUTTER, _COLUMNS, _ROWS = 0x9201, 0x0100, 0x0101
+_TIFF = (b"II*\0", b"MM\0*")
 _FOCAL, _FOCAL_35, _PLANE_X, _PLANE_UNIT, _WIDTH = 0x920A, 0xA405, 0xA20E, 0xA210, 0xA002
 
 
@@ -79,29 +89,25 @@ def read_facts(path: Path) -> Facts:
     UserError
         When it cannot be read.
     """
-    said = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else {}
+    said, size_px = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else ({}, None)
     if path.suffix.lower() != ".npy":
-        said = {**_of_exif(path), **said}
+        said = {**_of_exif(path, size_px), **said}
     if said.get("exposure_ms") is None and (found := _TIME_IN_NAME.search(path.stem.replace("_", " "))):
-        said |= {"exposure_ms": float(found[1]) * _MS[found[2].lower()], "time_from_name": True}
+        said |= {
+            "exposure_ms": float(found[1].replace(",", ".")) * _MS[found[2].lower()],
+            "time_from_name": True,
+        }
     return Facts(**said, lossy=path.suffix.lower() in LOSSY_SUFFIXES)
 
 
-def _of_exif(path: Path) -> dict[str, Any]:
-    """What EXIF says; nothing of a file that Pillow does not know, which may hold a picture all the same."""
-    from PIL import Image
+def _of_exif(path: Path, raw_size_px: tuple[int, int] | None) -> dict[str, Any]:
+    """What EXIF says; nothing of a file that has none, or of which it cannot be read.
 
-    content = read_bytes(path, "image_mb")
-    try:
-        with warnings.catch_warnings():  # of a size that is checked where samples are decoded, of odd entries
-            warnings.simplefilter("ignore")
-            with Image.open(BytesIO(content)) as image:
-                width, height = image.size
-                base = image.getexif()
-                tags = {**base, **base.get_ifd(_EXIF)}
-    except (*UNREADABLE, Image.DecompressionBombError):
-        return {}
-    exposure_s, plane = _number(tags.get(_EXPOSURE)), _number(tags.get(_PLANE_X))
+    Of a RAW file the first image may be a preview, whose size says nothing of the pixels of the sensor.
+    """
+    tags, size_px = _tags_of(read_bytes(path, "image_mb"))
+    width, height = raw_size_px or size_px
+    exposure_s = _number(tags.get(_EXPOSURE)) or _apex_s(tags.get(_SHUTTER))
     return {
         "camera": " ".join(
             dict.fromkeys(_text(tags.get(tag)) for tag in (_MAKE, _MODEL) if _text(tags.get(tag)))
@@ -110,20 +116,44 @@ def _of_exif(path: Path) -> dict[str, Any]:
         "f_number": _number(tags.get(_F_NUMBER)),
         "focal_length_mm": _number(tags.get(_FOCAL)),
         "iso": _number(tags.get(_ISO)),
-        "pixel_um": _pitch_um(tags, plane, width, height),
+        "pixel_um": _pitch_um(tags, width, height, scaled=raw_size_px is None),
         "orientation": int(_number(tags.get(_ORIENTATION)) or 1),
         "taken": _text(tags.get(_TAKEN)) + "." + _text(tags.get(_SUBSECOND)) if tags.get(_TAKEN) else "",
         "software": _text(tags.get(_SOFTWARE)),
     }
 
 
-def _pitch_um(tags: dict[Any, Any], per_unit: float | None, width: int, height: int) -> float | None:
+def _tags_of(content: bytes) -> tuple[dict[Any, Any], tuple[int, int]]:
+    """EXIF's tags of a picture, and its width and height; none of them where there are none."""
+    from PIL import Image
+
+    with warnings.catch_warnings():  # of a size that is checked where samples are decoded, of odd entries
+        warnings.simplefilter("ignore")
+        try:
+            with Image.open(BytesIO(content)) as image:
+                exif = image.getexif()
+                return {**exif, **exif.get_ifd(_EXIF)}, image.size
+        except (*UNREADABLE, Image.DecompressionBombError):
+            if not content.startswith(_TIFF):
+                return {}, (0, 0)
+        try:  # Pillow knows how to read its tags all the same, if not its samples
+            exif = Image.Exif()
+            exif.load(content)
+            size = (int(_number(exif.get(tag)) or 0) for tag in (_COLUMNS, _ROWS))
+            return {**exif, **exif.get_ifd(_EXIF)}, (next(size), next(size))
+        except (*UNREADABLE, struct.error):
+            return {}, (0, 0)
+
+
+def _pitch_um(tags: dict[Any, Any], width: int, height: int, *, scaled: bool) -> float | None:
     """Pitch of the file's pixels by the resolution in the focal plane, or by the equivalent focal length.
 
-    Files made smaller have larger pixels, in proportion to the width that the camera noted.
+    Files made smaller (`scaled`) have larger pixels, in proportion to the width that the camera noted.
     """
-    whole = _number(tags.get(_WIDTH)) or width
-    if per_unit:
+    if not width or not height:
+        return None
+    whole = (_number(tags.get(_WIDTH)) if scaled else None) or width
+    if per_unit := _number(tags.get(_PLANE_X)):
         unit_mm = _MM_PER_UNIT.get(int(_number(tags.get(_PLANE_UNIT)) or 2), 25.4)
         return round(unit_mm / per_unit * 1e3 * whole / width, 3)
     focal, focal_35 = _number(tags.get(_FOCAL)), _number(tags.get(_FOCAL_35))
@@ -136,25 +166,41 @@ def _number(value: Any) -> float | None:
     """A finite number above 0; None for what is none."""
     if isinstance(value, tuple):
         value = value[0] if value else None
+    if isinstance(value, str):  # against the standard: "1/60"
+        value, _, divisor = value.strip("\0 ").partition("/")
+        return _ratio(value, divisor or 1)
+    return _ratio(value, 1)
+
+
+def _ratio(value: Any, divisor: Any) -> float | None:
     try:
-        number = float(value)
+        number = float(value) / float(divisor)
     except (TypeError, ValueError, ZeroDivisionError):
         return None
     return number if math.isfinite(number) and number > 0 else None
+
+
+def _apex_s(value: Any) -> float | None:
+    """Exposure time by EXIF's ShutterSpeedValue, a binary logarithm of its inverse [s]."""
+    try:
+        return 2.0 ** -float(value)
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        return None
 
 
 def _text(value: Any) -> str:
     return str(value).strip().strip("\0") if isinstance(value, str) else ""
 
 
-def _of_raw(path: Path) -> dict[str, Any]:
+def _of_raw(path: Path) -> tuple[dict[str, Any], tuple[int, int]]:
+    """What the header of a RAW file says, and its width and height."""
     with opened_raw(path, str(path)) as raw:
         other = getattr(raw, "other", None)  # since rawpy 0.22; EXIF says the same of most cameras
         said = {
             "raw": True,
             "black_level_dn": float(sum(raw.black_level_per_channel) / len(raw.black_level_per_channel)),
             "white_level_dn": float(raw.white_level),
-            "cfa": _bayer_pattern(raw),
+            "cfa": _bayer_pattern(raw, path),
         }
         for key, name, scale in (
             ("exposure_ms", "shutter_speed", 1e3),
@@ -164,17 +210,32 @@ def _of_raw(path: Path) -> dict[str, Any]:
         ):
             if value := _number(getattr(other, name, None)):
                 said[key] = value * scale
-        return said
+        return said, (raw.sizes.width, raw.sizes.height)
 
 
-def _bayer_pattern(raw: Any) -> str | None:
-    """The filters of a RAW file's mosaic from its corner on; None for other mosaics, or none."""
+def _bayer_pattern(raw: Any, path: Path) -> str | None:
+    """The filters of a RAW file's mosaic from its corner on; None where there are none.
+
+    Raises
+    ------
+    UserError
+        When they are those of another mosaic, which would be taken for a pattern of the pixels.
+    """
     try:
         pattern = raw.raw_pattern
     except NotImplementedError:  # filters that rawpy has no name for
-        return None
-    if pattern is None or pattern.shape != (2, 2):
+        pattern = np.empty((0, 0), np.uint8)
+    if pattern is None:
         return None
     letters = raw.color_desc.decode("ascii", "replace")
     filters = "".join(letters[k] for k in pattern.ravel().tolist())
-    return filters if filters in ("RGGB", "BGGR", "GRBG", "GBRG") else None
+    if filters in ("RGGB", "BGGR", "GRBG", "GBRG"):
+        return filters
+    raise UserError(
+        Fault(
+            str(path),
+            f"{path.name} has colour filters that are no Bayer mosaic",
+            "RGGB, BGGR, GRBG, GBRG, or none",
+            "Import files in colour of that camera instead, TIFF or JPEG, in a folder without its RAW files.",
+        )
+    )

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-BYTE, ASCII, SHORT, LONG, SRATIONAL = 1, 2, 3, 4, 10
-CODES = {BYTE: "B", ASCII: "c", SHORT: "H", LONG: "I", SRATIONAL: "ii"}
+BYTE, ASCII, SHORT, LONG, RATIONAL, SRATIONAL = 1, 2, 3, 4, 5, 10
+CODES = {BYTE: "B", ASCII: "c", SHORT: "H", LONG: "I", RATIONAL: "II", SRATIONAL: "ii"}
 
 
-def dng(samples: np.ndarray) -> bytes:
-    """An uncompressed 16-bit DNG of an RGGB mosaic (Adobe, Digital Negative Specification)."""
+def dng(samples: np.ndarray, more: Mapping[int, tuple[int, Any]] | None = None) -> bytes:
+    """An uncompressed 16-bit DNG of an RGGB mosaic (Adobe, Digital Negative Specification).
+
+    Parameters
+    ----------
+    samples
+        (H, W) its samples.
+    more
+        Tags beside its own, or in their place: type and values.
+    """
     height, width = samples.shape
     matrix = [value for row in np.eye(3, dtype=int).tolist() for one in row for value in (one, 1)]
     tags = {
@@ -36,6 +46,7 @@ def dng(samples: np.ndarray) -> bytes:
         50717: (LONG, [65535]),
         50721: (SRATIONAL, matrix),
     }
+    tags = dict(sorted({**tags, **(more or {})}.items()))
     begin = 8 + 2 + 12 * len(tags) + 4
     packed = {
         tag: bytes(values)
@@ -50,7 +61,7 @@ def dng(samples: np.ndarray) -> bytes:
     packed[273] = struct.pack("<I", end)
     entries = b""
     for tag, (kind, values) in tags.items():
-        count = len(values) // 2 if kind == SRATIONAL else len(values)
+        count = len(values) // 2 if kind in (RATIONAL, SRATIONAL) else len(values)
         value = struct.pack("<I", places[tag]) if tag in places else packed[tag].ljust(4, b"\0")
         entries += struct.pack("<HHI", tag, kind, count) + value
     body = b"".join(content + b"\0" * (len(content) % 2) for content in long_ones.values())

@@ -103,7 +103,15 @@ def test_pictures_of_a_wall_at_several_times_are_a_bracket_and_a_wall(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "exposure_ms"),
-    [("dark_10ms.png", 10), ("d1_dark_250us_x.png", 0.25), ("wall 2s.png", 2000), ("items.png", None)],
+    [
+        ("dark_10ms.png", 10),
+        ("d1_dark_250us_x.png", 0.25),
+        ("wall 2s.png", 2000),
+        ("items.png", None),
+        ("dark 2,5ms.png", 2.5),
+        ("a_40µs.png", 0.04),
+        ("3 sec.png", 3000),
+    ],
 )
 def test_exposure_times_in_names_are_read(tmp_path, name, exposure_ms):
     Image.fromarray(np.zeros((4, 4), np.uint8)).save(tmp_path / name)
