@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import reduce
 from itertools import pairwise
+from operator import or_
 
 import numpy as np
 
+from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left, used_bits
 from tacos_gap.captures.capture import RealCapture
 from tacos_gap.captures.plausibility import exposure_groups
 
@@ -40,6 +43,7 @@ def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
         yield from _of_colours(capture)
         yield from _of_motion(capture)
     yield from _of_full_scale(captures)
+    yield from _of_alignment(captures)
     yield from _of_orientation(captures)
     yield from _of_exposures(captures)
 
@@ -119,6 +123,15 @@ def _of_full_scale(captures: Sequence[RealCapture]) -> Iterator[str]:
             f"believed full scale of {white:g}; check camera.bit_depth and white_level_dn. If they are "
             f"right, the sensor saturates there."
         )
+
+
+def _of_alignment(captures: Sequence[RealCapture]) -> Iterator[str]:
+    """That values stand in the upper bits of their files."""
+    if not captures or (bits := int(captures[0].context.white_level_dn).bit_length()) <= 8:
+        return
+    unused = low_bits_unused(reduce(or_, (used_bits(capture.real_dn) for capture in captures)))
+    if unused >= FEWEST_UNUSED and bits - unused >= 8:
+        yield f"camera: {shifted_left(bits - unused, unused)}"
 
 
 def _of_orientation(captures: Sequence[RealCapture]) -> Iterator[str]:

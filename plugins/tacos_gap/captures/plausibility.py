@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from tacos_framework.errors import Fault
+from tacos_gap.captures.alignment import REMEDY, is_share_of_full_scale
 from tacos_gap.captures.capture import RealCapture
 
 CLIPPED_SHARE = 0.9
@@ -33,6 +34,9 @@ def faults_of(capture: RealCapture) -> Iterator[tuple[str, str, str, str]]:
             f"at most the white level, {white:g}",
             "Correct camera.bit_depth or white_level_dn; values are right-aligned.",
         )
+    elif is_share_of_full_scale(real):
+        what = f"values of {capture.id!r} run from {real.min():.3g} to {real.max():.3g}"
+        yield "real", what, f"digital numbers up to the white level, {white:g}", REMEDY
     elif real.min() < 0:
         yield "real", f"values of {capture.id!r} go down to {real.min():g}", "0 or above", ""
     elif twins := _copies(capture):

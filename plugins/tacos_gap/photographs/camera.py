@@ -6,17 +6,23 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import Any
 
 import cv2
 import numpy as np
 
 from tacos_framework.errors import Fault, UserError
-from tacos_gap.photographs.picture import Picture
+from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left
+from tacos_gap.photographs.picture import Picture, bits_of
 
 USUAL_PIXEL_UM, USUAL_FOCAL_MM = 3.0, 4.0
 
 _FEWEST_VIEWS = 3
+
+_LEVELS_AGREE = 0.005
+"""Share of full scale within which a black level and darks agree: pedestals lie at 6 %."""
 
 
 POSSIBLE = {
@@ -139,15 +145,33 @@ def camera_of(pictures: Sequence[Picture], given: Given, focal_px: float | None)
         raise UserError(Fault("--cfa", "the pictures are in colour", "a mosaic has one channel"))
     bits = given.bit_depth or max(picture.bits for picture in pictures)
     settle("bit_depth", (given.bit_depth, "as given"), (bits, "the largest value of the files"))
-    settle("white_level_dn", (_usual(f.white_level_dn for f in facts), "the RAW files"))
+    white_dn = _usual(f.white_level_dn for f in facts)
+    highest = max(pictures, key=lambda picture: picture.largest_dn)
+    if white_dn is None and highest.largest_dn > 2**bits - 1:
+        what = f"is {bits}, and values of {highest.name} reach {highest.largest_dn:g}"
+        raise UserError(Fault("--bit-depth", what, f"{bits_of(highest.largest_dn, highest.sample)} or more"))
+    settle(
+        "white_level_dn",
+        (white_dn if white_dn and white_dn >= highest.largest_dn else None, "the RAW files"),
+        (highest.largest_dn if white_dn else None, "the largest value, beyond what the RAW files say"),
+    )
+    raw_black_dn = _usual((f.black_level_dn for f in facts), zero=True)
+    dark_dn = _dark_level(pictures)
     settle(
         "black_level_dn",
         (given.black_level_dn, "as given"),
-        (_usual((f.black_level_dn for f in facts), zero=True), "the RAW files"),
-        (_dark_level(pictures), "the middle value of the darks"),
+        (raw_black_dn or None, "the RAW files"),
+        (dark_dn, "the middle value of the darks"),
+        (raw_black_dn, "the RAW files"),
         usual=0.0,
         unsure="No dark picture tells the black level: 0 is a guess. Take one with the cap on.",
     )
+    if dark_dn is not None and abs(dark_dn - entry["black_level_dn"]) > max(2.0, _LEVELS_AGREE * 2**bits):
+        doubts.append(
+            f"The black level is {entry['black_level_dn']:g} DN ({source['black_level_dn']}), and the darks "
+            f"lie at {dark_dn:g} DN: light got in, the time was long, or the level is another "
+            f"(--black-level-dn)."
+        )
     entry["channels"] = channels
     settle("cfa", (given.cfa, "as given"), (_usual(f.cfa for f in facts), "the RAW files"))
     doubts += _doubts(pictures, channels, entry)
@@ -195,7 +219,10 @@ def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -
             "Neighbouring pixels differ as behind colour filters: if this is a mosaic, say which "
             "(--cfa GRBG)."
         )
-    if entry["bit_depth"] > 8 and "white_level_dn" not in entry:
+    unused = low_bits_unused(reduce(or_, (picture.used_bits for picture in pictures)))
+    if unused >= FEWEST_UNUSED and entry["bit_depth"] - unused >= 8:
+        yield shifted_left(entry["bit_depth"] - unused, unused)
+    elif entry["bit_depth"] > 8 and "white_level_dn" not in entry:
         yield (
             f"No value needs more than {entry['bit_depth']} bits: if the camera has more, say so "
             f"(--bit-depth)."

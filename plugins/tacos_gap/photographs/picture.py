@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.errors import Fault, UserError
+from tacos_gap.captures.alignment import REMEDY, is_share_of_full_scale, used_bits
 from tacos_gap.captures.images import read_image
 from tacos_gap.photographs.facts import Facts, read_facts
 from tacos_gap.photographs.shown import Shown, shown_in
@@ -40,6 +42,8 @@ class Picture:
         Bits of the camera, as far as its type and largest value tell.
     middle_dn, largest_dn
         Middle and largest value of the file [DN].
+    used_bits
+        Bits that any of its values uses.
     lattice
         Whether its pixels differ two by two, as behind a mosaic of filters.
     """
@@ -54,6 +58,7 @@ class Picture:
     bits: int
     middle_dn: float
     largest_dn: float
+    used_bits: int
     lattice: bool
 
     @property
@@ -68,10 +73,13 @@ def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Pictur
     Raises
     ------
     UserError
-        When the file is no picture.
+        When the file is no picture, or holds no digital numbers.
     """
     facts = read_facts(path)
     image = read_image(path, str(path))
+    if is_share_of_full_scale(image):
+        what = f"values of {path.name} run from {image.min():.3g} to {image.max():.3g}"
+        raise UserError(Fault(str(path), what, "digital numbers, as the camera wrote them", REMEDY))
     largest = float(image.max())
     bits = bit_depth or bits_of(max(largest, facts.white_level_dn or 0.0), image.dtype.name)
     black = black_dn if black_dn is not None else facts.black_level_dn or 0.0
@@ -90,6 +98,7 @@ def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Pictur
         bits,
         float(np.median(image)),
         largest,
+        used_bits(image),
         channels == 1 and _has_lattice(image[..., 0]),
     )
 

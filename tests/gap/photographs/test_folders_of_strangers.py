@@ -15,6 +15,7 @@ from tacos_framework.errors import UserError
 from tacos_gap.captures import read_captures
 from tacos_gap.photographs.camera import Given
 from tacos_gap.photographs.importing import import_photographs
+from tests.gap.captures.dng import LONG, dng
 
 SHAPE = (120, 160)
 
@@ -149,3 +150,55 @@ def test_a_board_of_another_size_than_was_said_is_told_so(tmp_path):
     Image.fromarray(board.astype(np.uint8)).save(path)
     with pytest.raises(UserError, match=r"shows 7 x 5 inner corners, not 8 x 6 \(--board\)"):
         import_photographs([path], tmp_path / "out", Given(inner_corners=(8, 6)))
+
+
+def test_values_in_the_upper_bits_of_their_files_are_doubted(tmp_path):
+    image = cv2.imread(str(deep(tmp_path / "a_10ms.png", 2300, 30)), cv2.IMREAD_UNCHANGED)
+    (tmp_path / "in").mkdir()
+    cv2.imwrite(str(tmp_path / "in/a_10ms.png"), image * 16)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert any("Every value is a multiple of 16, as where 12 bits" in doubt for doubt in found.doubts)
+    limits = read_captures(tmp_path / "out").limitations
+    assert any(limit.startswith("camera: Every value is a multiple of 16") for limit in limits)
+
+
+def test_shares_of_full_scale_are_no_digital_numbers(tmp_path):
+    (tmp_path / "in").mkdir()
+    np.save(tmp_path / "in/a_10ms.npy", np.random.default_rng(0).uniform(0.4, 0.5, SHAPE))
+    with pytest.raises(
+        UserError, match=r"run from 0\.4 to 0\.5\n.*digital numbers.*\n.*Multiply by full scale"
+    ):
+        import_photographs([tmp_path / "in"], tmp_path / "out")
+
+
+def test_more_than_the_bits_that_were_given_is_refused(tmp_path):
+    deep(tmp_path / "in/a.png", 2300, 30)
+    with pytest.raises(UserError, match=r"--bit-depth: is 10, and values of a.png reach .*\n.*12 or more"):
+        import_photographs([tmp_path / "in"], tmp_path / "out", Given(bit_depth=10))
+
+
+def raw(path: Path, level_dn: float, seed: int, **more: int) -> None:
+    """A DNG of 14 bits that says its black and white levels."""
+    path.parent.mkdir(exist_ok=True)
+    samples = np.random.default_rng(seed).normal(level_dn, 9, SHAPE).astype(np.uint16)
+    tags = {"black": 50714, "white": 50717}
+    path.write_bytes(dng(samples, {tags[name]: (LONG, [value]) for name, value in more.items()}))
+
+
+def test_raw_files_beyond_the_white_level_they_say_can_be_read(tmp_path):
+    pytest.importorskip("rawpy", reason="the extra raw is not installed")
+    raw(tmp_path / "in/a_10ms.dng", 15_000, 0, white=14_000)
+    raw(tmp_path / "in/b_10ms.dng", 6_000, 1, white=14_000)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert 15_000 < found.camera.entry["white_level_dn"] < 16_383
+    assert read_captures(tmp_path / "out").captures[0].context.cfa == "RGGB"
+
+
+def test_raw_files_that_say_no_black_level_leave_it_to_the_darks(tmp_path):
+    pytest.importorskip("rawpy", reason="the extra raw is not installed")
+    raw(tmp_path / "in/a_10ms.dng", 1024, 0, white=16_383)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert found.camera.entry["black_level_dn"] == pytest.approx(1024, abs=2)
+    raw(tmp_path / "in/a_10ms.dng", 1024, 0, white=16_383, black=500)
+    found = import_photographs([tmp_path / "in"], tmp_path / "other")
+    assert any("The black level is 500 DN (the RAW files), and the darks" in each for each in found.doubts)
