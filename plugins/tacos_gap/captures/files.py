@@ -88,7 +88,8 @@ class CaptureFiles:
         if self._bytes > limits().bytes_of("captures_mb"):
             self.faults.append(too_large(where, "the images up to here", self._bytes, "captures_mb"))
             return None
-        images = []
+        images: NDArray[np.float32] | None = None
+        read = 0
         for path in paths:
             try:
                 image = self._with_channels(read_image(path, where, self.folder), path, where)
@@ -106,8 +107,11 @@ class CaptureFiles:
                     )
                 )
                 continue
-            images.append(image.astype(np.float32))
-        return np.stack(images) if images and len(images) == len(paths) else None
+            if images is None:  # filled one by one, as a list beside it would take as much again
+                images = np.empty((len(paths), *shape, self.channels), np.float32)
+            images[read] = image
+            read += 1
+        return images if read == len(paths) else None
 
     def coding(self, i: int, path: Path) -> FileCoding | None:
         """How a file that could be read was coded; None where it is no JPEG."""

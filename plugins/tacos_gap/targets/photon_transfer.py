@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import Noise, RealCapture
+from tacos_gap.captures.noise_estimate import thinned
 
 LEAST_SPAN = 0.1
 """Range of levels over full scale below which a slope is not told from its intercept."""
@@ -52,11 +53,12 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
 
 def _points(capture: RealCapture, channel: int) -> list[tuple[float, float, float]]:
     """Signal, variance and number of pixels of each bin of level [DN, DN^2, 1]."""
-    first, second = (capture.real_dn[k, ..., channel].astype(np.float64) for k in (0, 1))
+    pair = thinned(capture.real_dn[:2, ..., channel : channel + 1])
+    first, second = pair[..., 0].astype(np.float64)
     context = capture.context
     mean = (first + second) / 2 - context.black_level_dn
     span = context.white_level_dn - context.black_level_dn
-    usable = capture.valid & (mean < _CLIPPED * span)
+    usable = thinned(capture.valid[..., None])[..., 0] & (mean < _CLIPPED * span)
     if context.black_level_dn < 1:
         usable &= (first > 0) & (second > 0)  # what is cut off at 0 has lost half of its noise
     level, difference = mean[usable], (first - second)[usable]
