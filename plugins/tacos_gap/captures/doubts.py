@@ -42,6 +42,7 @@ def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
         yield from _of_zeros(capture)
         yield from _of_colours(capture)
         yield from _of_motion(capture)
+    yield from _of_darks(captures)
     yield from _of_full_scale(captures)
     yield from _of_alignment(captures)
     yield from _of_orientation(captures)
@@ -103,6 +104,27 @@ def _of_motion(capture: RealCapture) -> Iterator[str]:
         else "the shutter is open, and `simulated` is sharp: effect.motion-blur is to be expected. If "
         "`simulated` does hold that blur, say motion_blurred: true."
     )
+
+
+def _of_darks(captures: Sequence[RealCapture]) -> Iterator[str]:
+    """Darks brighter than walls that had as much time: kinds that were mixed up, or a cap left off."""
+    walls = [(float(np.median(c.real_dn)), c) for c in captures if c.kind == "flat" and c.exposure_stated]
+    for dark in (capture for capture in captures if capture.kind == "dark"):
+        level = float(np.median(dark.real_dn))
+        context = dark.context
+        dimmer = [
+            (below, wall.id)
+            for below, wall in walls
+            if below < level - _DIM_DN
+            and wall.context.gain_db == context.gain_db
+            and wall.context.exposure_s >= context.exposure_s
+        ]
+        if dimmer:
+            below, wall = min(dimmer)
+            yield (
+                f"{dark.id}: it is a dark, and brighter ({level:g} DN) than the flat {wall} ({below:g} DN), "
+                f"which had no less time; make sure that kinds are not mixed up, and that the cap was on."
+            )
 
 
 def _of_full_scale(captures: Sequence[RealCapture]) -> Iterator[str]:

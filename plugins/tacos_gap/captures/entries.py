@@ -51,7 +51,9 @@ class CaptureCamera(Settings):
     black_level_dn: float = setting(0.0, help="Pedestal in the files.", unit="DN", ge=0)
     channels: Literal[1, 3] = setting(1, help="1 for mono or a mosaic, 3 for RGB.")
     cfa: Literal["RGGB", "BGGR", "GRBG", "GBRG"] | None = setting(
-        None, help="Colour filters of a mosaic, from the top-left pixel of the files on."
+        None,
+        help="Colour filters of a mosaic, from the top-left pixel of the files on; those of a capture with a "
+        "crop of its own begin where that does.",
     )
 
     @model_validator(mode="after")

@@ -16,6 +16,26 @@ def unstated(camera: CaptureCamera) -> frozenset[str]:
     return frozenset({"focal_length", *(() if camera.principal_point_px else ("principal_point",))})
 
 
+def filters_of(camera: CaptureCamera, entry: CaptureEntry) -> str | None:
+    """The colour filters of a capture's files: a crop of its own may begin in another row or column of them.
+
+    As with the principal point, the camera's are those of files that lie where it says.
+    """
+    if camera.cfa is None or entry.crop is None:
+        return camera.cfa
+    base_x, base_y = (camera.crop.x, camera.crop.y) if camera.crop else (0, 0)
+    return moved_filters(camera.cfa, entry.crop.x - base_x, entry.crop.y - base_y)
+
+
+def moved_filters(cfa: str, columns: int, rows: int) -> str:
+    """The colour filters of a mosaic from so many columns and rows further on.
+
+    >>> moved_filters("RGGB", 1, 0), moved_filters("RGGB", 1, -1)
+    ('GRBG', 'BGGR')
+    """
+    return "".join(cfa[(y + rows) % 2 * 2 + (x + columns) % 2] for y in (0, 1) for x in (0, 1))
+
+
 def geometry_of(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometry:
     """Where the files of a capture lie on the sensor; those of the camera itself for None.
 

@@ -17,7 +17,7 @@ from tacos_gap.captures.doubts import doubt_of_files, doubts
 from tacos_gap.captures.entries import BoardEntry, CaptureEntry, FolderEntry
 from tacos_gap.captures.expected_values import ExpectedValues, Render
 from tacos_gap.captures.files import MAX_FRAMES, CaptureFiles
-from tacos_gap.captures.lens_and_sensor import FOCAL_LENGTH_MM, geometry_of, unstated
+from tacos_gap.captures.lens_and_sensor import FOCAL_LENGTH_MM, filters_of, geometry_of, unstated
 from tacos_gap.captures.missing import FILE, nothing_to_read
 from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.other_yaml import something_else
@@ -149,7 +149,7 @@ class _Reader:
                 velocity_px_s=velocity,
                 frame_interval_s=entry.frame_interval_ms and entry.frame_interval_ms * 1e-3,
                 reference_row=entry.row_time_reference,
-                cfa=camera.cfa,
+                cfa=filters_of(camera, entry),
             ),
             noise=noise
             or estimate_noise(

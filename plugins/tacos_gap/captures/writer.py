@@ -14,6 +14,7 @@ import numpy as np
 from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.entry_files import written_entry
+from tacos_gap.captures.lens_and_sensor import moved_filters
 from tacos_gap.captures.missing import FILE
 
 
@@ -158,7 +159,7 @@ def _camera_entry(capture: RealCapture, shared: Mapping[str, Any]) -> dict[str, 
     """The entry ``camera``, as files like those of this capture have it."""
     geometry = capture.geometry
     x, y = geometry.offset_px
-    stated = {key: value for key, value in shared.items() if key not in ("full", "centre")}
+    stated = {key: value for key, value in shared.items() if key not in ("full", "centre", "cfa")}
     return {
         "width_px": geometry.width_px,
         "height_px": geometry.height_px,
@@ -169,11 +170,12 @@ def _camera_entry(capture: RealCapture, shared: Mapping[str, Any]) -> dict[str, 
             else {"principal_point_px": [float(c) for c in geometry.centre_px]}
         ),
         **{key: value for key, value in stated.items() if value is not None},
+        **({} if capture.context.cfa is None else {"cfa": capture.context.cfa}),
     }
 
 
 def _shared_by_all(capture: RealCapture) -> dict[str, Any]:
-    """What all captures of a camera share; the centre on the full sensor."""
+    """What all captures of a camera share; centre and filters those of the full sensor."""
     geometry, context = capture.geometry, capture.context
     white = float(context.white_level_dn)
     bits = max(1, math.ceil(math.log2(white + 1)))
@@ -189,7 +191,7 @@ def _shared_by_all(capture: RealCapture) -> dict[str, Any]:
         "white_level_dn": None if white == 2**bits - 1 else white,
         "black_level_dn": float(context.black_level_dn),
         "channels": capture.real_dn.shape[-1],
-        "cfa": context.cfa,
+        "cfa": context.cfa and moved_filters(context.cfa, *(-offset for offset in geometry.offset_px)),
     }
 
 

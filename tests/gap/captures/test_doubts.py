@@ -34,6 +34,18 @@ def test_darks_without_a_single_code(tmp_path):
     assert "dark: every pixel is 0" in said(folder)
 
 
+def test_darks_that_are_brighter_than_flats(tmp_path):
+    dark, flat = (save_frames(tmp_path, name, noisy(level)) for name, level in (("d", 150), ("f", 60)))
+    entries = (
+        {"id": "d", "kind": "dark", "real": dark, "exposure_ms": 10},
+        {"id": "f", "kind": "flat", "real": flat, "exposure_ms": 10},
+    )
+    sentence = "d: it is a dark, and brighter (150 DN) than the flat f (60 DN), which had no less time"
+    assert sentence in said(describe(tmp_path, *entries))
+    entries[0]["exposure_ms"] = 4000  # dark current alone may reach that
+    assert sentence not in said(describe(tmp_path, *entries))
+
+
 def test_files_that_stop_below_the_believed_full_scale(tmp_path):
     frames = np.where(noisy(100) > 98, 255, noisy(100)).astype(np.uint16)
     entry = {"id": "flat", "kind": "flat", "real": save_frames(tmp_path, "flat", frames), "simulated": 400}

@@ -142,3 +142,16 @@ def test_captures_of_two_cameras_are_refused(tmp_path, second, message):
 def test_nothing_to_write_is_refused(tmp_path):
     with pytest.raises(ValueError, match="no captures"):
         write_captures(tmp_path, [])
+
+
+def test_crops_that_begin_in_another_column_have_their_filters_from_there(tmp_path):
+    def of(name: str, x: int, y: int, cfa: str) -> RealCapture:
+        geometry = ImageGeometry(40, 30, 1000.0, (19.5, 14.5), 3.0)
+        geometry = geometry.crop(x=x, y=y, width_px=WIDTH, height_px=HEIGHT)
+        return capture(name, geometry=geometry, context=ImageContext(cfa=cfa))
+
+    crops = [of("a", 1, 2, "GRBG"), of("b", 4, 6, "RGGB"), of("c", 3, 5, "BGGR")]
+    write_captures(tmp_path, crops)
+    assert [each.context.cfa for each in read_captures(tmp_path).captures] == ["GRBG", "RGGB", "BGGR"]
+    with pytest.raises(ValueError, match="differ in cfa"):
+        write_captures(tmp_path / "other", [crops[0], of("d", 2, 2, "GRBG")])
