@@ -81,7 +81,7 @@ def import_photographs(
     boards = [picture for picture in pictures if picture.shown.kind == "board"]
     board = board_of(boards, given.inner_corners)
     lost = [picture for picture in boards if board is None or picture not in board.corners_px]
-    doubts += [f"{picture.name} is left out: {_not_seen(picture, given)}." for picture in lost]
+    doubts += [f"{picture.name} is left out: {_not_seen(picture, board, given)}." for picture in lost]
     pictures = [picture for picture in pictures if picture not in lost]
     if not pictures:
         raise UserError(Fault(str(sources[0]), "no picture is left to import", "", " ".join(doubts)))
@@ -96,11 +96,16 @@ def import_photographs(
     return Imported(path, entries, camera, tuple(doubts))
 
 
-def _not_seen(picture: Picture, given: Given) -> str:
+def _not_seen(picture: Picture, board: BoardFound | None, given: Given) -> str:
     """Why a chessboard is of no use."""
-    wanted, counted = given.inner_corners, picture.shown.corners
+    counted = picture.shown.corners
+    wanted = given.inner_corners or (board.inner_corners if board else None)
     if wanted and counted and sorted(wanted) != sorted(counted):
-        return "its chessboard shows {} x {} inner corners, not {} x {} (--board)".format(*counted, *wanted)
+        whose = "--board" if given.inner_corners else "most pictures"
+        return (
+            f"of its chessboard {counted[0]} x {counted[1]} inner corners are seen, not {wanted[0]} x "
+            f"{wanted[1]} ({whose})"
+        )
     return "its chessboard is not seen whole"
 
 

@@ -23,6 +23,9 @@ _FEWEST_CORNERS = 20
 """Corners below which text and tiles are taken for chessboards too often."""
 
 THUMBNAIL = (48, 64)
+COARSE = (6, 8)
+"""Parts by which even pictures are compared: each averages 6,400 pixels of 640 x 480."""
+
 _WORKING_PX = 1000
 _EVEN = 0.04
 """Departure from smooth shading, over the level, up to which a picture shows an even surface."""
@@ -97,10 +100,11 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> S
 
 def repeated(first: Shown, second: Shown) -> bool:
     """Whether two pictures differ by their noise alone: same view, same light, same focus."""
-    a, b = first.thumbnail, second.thumbnail
+    even = first.kind == second.kind and first.kind in ("dark", "flat")
+    a, b = (_coarse(each.thumbnail) if even else each.thumbnail for each in (first, second))
     apart = float(np.percentile(np.abs(a - b), 95))
     alike = 0.85 < (first.sharpness + 1e-9) / (second.sharpness + 1e-9) < 1 / 0.85
-    return apart < _STEADY * max(float(a.mean()), DARK_SHARE) and (alike or first.kind in ("dark", "flat"))
+    return apart < _STEADY * max(float(a.mean()), DARK_SHARE) and (alike or even)
 
 
 def same_framing(first: Shown, second: Shown) -> bool:
@@ -119,6 +123,11 @@ def _reduced(grey: NDArray[np.float32]) -> NDArray[np.float32]:
 
 def _thumbnail(grey: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(cv2.resize(grey, THUMBNAIL[::-1], interpolation=cv2.INTER_AREA))
+
+
+def _coarse(thumbnail: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A thumbnail of an even picture, which shows all there is but noise in a few large parts."""
+    return np.asarray(cv2.resize(thumbnail, COARSE[::-1], interpolation=cv2.INTER_AREA))
 
 
 def _ranks(thumbnail: NDArray[np.float32]) -> NDArray[np.float64]:

@@ -148,7 +148,7 @@ def test_a_board_of_another_size_than_was_said_is_told_so(tmp_path):
     path = tmp_path / "in/board.png"
     path.parent.mkdir()
     Image.fromarray(board.astype(np.uint8)).save(path)
-    with pytest.raises(UserError, match=r"shows 7 x 5 inner corners, not 8 x 6 \(--board\)"):
+    with pytest.raises(UserError, match=r"7 x 5 inner corners are seen, not 8 x 6 \(--board\)"):
         import_photographs([path], tmp_path / "out", Given(inner_corners=(8, 6)))
 
 
@@ -202,3 +202,10 @@ def test_raw_files_that_say_no_black_level_leave_it_to_the_darks(tmp_path):
     raw(tmp_path / "in/a_10ms.dng", 1024, 0, white=16_383, black=500)
     found = import_photographs([tmp_path / "in"], tmp_path / "other")
     assert any("The black level is 500 DN (the RAW files), and the darks" in each for each in found.doubts)
+
+
+def test_noisy_darks_of_one_setting_are_frames_of_one_capture(tmp_path):
+    for seed in range(3):
+        taken(tmp_path / f"in/dark_10ms_{seed}.png", 20, sigma_dn=6, seed=seed)
+    entries = import_photographs([tmp_path / "in"], tmp_path / "out").entries
+    assert [(entry["kind"], len(entry["real"])) for entry in entries] == [("dark", 3)]
