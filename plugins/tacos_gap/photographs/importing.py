@@ -69,7 +69,7 @@ def import_photographs(
     Raises
     ------
     UserError
-        When there are no pictures, some cannot be read, or `out` is not empty.
+        When there are no pictures, some cannot be read, or `out` is not empty or cannot be written.
     """
     given = given or Given()
     paths, doubts = pictures_in(sources)
@@ -90,9 +90,14 @@ def import_photographs(
     camera = camera_of(pictures, given, focal_px)
     stacks = sorted(stacks_of(pictures), key=lambda stack: _ORDER.index(stack.kind))
     doubts += [*camera.doubts, *_doubts(stacks, board, given)]
-    entries = tuple(_in_time_order(list(_entries(stacks, out, board, given))))
     path = out / FILE
-    path.write_text(folder_text(out.name, camera, entries, doubts), encoding="utf-8")
+    try:
+        entries = tuple(_in_time_order(list(_entries(stacks, out, board, given))))
+        path.write_text(folder_text(out.name, camera, entries, doubts), encoding="utf-8")
+    except OSError as error:
+        what = f"the captures cannot be written: {error.strerror or error}"
+        expected = "a folder that may be written in, on a disk with room"
+        raise UserError(Fault(str(out), what, expected, "Name another --out.")) from error
     return Imported(path, entries, camera, tuple(doubts))
 
 

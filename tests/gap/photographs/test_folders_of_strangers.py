@@ -209,3 +209,18 @@ def test_noisy_darks_of_one_setting_are_frames_of_one_capture(tmp_path):
         taken(tmp_path / f"in/dark_10ms_{seed}.png", 20, sigma_dn=6, seed=seed)
     entries = import_photographs([tmp_path / "in"], tmp_path / "out").entries
     assert [(entry["kind"], len(entry["real"])) for entry in entries] == [("dark", 3)]
+
+
+def test_a_folder_that_cannot_be_written_is_a_fault(tmp_path, capsys):
+    photo = taken(tmp_path / "in/a.png", 120)
+    assert tacos_main(["captures", "import", str(photo), "--out", str(photo / "out")]) == 2
+    assert "the captures cannot be written: Not a directory" in capsys.readouterr().err
+
+
+def test_photographs_that_may_only_be_read_are_imported(tmp_path):
+    photo = taken(tmp_path / "in/a.png", 120)
+    photo.chmod(0o444)
+    (tmp_path / "in").chmod(0o555)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert len(read_captures(found.path.parent).captures) == 1
+    (tmp_path / "in").chmod(0o755)
