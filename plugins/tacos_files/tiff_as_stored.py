@@ -96,7 +96,8 @@ def _check(bits: int, samples: int, light: int, *, is_float: bool) -> None:
 
 def _check_alone(content: bytes, size: tuple[int, int]) -> None:
     """Refuse a second image of the same size, which nobody would miss; previews and masks may follow."""
-    count, seen = 1, set()
+    count = 1
+    seen: set[int] = set()
     offset = _next(content, _first(content))
     while offset and offset not in seen and len(seen) < _MOST_IMAGES:
         seen.add(offset)

@@ -66,9 +66,8 @@ def of_one_form(pictures: Sequence[Picture]) -> tuple[list[Picture], list[str]]:
             colour = [picture for picture in rgb if not picture.mono]
             leave_out(colour, lambda picture: "it is in colour, and most have one channel")
 
-    eight, deeper = [], []
-    for picture in pictures:
-        (eight if picture.sample == "uint8" else deeper).append(picture)
+    eight = [picture for picture in pictures if picture.sample == "uint8"]
+    deeper = [picture for picture in pictures if picture.sample != "uint8"]
     if eight and deeper:
         if len(deeper) >= len(eight):
             leave_out(eight, lambda picture: "it has 8 bits a sample, and most have more")

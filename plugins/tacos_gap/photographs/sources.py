@@ -42,9 +42,9 @@ def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
     kept = [p for p in found if p.suffix.lower() in RAW_SUFFIXES or p.with_suffix("") not in raw]
     if not kept:
         what = "holds no pictures" if len(sources) == 1 else "and the others hold no pictures"
-        others = f"; there is {_listed(there)}" if there else ""
+        instead = f"; there is {_listed(there)}" if there else ""
         raise UserError(
-            Fault(str(sources[0]), what + others, "JPEG, PNG, TIFF, BMP, PGM, PPM, camera RAW or .npy")
+            Fault(str(sources[0]), what + instead, "JPEG, PNG, TIFF, BMP, PGM, PPM, camera RAW or .npy")
         )
     said = []
     if beside := len(found) - len(kept):
