@@ -11,6 +11,7 @@ import numpy as np
 
 from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left, used_bits
 from tacos_gap.captures.capture import RealCapture
+from tacos_gap.captures.noise_estimate import thinned
 from tacos_gap.captures.plausibility import exposure_groups
 
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic", ".heif", ".avif"})
@@ -108,9 +109,10 @@ def _of_motion(capture: RealCapture) -> Iterator[str]:
 
 def _of_darks(captures: Sequence[RealCapture]) -> Iterator[str]:
     """Darks brighter than walls that had as much time: kinds that were mixed up, or a cap left off."""
-    walls = [(float(np.median(c.real_dn)), c) for c in captures if c.kind == "flat" and c.exposure_stated]
-    for dark in (capture for capture in captures if capture.kind == "dark"):
-        level = float(np.median(dark.real_dn))
+    darks = [capture for capture in captures if capture.kind == "dark"]
+    walls = [(_middle(c), c) for c in captures if darks and c.kind == "flat" and c.exposure_stated]
+    for dark in darks:
+        level = _middle(dark)
         context = dark.context
         dimmer = [
             (below, wall.id)
@@ -151,7 +153,7 @@ def _of_alignment(captures: Sequence[RealCapture]) -> Iterator[str]:
     """That values stand in the upper bits of their files."""
     if not captures or (bits := int(captures[0].context.white_level_dn).bit_length()) <= 8:
         return
-    unused = low_bits_unused(reduce(or_, (used_bits(capture.real_dn) for capture in captures)))
+    unused = low_bits_unused(reduce(or_, (used_bits(thinned(capture.real_dn[:1])) for capture in captures)))
     if unused >= FEWEST_UNUSED and bits - unused >= 8:
         yield f"camera: {shifted_left(bits - unused, unused)}"
 
@@ -181,8 +183,13 @@ def _of_exposures(captures: Sequence[RealCapture]) -> Iterator[str]:
                 )
 
 
+def _middle(capture: RealCapture) -> float:
+    """Middle value of the files [DN]."""
+    return float(np.median(thinned(capture.real_dn)))
+
+
 def _signal(capture: RealCapture) -> float | None:
     """Middle signal above the pedestal; None where it is too dim or saturated to compare [DN]."""
-    middle = float(np.median(capture.real_dn))
+    middle = _middle(capture)
     signal = middle - capture.context.black_level_dn
     return signal if signal > _DIM_DN and middle < 0.95 * capture.context.white_level_dn else None
