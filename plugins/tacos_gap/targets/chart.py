@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import RealCapture
-from tacos_gap.targets.chart_finder import FoundChart, find_lattice, read_as_chart
+from tacos_gap.targets.chart_finder import FoundChart, read_as_chart
+from tacos_gap.targets.lattice import find_lattice
 from tacos_worlds.bench.colour_chart import reflectances
 
 NEUTRALS = slice(18, 24)
