@@ -19,12 +19,20 @@ def unstated(camera: CaptureCamera) -> frozenset[str]:
 def filters_of(camera: CaptureCamera, entry: CaptureEntry) -> str | None:
     """The colour filters of a capture's files: a crop of its own may begin in another row or column of them.
 
-    As with the principal point, the camera's are those of files that lie where it says.
+    The camera's are those of files that lie where it says. Where it does not say, and its files are no whole
+    frames, they are taken as stated: from the top-left pixel of every file on.
     """
     if camera.cfa is None or entry.crop is None:
         return camera.cfa
-    base_x, base_y = (camera.crop.x, camera.crop.y) if camera.crop else (0, 0)
+    base = camera.crop
+    if base is None and (camera.width_px, camera.height_px) != _full_size_px(entry.crop):
+        return camera.cfa
+    base_x, base_y = (base.x, base.y) if base else (0, 0)
     return moved_filters(camera.cfa, entry.crop.x - base_x, entry.crop.y - base_y)
+
+
+def _full_size_px(crop: CropEntry) -> tuple[int, int]:
+    return crop.full_width_px, crop.full_height_px
 
 
 def moved_filters(cfa: str, columns: int, rows: int) -> str:

@@ -9,7 +9,8 @@ import yaml
 from tacos_framework.settings import check
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_gap.captures import Board, read_captures
-from tacos_gap.captures.entries import FolderEntry
+from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, FolderEntry
+from tacos_gap.captures.lens_and_sensor import filters_of
 from tests.docs.pages import ROOT, blocks
 from tests.gap.captures.folders import CAMERA, HEIGHT, WIDTH, describe, flat_folder, noisy, save, save_frames
 
@@ -291,3 +292,19 @@ def test_the_example_of_the_how_to_is_of_the_right_form():
     entry, found, _ = check(FolderEntry, document.data, document.where)
     assert found == []
     assert {capture.kind for capture in entry.captures} == {"dark", "flat", "edge", "board"}
+
+
+@pytest.mark.parametrize(
+    ("camera", "filters"),
+    [
+        ({"width_px": 64, "height_px": 48}, "BGGR"),  # its files are whole frames
+        ({"width_px": 64, "height_px": 48, "crop": {"x": 2, "y": 1}}, "GRBG"),
+        ({"width_px": 16, "height_px": 12}, "RGGB"),  # where they begin is not said
+    ],
+)
+def test_filters_of_a_crop_follow_from_where_the_camera_says_its_files_lie(camera, filters):
+    full = {"full_width_px": 64, "full_height_px": 48}
+    if crop := camera.get("crop"):
+        camera = {**camera, "crop": {**crop, **full}}
+    entry = CaptureEntry(id="wall", kind="flat", real=["a.png"], crop={"x": 3, "y": 3, **full})
+    assert filters_of(CaptureCamera(cfa="RGGB", **camera), entry) == filters
