@@ -25,13 +25,24 @@ def contrast(before, after):
     return float((a * b).sum() / (a * a).sum())
 
 
-@pytest.mark.parametrize("radius_px", [0.7, 2.0, 4.5])
-def test_defocus_is_an_even_disc_the_same_in_all_directions(radius_px):
-    z = 2 * np.pi * radius_px * 0.125
-    for frequencies in [(0.125, 0.0), (0.0, 0.125)]:
+@pytest.mark.parametrize("frequency", [0.0625, 0.125, 0.25, 0.375])
+@pytest.mark.parametrize("radius_px", [0.4, 0.7, 1.1, 2.0, 4.5])
+def test_defocus_is_an_even_disc_the_same_in_all_directions(radius_px, frequency):
+    z = 2 * np.pi * radius_px * frequency
+    for frequencies in [(frequency, 0.0), (0.0, frequency)]:
         before = wave(*frequencies)
         found = contrast(before, run(Defocus, before, radius_px=radius_px))
-        assert found == pytest.approx(2 * j1(z) / z, abs=0.02)
+        assert found == pytest.approx(2 * j1(z) / z, abs=0.008)
+
+
+@pytest.mark.parametrize("radius_px", [0.3, 1.0, 2.5, 7.0])
+def test_a_lamp_out_of_focus_has_no_dark_ring(radius_px):
+    lamp = np.full((1, 72, 96, 1), 20.0)
+    lamp[:, :, :12] = 0.0  # so that the range of the frame hides no ring
+    lamp[:, 36, 48] = 1e5
+    spread = run(Defocus, lamp, radius_px=radius_px)
+    assert spread[:, :, 24:].min() > 20 - 0.025 * 255
+    assert spread.sum() == pytest.approx(lamp.sum(), rel=1e-3)
 
 
 def test_defocus_follows_from_focus_aperture_and_depth():

@@ -15,7 +15,7 @@ from tacos_framework.contracts.observed import Captures, structured
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_plugins.effects import observations
-from tacos_plugins.effects.blur import blur
+from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
 from tacos_plugins.effects.disc import disc_kernel
 from tacos_plugins.effects.disc_radius import disc_radius_px
@@ -29,6 +29,10 @@ class Defocus:
     depth of each pixel, for a thin lens. Then near, blurred things overlap what is behind them, and what is
     behind does not bleed into sharp things before it; what they hide is not known and is made up from its
     surroundings. The image does not change size with focus. Lamps beyond full scale spread as they are.
+
+    A disc of one radius has the contrast of the disc, 2 J1(z) / z with z = 2 pi R f, at every frequency f
+    that pixels hold. Where depth decides, layers are masks that may not be negative, and each pixel gets its
+    share of a disc: below two pixels that leaves too much contrast near the Nyquist frequency.
 
     References
     ----------
@@ -112,4 +116,32 @@ class Defocus:
             return blur_by_depth(signal, np.broadcast_to(radius, signal.shape[:3]))
         if c.radius_px == 0.0:
             return signal
-        return blur(signal, disc_kernel(c.radius_px))
+        return spread_over_disc(signal, c.radius_px, context.white_level_dn - context.black_level_dn)
+
+
+def spread_over_disc(
+    light: NDArray[np.floating], radius_px: float, full_scale_dn: float
+) -> NDArray[np.floating]:
+    """Light spread over an even disc.
+
+    Up to full scale by the disc's transfer function, whose kernel has negative lobes, as every band limit
+    has; what lamps have beyond that by the pixels' shares of a disc, so that they have no dark ring.
+
+    Parameters
+    ----------
+    light
+        (N, H, W, C) samples above the pedestal [DN].
+    radius_px
+        R, above 0 [px].
+    full_scale_dn
+        White level above the pedestal [DN].
+
+    Returns
+    -------
+    NDArray
+        Same shape and dtype.
+    """
+    seen = np.minimum(light, light.dtype.type(full_scale_dn))
+    spread = blur(seen, kernel_of(disc_transfer(radius_px), reach_px=radius_px))
+    beyond = light - seen
+    return spread + blur(beyond, disc_kernel(radius_px)) if beyond.any() else spread
