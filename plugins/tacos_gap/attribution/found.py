@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from tacos_gap.attribution.worth import COMPLEXITY_PENALTY
 from tacos_gap.fit import Fitted
 from tacos_gap.problem import Problem
-from tacos_gap.rivals import slot_probabilities
+from tacos_gap.rivals import slot_probabilities, standard_error
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,25 @@ class Attribution:
     fits: Mapping[tuple[str, ...], Fitted]
     problem: Problem
     errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    @classmethod
+    def among(
+        cls,
+        best: Fitted,
+        null: Fitted,
+        rivals: Mapping[str, Mapping[str, Fitted]],
+        fits: Mapping[tuple[str, ...], Fitted],
+        problem: Problem,
+    ) -> Attribution:
+        """An explanation among `rivals`: for each of its effects fits with another, or ``""``, instead."""
+        scores: dict[str, dict[str, float]] = {}
+        errors: dict[str, dict[str, float]] = {}
+        for name, others in rivals.items():
+            scores[name], errors[name] = {name: best.score}, {name: 0.0}
+            for other, fitted in others.items():
+                scores[name][other] = fitted.score + (0.0 if other else COMPLEXITY_PENALTY)
+                errors[name][other] = standard_error(problem, best, fitted)
+        return cls(best, null, scores, fits, problem, errors)
 
     def probabilities(self, name: str) -> dict[str, float]:
         """Probability of each effect that was tried in the place of one; empty where it is not of `best`."""

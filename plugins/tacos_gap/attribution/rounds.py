@@ -1,0 +1,206 @@
+"""Rounds of forward selection: one more effect or two, removals, and the units that all is counted in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.contracts import FILE_STAGES
+from tacos_gap.attribution.fits import Fits
+from tacos_gap.attribution.pairs import best_pair
+from tacos_gap.attribution.shortlist import shortlist
+from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, shows
+from tacos_gap.codec import codec_of_files
+from tacos_gap.discrete import searched
+from tacos_gap.evidence import ReplicateResiduals
+from tacos_gap.fit import DRAWS, Fitted, finished, fit
+from tacos_gap.forms import in_its_best_form
+from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.problem import Hypothesis, Map, Problem
+from tacos_gap.pruning import pruned as less_parameters
+from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
+from tacos_gap.unknown import Unexplained, unexplained
+
+LARGEST = 6
+"""Most effects in one explanation: shares of more cannot be enumerated."""
+
+LEAST_SHARE = 0.001
+"""What one more parameter must gain, a third of the penalty aside, over what all have gained."""
+
+TRIED = 4
+"""Effects fitted in each round."""
+
+WIDER = 3.0
+"""Where an explanation spreads so much more than the simulator, as lamps of unknown phase do, it was scored
+in units too narrow and by the luck of one simulation: its fit begins anew."""
+
+MANY = 0.05
+"""Share of the numbers that must be so much wider."""
+
+AVERAGED = 3
+"""Simulations whose mean stands for such an explanation while it is fitted."""
+
+SCREENING_FRACTION = 0.25
+"""Screening score, over the complexity penalty, above which an effect is fitted beside others."""
+
+Notify = Callable[[str], None]
+
+
+class Rounds:
+    """What is known of the effects by now, and one round after another.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    effects
+        Name and class of every candidate.
+    each
+        A map that may work in parallel.
+    notify
+        Told what is being done.
+    """
+
+    def __init__(self, problem: Problem, effects: Mapping[str, type[Any]], each: Map, notify: Notify):
+        self.fits = Fits(problem, each)
+        self.effects = effects
+        self.directions: ScreeningDirections = {}
+        self.each = each
+        self.notify = notify
+
+    @property
+    def problem(self) -> Problem:
+        """The evidence, in the units of now."""
+        return self.fits.problem
+
+    def grown(self, best: Fitted) -> tuple[Fitted, Unexplained]:
+        """Forward selection from an explanation on, and what it leaves; one that comes back ends it."""
+        seen: set[frozenset[str]] = set()
+        while True:
+            best, residuals = self.in_its_units(best)
+            left = unexplained(self.problem, residuals)
+            if len(best.hypothesis) == LARGEST or not left.is_significant:
+                return best, left  # where nothing is significant, nothing is tried
+            if not self.directions:
+                self.directions = try_all(self.problem, self.effects, self.each)
+                if codec := codec_of_files(self.problem, self.directions):
+                    best = self.fits.fitted([codec], near=best)[0]
+                    self.notify(" + ".join(best.names))
+                    continue
+            better = None if frozenset(best.names) in seen else self._extended(best)
+            if better is None:
+                return best, left
+            seen.add(frozenset(best.names))
+            best = self.backward_elimination(better)
+            self.notify(" + ".join(best.names))
+
+    def through_files(self, base: Fitted) -> Fitted:
+        """Effects on files alone, as many as pay."""
+        among = {name for name in self.directions if self.effects[name].stage in FILE_STAGES}
+        while len(base.hypothesis) < LARGEST and (better := self._extended(base, among)) is not None:
+            base = self.backward_elimination(better)
+        return base
+
+    # units --------------------------------------------------------------------------------------------------
+
+    def in_its_units(self, best: Fitted) -> tuple[Fitted, ReplicateResiduals]:
+        """An explanation in units of its own noise floor, and how it fares there."""
+        best = self.fits.renuisanced(best)
+        before = self.problem.scale
+        residuals = self.problem.replicate_residuals(best.hypothesis)
+        self.take_as_units(np.maximum(residuals.scale, 1.0))
+        best = self.fits.again(best)
+        if best.hypothesis and self.directions and np.mean(self.problem.scale > WIDER * before) > MANY:
+            best = self._begun_anew(best)
+            residuals = self.problem.replicate_residuals(best.hypothesis)
+            self.take_as_units(np.maximum(residuals.scale, 1.0))
+            best = self.fits.again(best)
+        return best, residuals
+
+    def take_as_units(self, scale: NDArray[np.float64]) -> None:
+        """Count in units of another noise floor; simulations are only rescaled."""
+        before = self.problem.scale
+        self.fits.take_as_units(scale)
+        self.directions = in_units(self.directions, before / self.problem.scale)
+
+    def _begun_anew(self, best: Fitted) -> Fitted:
+        """The explanation with its last effect fitted again, in the units of now, from each initial guess."""
+        self.fits.problem = self.problem.averaging(AVERAGED)
+        *rest, last = best.hypothesis
+        initial_guesses = [last, *all_initial_guesses(self.directions[last.name])]
+        fits = self.each(lambda guess: fit(self.problem, (*rest, guess)), initial_guesses)
+        return self.fits.keep(max((f for f in fits if f is not None), key=lambda fitted: fitted.score))
+
+    # rounds -----------------------------------------------------------------------------------------------
+
+    def _extended(self, base: Fitted, among: Collection[str] | None = None) -> Fitted | None:
+        """The best explanation with one more effect, or two; None when none is worth its penalty."""
+        least = SCREENING_FRACTION * COMPLEXITY_PENALTY
+        guesses = self.shortlisted(base, self.free(base, among), least)
+        tried = self.fits.compared([(*base.hypothesis, guess) for guess in guesses], near=base)
+        tried = [fitted for fitted in tried if shows(self.problem, base, fitted)]
+        if not tried:
+            return None
+        best = max(tried, key=lambda fitted: fitted.score)
+        if (two := self._two_at_once(base, best, among)) is not None:
+            return two
+        if not is_worth_it(self.problem, base, best):
+            return None
+        guesses = all_initial_guesses(self.directions[best.names[-1]])
+        return self.fits.keep(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))
+
+    def _two_at_once(self, base: Fitted, best: Fitted, among: Collection[str] | None) -> Fitted | None:
+        """Two effects, each needed beside the other, that beat the best single one; None where none do."""
+        if len(best.hypothesis) == LARGEST:
+            return None
+        alone = screening_score(self.directions[best.names[-1]], base.z).gain
+        pair = best_pair(self.directions, self.free(best, among), base.z)
+        if pair is None or 0.5 * self.problem.weight * (pair.gain - alone) < 2 * COMPLEXITY_PENALTY:
+            return None
+        for two in self.fits.compared([(*base.hypothesis, *pair.terms)], near=base):
+            if two.score - best.score > 2 * COMPLEXITY_PENALTY and is_worth_it(self.problem, best, two):
+                kept = self.backward_elimination(two)
+                return kept if {term.name for term in pair.terms} <= set(kept.names) else None
+        return None
+
+    def shortlisted(self, base: Fitted, names: Sequence[str], least: float = 0.0) -> list[HypothesisTerm]:
+        return shortlist(self.problem, self.directions, base, names, count=TRIED, least=least, each=self.each)
+
+    def free(self, base: Fitted, among: Collection[str] | None = None) -> list[str]:
+        """Effects that were screened and are not yet in an explanation."""
+        wanted = self.directions if among is None else among
+        return [name for name in self.directions if name in wanted and name not in base.names]
+
+    def pruned(self, fitted: Fitted) -> Fitted:
+        """A converged fit, without parameters and effects that it does not need there."""
+        ended = self.fits.keep(self._to_the_digit(finished(self.problem, fitted)))
+        least = max(COMPLEXITY_PENALTY / 3, LEAST_SHARE * (ended.score - self.fits.null.score))
+        return self.backward_elimination(self.fits.keep(less_parameters(self.problem, ended, least)))
+
+    def _to_the_digit(self, fitted: Fitted) -> Fitted:
+        """A fit whose discrete settings are the best of their neighbours, by several simulations."""
+        averaged = self.problem.averaging(max(DRAWS, self.problem.draws))
+        hypothesis = fitted.hypothesis
+        for name in fitted.names:
+            term = next(term for term in hypothesis if term.name == name)
+            hypothesis = searched(averaged, (*without(hypothesis, name), term), farthest=1)
+        if {term.name: term for term in hypothesis} == {term.name: term for term in fitted.hypothesis}:
+            return fitted
+        begun = fit(self.problem, hypothesis, near=fitted)
+        return fitted if begun is None else max(fitted, finished(self.problem, begun), key=lambda f: f.score)
+
+    def backward_elimination(self, fitted: Fitted) -> Fitted:
+        """Backward elimination: without effects that another made superfluous."""
+        for name in fitted.names:
+            fewer = self.fits.compared([without(fitted.hypothesis, name)], near=fitted)
+            if fewer and not is_worth_it(self.problem, fewer[0], fitted):
+                fitted = fewer[0]
+        return fitted
+
+
+def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
+    """A hypothesis less one effect."""
+    return tuple(term for term in hypothesis if term.name != name)

@@ -1,0 +1,29 @@
+"""Cases of the blind check that an earlier diagnosis took for something else, made anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tacos_framework.plugins import Plugins
+from tacos_gap.candidates import candidates
+from tacos_gap.captures import read_captures
+from tacos_gap.diagnosis import diagnose
+from tacos_validation.blind.generators.specifications import CAPTURES, CaseSpecification, make
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effect", "severity", "seed"),
+    [
+        ("defocus", 4.0, 4234900957680020312),  # a disc of .8 px: lens blur, with .91
+        ("defocus", 8.0, 3789519747986281491),  # of 1.1 px
+        ("flicker", 8.0, 904349861463718292),  # its luck in a sequence: exposure that settles, with .96
+    ],
+)
+def test_what_was_taken_for_another_comes_first(effect: str, severity: float, seed: int, tmp_path: Path):
+    make(CaseSpecification("known", seed, "T1", (effect,), severity, "charts", 160, 120), tmp_path)
+    found = diagnose(read_captures(tmp_path / CAPTURES), candidates(Plugins.discover()).effects, seed=0)
+    assert found.causes[0].effect == effect
+    assert found.verdict == "explained"
