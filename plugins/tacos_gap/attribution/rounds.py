@@ -166,7 +166,8 @@ class Rounds:
                 return kept if {term.name for term in pair.terms} <= set(kept.names) else None
         return None
 
-    def shortlisted(self, base: Fitted, names: Sequence[str], least: float = 0.0) -> list[HypothesisTerm]:
+    def shortlisted(self, base: Fitted, names: Sequence[str], least: float) -> list[HypothesisTerm]:
+        """Where fits of those effects begin that promise most on a base, and `least` at least [nat]."""
         return shortlist(self.problem, self.directions, base, names, count=TRIED, least=least, each=self.each)
 
     def free(self, base: Fitted, among: Collection[str] | None = None) -> list[str]:

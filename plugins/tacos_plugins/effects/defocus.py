@@ -21,6 +21,11 @@ from tacos_plugins.effects.disc import disc_kernel
 from tacos_plugins.effects.disc_radius import disc_radius_px
 from tacos_plugins.effects.shown_by import EDGES
 
+LAMP, LAMPS_SHARE = 4.0, 0.01
+"""A lamp is so many times brighter than all but that share of a frame's samples; white print is not."""
+
+_STRIDE = 4  # pixels from one to the next that are looked at
+
 
 class Defocus:
     """Spreads each point of light over an even disc.
@@ -28,7 +33,7 @@ class Defocus:
     The disc has one radius all over the image, or follows from the distance of focus, the f-number and the
     depth of each pixel, for a thin lens. Then near, blurred things overlap what is behind them, and what is
     behind does not bleed into sharp things before it; what they hide is not known and is made up from its
-    surroundings. The image does not change size with focus. Lamps beyond full scale spread as they are.
+    surroundings. The image does not change size with focus.
 
     A disc of one radius has the contrast of the disc, 2 J1(z) / z with z = 2 pi R f, at every frequency f
     that pixels hold. Where depth decides, layers are masks that may not be negative, and each pixel gets its
@@ -116,32 +121,35 @@ class Defocus:
             return blur_by_depth(signal, np.broadcast_to(radius, signal.shape[:3]))
         if c.radius_px == 0.0:
             return signal
-        return spread_over_disc(signal, c.radius_px, context.white_level_dn - context.black_level_dn)
+        return spread_over_disc(signal, c.radius_px)
 
 
-def spread_over_disc(
-    light: NDArray[np.floating], radius_px: float, full_scale_dn: float
-) -> NDArray[np.floating]:
+def spread_over_disc(light: NDArray[np.floating], radius_px: float) -> NDArray[np.floating]:
     """Light spread over an even disc.
 
-    Up to full scale by the disc's transfer function, whose kernel has negative lobes, as every band limit
-    has; what lamps have beyond that by the pixels' shares of a disc, so that they have no dark ring.
+    By the disc's transfer function, whose kernel has negative lobes, as every band limit has; but what lamps
+    have beyond the rest of their frame by the pixels' shares of a disc, so that they have no rings.
 
     Parameters
     ----------
     light
-        (N, H, W, C) samples above the pedestal [DN].
+        (N, H, W, C) light in any unit, 0 where there is none.
     radius_px
         R, above 0 [px].
-    full_scale_dn
-        White level above the pedestal [DN].
 
     Returns
     -------
     NDArray
         Same shape and dtype.
     """
-    seen = np.minimum(light, light.dtype.type(full_scale_dn))
+    seen = np.minimum(light, _brightest_but_for_lamps(light))
     spread = blur(seen, kernel_of(disc_transfer(radius_px), reach_px=radius_px))
     beyond = light - seen
     return spread + blur(beyond, disc_kernel(radius_px)) if beyond.any() else spread
+
+
+def _brightest_but_for_lamps(light: NDArray[np.floating]) -> NDArray[np.floating]:
+    """(N, 1, 1, 1) light beyond which something is a lamp: it is rare, and far brighter than all else."""
+    some = light[:, ::_STRIDE, ::_STRIDE]
+    bright = np.quantile(some, 1 - LAMPS_SHARE, axis=(1, 2, 3), keepdims=True)
+    return (LAMP * bright).astype(light.dtype)
