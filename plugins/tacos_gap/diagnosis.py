@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
@@ -67,7 +68,8 @@ def diagnose(
     seed
         Seeds the simulations.
     workers
-        Threads.
+        Threads. Each measures captures of its own, so linear algebra has one thread in the whole process
+        meanwhile: its own threads would wait for one another, and take several times as long.
     notify
         Told what is being done.
 
@@ -76,7 +78,18 @@ def diagnose(
     NothingMeasured
         When no capture can be measured.
     """
-    tell = notify or (lambda text: None)
+    with threadpool_limits(1, user_api="blas"):
+        return _diagnosed(folder, effects, seed, workers, notify or (lambda text: None))
+
+
+def _diagnosed(
+    folder: CaptureFolder,
+    effects: Mapping[str, type[Any]] | Candidates,
+    seed: int,
+    workers: int,
+    tell: Notify,
+) -> Diagnosis:
+    """The diagnosis, without each effect that raises."""
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     considered = considered.without_these(beyond_own_edges(folder.captures, considered.effects))
     tell("measuring the captures")

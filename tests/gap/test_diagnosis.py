@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from tacos_framework.plugins import Plugins
 from tacos_gap.captures import CaptureFolder
@@ -45,6 +46,21 @@ def test_nothing_is_found_where_nothing_is(effects):
     assert found.verdict == "no_gap"
     assert found.causes == []
     assert found.effects == []
+
+
+def algebra_threads() -> set[int]:
+    return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
+
+
+def test_linear_algebra_has_one_thread_while_captures_have_theirs(effects):
+    seen: list[set[int]] = []
+    with threadpool_limits(2, user_api="blas"):
+        before = algebra_threads()
+        folder = CaptureFolder(Path("captures"), tuple(taken(bench())))
+        diagnose(folder, effects, seed=3, notify=lambda text: seen.append(algebra_threads()))
+        assert algebra_threads() == before
+    assert seen
+    assert all(each == {1} for each in seen)
 
 
 @pytest.mark.parametrize(
