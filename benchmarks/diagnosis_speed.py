@@ -1,9 +1,10 @@
 """Processor time of a diagnosis, and of what it does over and over: simulate all captures and measure.
 
-OMP_NUM_THREADS=1 python benchmarks/diagnosis_speed.py --width 640 --whole
+python benchmarks/diagnosis_speed.py --whole --effects vignetting defocus jpeg
 
-Twelve captures in colour of a camera with vignetting, taken on the bench of the shipped recipe. To set two
-versions side by side run it in turn with the PYTHONPATH of each, on one folder (`--captures`).
+Twelve captures in colour of a camera with one effect that the simulation lacks, taken on the bench of the
+shipped recipe; one effect after the other. To set two versions side by side run it in turn with the
+PYTHONPATH of each, on one folder (`--captures`).
 """
 
 from __future__ import annotations
@@ -12,6 +13,9 @@ import argparse
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
 
 from tacos_framework import load_recipe, run
 from tacos_framework.formation import EpisodeDraws
@@ -38,6 +42,21 @@ CAPTURES = [
     {"id": "edges", "kind": "edge", "scene": {"use": "scene.slanted-edges", "angle_deg": 5}},
     {"id": "texture", "kind": "scene", "scene": {"use": "scene.textured-target", "size_m": 0.3}},
 ]
+EFFECTS: dict[str, dict[str, Any]] = {
+    "nothing": {},
+    "vignetting": {"k1": -0.3},
+    "lens-distortion": {"k1": -0.1},
+    "lateral-chromatic-aberration": {"red": 0.0015, "blue": -0.001},
+    "defocus": {"radius_px": 1.8},
+    "prnu": {"sigma": 0.015},
+    "dark-current": {"rate_dn_s": 20.0, "hot_share": 0.001},
+    "read-noise": {"sigma_dn": 1.5},
+    "row-noise": {"sigma_dn": 0.8},
+    "tone-curve": {"gamma": 0.7},
+    "denoise": {"strength": 0.5},
+    "jpeg": {"quality": 80},
+}
+"""Effects to be found, with settings that are met in the field."""
 
 
 def main() -> None:
@@ -47,21 +66,26 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=640, help="of the frames, three quarters as high [px]")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--whole", action="store_true", help="diagnose, too; minutes")
+    parser.add_argument("--effects", nargs="+", choices=EFFECTS, default=["vignetting"], metavar="EFFECT")
     parser.add_argument("--workers", type=int, default=2)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
-        folder = arguments.captures or taken(Path(temporary) / "captures", arguments.width)
-        captures = read_captures(folder)
-        once(captures, arguments.repeats)
-        if arguments.whole:
-            whole(captures, arguments.workers)
+        for effect in arguments.effects:
+            if not arguments.captures:
+                print(f"{effect}: ", end="", flush=True)
+            folder = arguments.captures or taken(Path(temporary) / effect, arguments.width, effect)
+            captures = read_captures(folder)
+            with threadpool_limits(1, user_api="blas"):  # as in a diagnosis
+                once(captures, arguments.repeats)
+            if arguments.whole:
+                whole(captures, arguments.workers)
 
 
-def taken(folder: Path, width: int) -> Path:
-    """The captures, taken."""
+def taken(folder: Path, width: int, effect: str) -> Path:
+    """The captures, taken by a camera with an effect."""
     sensor = {"width_px": width, "height_px": width * 3 // 4, "pixel_um": 3.0 * 640 / width}
     changed = {f"rig.sensor.{name}": value for name, value in sensor.items()}
-    effects = [{"use": "effect.vignetting", "k1": -0.3}]
+    effects = [{"use": f"effect.{effect}", **EFFECTS[effect]}] if EFFECTS[effect] else []
     run(load_recipe("bench", {**changed, "captures": CAPTURES, "effects": effects}), out=folder)
     return folder
 

@@ -21,10 +21,17 @@ NAMED = 10
 def notes_on_constraints(plan: Plan) -> Iterator[str]:
     """On constraints that parts keep as nobody knows better, and on products that break one."""
     for name, variable, parts in _unknown_parts(plan):
-        yield (
-            f"The constraint on {name} lets pass what nobody states, which is so for "
-            f"{_first_of(parts)} ({variable}); unknown: refuse leaves them out."
-        )
+        if len(parts) == len(variable.rows):
+            yield (
+                f"No part whose {name} is known keeps the constraint on it: all that can be chosen are "
+                f"parts nobody states it of, {_first_of(parts)} ({variable.name}). Relax it, or give "
+                f"unknown: refuse to be told so."
+            )
+        else:
+            yield (
+                f"The constraint on {name} lets pass what nobody states, which is so for "
+                f"{_first_of(parts)} ({variable.name}); unknown: refuse leaves them out."
+            )
     titles = {camera.name: camera.title for camera in plan.cameras}
     for product, why in inadmissible(plan).items():
         yield f"{titles[product]} ({product}) breaks a constraint: {why}."
@@ -127,10 +134,11 @@ def _to_be_asked(part: CatalogPart) -> Iterator[str]:
         yield f"Ask the maker for {', '.join(columns)}, of grade {grade!r} here{named}."
 
 
-def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:
-    """Of each constraint: its quantity, a variable, and the parts nobody states that quantity of.
+def _unknown_parts(plan: Plan) -> Iterator[tuple[str, CatalogChoice, tuple[str, ...]]]:
+    """Of each constraint: its quantity, a variable, and the parts that can be chosen nobody states it of.
 
-    Only where other parts of the same catalog have it: a rig without a lens has no image circle.
+    Only where other parts of the same catalog have it, be they ruled out: a rig without a lens has no image
+    circle.
     """
     middle = plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
     for variable in _catalog_choices(plan):
@@ -139,5 +147,13 @@ def _unknown_parts(plan: Plan) -> Iterator[tuple[str, str, tuple[str, ...]]]:
         for constraint in plan.constraints:
             known = zip(variable.rows, unknown, strict=True)
             names = tuple(row.name for row, missing in known if constraint.quantity in missing)
-            if 0 < len(names) < len(candidates) and constraint.unknown == "allow":
-                yield constraint.quantity, variable.name, names
+            is_had = len(names) < len(candidates) or _rules_out_parts(constraint.quantity, variable)
+            if names and is_had and constraint.unknown == "allow":
+                yield constraint.quantity, variable, names
+
+
+def _rules_out_parts(quantity: str, variable: CatalogChoice) -> bool:
+    """Whether a quantity is a column of the parts, and known of one that is ruled out."""
+    owner, _, column = quantity.partition(".")
+    ruled_out = [row for row in variable.catalog.rows if row.name in variable.excluded]
+    return owner == variable.name and any(row.as_dict().get(column) is not None for row in ruled_out)

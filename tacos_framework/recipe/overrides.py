@@ -15,6 +15,9 @@ Path = tuple[str | int, ...]
 _OF_A_VARIABLE = frozenset({"between", "integer", "choose", "from", "scheme", "columns", "distance"})
 """The keys an entry of ``design:`` may have."""
 
+_OF_BOUNDS = frozenset({"min", "max", "is", "any_of", "unknown"})
+"""The keys an entry of ``constraints:`` may have."""
+
 
 def with_overrides(
     document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
@@ -63,10 +66,14 @@ def _set(data: dict[str, Any], dotted: str, value: Any) -> tuple[list[Path], lis
     if not all(steps):
         return [], [Fault(where, "an empty key", "names joined by dots, such as optimizer.generations")]
     if steps[0] == "design" and len(steps) > 1 and isinstance(data.get("design"), dict):
-        name, below = _variable(steps[1:], data["design"])
+        name, below = _dotted_name(steps[1:], data["design"], _OF_A_VARIABLE)
         if not below and not isinstance(value, dict):
             return fix_variable(data, name, value, where)
         steps = ["design", name, *below]
+    elif steps[0] == "constraints" and len(steps) > 1:
+        bounded = data.get("constraints")
+        name, below = _dotted_name(steps[1:], bounded if isinstance(bounded, dict) else {}, _OF_BOUNDS)
+        steps = ["constraints", name, *below]
     target: Any = data
     path: list[str | int] = []
     for step in steps[:-1]:
@@ -90,12 +97,14 @@ def _set(data: dict[str, Any], dotted: str, value: Any) -> tuple[list[Path], lis
     return [], [Fault(where, f"cannot be set: {'.'.join(steps[:-1])!r} is not a mapping", "a mapping")]
 
 
-def _variable(steps: Sequence[str], design: Mapping[str, Any]) -> tuple[str, list[str]]:
-    """The design variable that steps below ``design`` lead to, whose name may have dots, and what follows."""
+def _dotted_name(
+    steps: Sequence[str], known: Mapping[str, Any], keys: frozenset[str]
+) -> tuple[str, list[str]]:
+    """The name that steps lead to, which may have dots itself, and what follows: names known come first."""
     for length in range(len(steps), 0, -1):
-        if (name := ".".join(steps[:length])) in design:
+        if (name := ".".join(steps[:length])) in known:
             return name, list(steps[length:])
-    if len(steps) > 1 and steps[-1] in _OF_A_VARIABLE:
+    if len(steps) > 1 and steps[-1] in keys:
         return ".".join(steps[:-1]), [steps[-1]]
     return ".".join(steps), []
 

@@ -72,6 +72,14 @@ def test_unknown_values_pass_unless_they_are_refused(toys):
     assert note.endswith(" more (sensor); unknown: refuse leaves them out.")
 
 
+def test_a_constraint_that_only_unknown_values_pass_is_told(toys):
+    plan = make_plan(recipe(constraints={"sensor.full_well_e": {"min": 10_000_000}}), toys)
+    (note,) = notes_on_constraints(plan)
+    assert note.startswith("No part whose sensor.full_well_e is known keeps the constraint on it: all")
+    assert "PYTHON300" in note
+    assert "IMX273" not in note  # known, and ruled out
+
+
 @pytest.mark.parametrize(
     ("constraints", "what", "remedy"),
     [

@@ -106,6 +106,15 @@ def test_what_is_below_a_variable_with_dots_in_its_name_can_be_set(file):
     assert changed(file, design__pitch_deg={"between": [0, 1]})["design"]["pitch_deg"]["between"] == [0, 1]
 
 
+def test_bounds_of_a_column_whose_name_has_dots_can_be_set(file):
+    sets = {"constraints.sensor.full_well_e.min": 5, "constraints.sensor.full_well_e.unknown": "refuse"}
+    found = load_recipe(file, {**sets, "constraints.hfov_deg.max": 90}).constraints
+    assert set(found) == {"sensor.full_well_e", "hfov_deg"}
+    assert (found["sensor.full_well_e"].min, found["sensor.full_well_e"].unknown) == (5, "refuse")
+    whole = load_recipe(file, {"constraints.sensor.shutter": {"is": "global"}}).constraints
+    assert whole["sensor.shutter"].words == ("global",)
+
+
 def test_the_last_variable_cannot_be_fixed(tmp_path, toys):
     path = tmp_path / "one.yaml"
     path.write_text(json.dumps({**RECIPE, "design": {"focal_length_mm": {"between": [1, 2]}}}))
@@ -203,6 +212,7 @@ VALUES = st.sampled_from(ODD.splitlines()[1:])
 @example([("nodes", "~"), ("nodes.frames.in.capture", "capture")])
 @example([("effects", "[1]"), ("design.effects.0.share", "1")])
 @example([("tacos", ""), ("use", "procedure.diagnose")])
+@example([("constraints", "[1]"), ("constraints.0.min", "1"), ("constraints.sensor.width.min", "1")])
 def test_no_option_ends_in_a_traceback(file, toys, sets):
     from tacos_framework.cli import run as command
 
