@@ -56,8 +56,9 @@ class ScreeningScore:
 
 def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> ScreeningDirections:
     """Simulate each effect at each of its initial guesses; `each` is a map that may work in parallel."""
-    captures = [each.capture for each in problem.evidence if isinstance(each, (ImageEvidence, BoardEvidence))]
-    terms = [term for name, cls in effects.items() for term in initial_guesses_for(name, cls, captures)]
+    captures = [e.capture for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
+    guesses = each(lambda named: initial_guesses_for(named[0], named[1], captures), effects.items())
+    terms = [term for of_effect in guesses for term in of_effect]
     found: dict[str, list[ScreeningDirection]] = {}
     for term, z in zip(terms, each(lambda term: problem.residual((term,)), terms), strict=True):
         if z is not None and not np.array_equal(z, problem.null):
