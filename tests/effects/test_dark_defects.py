@@ -92,6 +92,29 @@ def test_a_dead_row_is_told_from_an_offset_by_a_flat():
     assert list(DefectLines.guesses_from([flat])) == [{"row_share": 1 / 60, "dead": True}]
 
 
+def test_bad_columns_and_rows_are_suggested_together_and_alone():
+    frames = dark()
+    frames[:, :, 31] += 9.0
+    frames[:, 12] += 8.0
+    both, columns, rows = DefectLines.guesses_from([as_dark(frames)])
+    assert columns == {"column_share": 1 / 80, "offset_dn": 9.0}
+    assert rows == {"row_share": 1 / 60, "offset_dn": 8.0}
+    assert both == {**columns, **rows, "offset_dn": 8.5}
+
+
+def test_lines_too_weak_for_one_capture_are_seen_in_the_mean_of_several():
+    def noisy(seed, sigma_dn):
+        frames = dark() + np.random.default_rng(seed).normal(0, sigma_dn, (2, 60, 80, 1)).astype(np.float32)
+        frames[:, :, 31] += 1.2
+        return as_dark(np.round(frames))
+
+    one, several = [noisy(0, 1.6)], [*(noisy(seed, 1.6) for seed in range(9)), noisy(9, 9.0)]
+    assert list(DefectLines.guesses_from(one)) == []
+    (guess,) = DefectLines.guesses_from(several)
+    assert guess["column_share"] == 1 / 80
+    assert guess["offset_dn"] == pytest.approx(1.2, abs=0.3)
+
+
 @pytest.mark.parametrize("bad", [np.s_[:, 35:, 31], np.s_[:, :5, :], np.s_[:, ::7, ::11]], ids=str)
 def test_what_is_bad_in_part_only_is_no_line_defect(bad):
     """A piece of a column, a band of rows, and pixels that stand alone."""

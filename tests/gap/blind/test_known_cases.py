@@ -27,3 +27,15 @@ def test_what_was_taken_for_another_comes_first(effect: str, severity: float, se
     found = diagnose(read_captures(tmp_path / CAPTURES), candidates(Plugins.discover()).effects, seed=0)
     assert found.causes[0].effect == effect
     assert found.verdict == "explained"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("nuisance", "severity"), [("lamp", 8.0), ("few frames", 4.0)])
+def test_weak_bad_columns_and_rows_are_no_fixed_pattern(nuisance: str, severity: float, tmp_path: Path):
+    """Three columns and a row that no single capture shows: columns were named a pattern of all of them."""
+    spec = CaseSpecification(
+        "known", 1, "T7", ("defect-lines",), severity, "charts", 160, 120, nuisance=nuisance
+    )
+    make(spec, tmp_path)
+    found = diagnose(read_captures(tmp_path / CAPTURES), candidates(Plugins.discover()).effects, seed=0)
+    assert [cause.effect for cause in found.causes if cause.present > 0.5] == ["defect-lines"]
