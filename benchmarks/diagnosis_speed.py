@@ -15,10 +15,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from tacos_framework import load_recipe, run
 from tacos_framework.formation import EpisodeDraws
+from tacos_framework.linear_algebra import in_one_thread
 from tacos_framework.plugins import Plugins
 from tacos_gap.candidates import candidates
 from tacos_gap.captures import CaptureFolder, read_captures
@@ -75,8 +74,7 @@ def main() -> None:
                 print(f"{effect}: ", end="", flush=True)
             folder = arguments.captures or taken(Path(temporary) / effect, arguments.width, effect)
             captures = read_captures(folder)
-            with threadpool_limits(1, user_api="blas"):  # as in a diagnosis
-                once(captures, arguments.repeats)
+            in_one_thread(once)(captures, arguments.repeats)  # as in a diagnosis
             if arguments.whole:
                 whole(captures, arguments.workers)
 

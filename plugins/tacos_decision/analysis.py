@@ -12,12 +12,14 @@ from tacos_decision.optimum import best_of_parts
 from tacos_decision.pool import Pool
 from tacos_decision.ranking import left_out, ranking
 from tacos_framework.errors import UserError
+from tacos_framework.linear_algebra import in_one_thread
 from tacos_framework.study.record import StudyRecord
 
 MARGIN_SHARE = 0.01
 """Share of the best fitness that does not matter, where the recipe has no ``test:`` that says it."""
 
 
+@in_one_thread
 def analyse(record: StudyRecord) -> dict[str, Any]:
     """Rank every part, find the equals, the tolerances, what matters, and the front.
 

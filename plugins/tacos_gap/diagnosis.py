@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
+from tacos_framework.linear_algebra import in_one_thread
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
 from tacos_gap.attribution import Attribution, ForwardSelection
@@ -47,6 +47,7 @@ LEAST_PRESENT = 0.5
 Notify = Callable[[str], None]
 
 
+@in_one_thread
 def diagnose(
     folder: CaptureFolder,
     effects: Mapping[str, type[Any]] | Candidates,
@@ -68,8 +69,7 @@ def diagnose(
     seed
         Seeds the simulations.
     workers
-        Threads. Each measures captures of its own, so linear algebra has one thread in the whole process
-        meanwhile: its own threads would wait for one another, and take several times as long.
+        Threads. Each measures captures of its own.
     notify
         Told what is being done.
 
@@ -78,18 +78,7 @@ def diagnose(
     NothingMeasured
         When no capture can be measured.
     """
-    with threadpool_limits(1, user_api="blas"):
-        return _diagnosed(folder, effects, seed, workers, notify or (lambda text: None))
-
-
-def _diagnosed(
-    folder: CaptureFolder,
-    effects: Mapping[str, type[Any]] | Candidates,
-    seed: int,
-    workers: int,
-    tell: Notify,
-) -> Diagnosis:
-    """The diagnosis, without each effect that raises."""
+    tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     considered = considered.without_these(beyond_own_edges(folder.captures, considered.effects))
     tell("measuring the captures")

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tacos_framework.contracts import Asked, DesignProblem, Evaluated
+from tacos_framework.linear_algebra import in_one_thread
 from tacos_framework.settings import Settings, setting
 from tacos_framework.variables.design_space import Candidate, DesignSpace
 from tacos_plugins.optimizers.observed_results import validate_results
@@ -128,6 +129,7 @@ class PhysicalGp:
         """All evaluations."""
         return self.config.evaluations
 
+    @in_one_thread
     def ask(self) -> list[Candidate | Asked]:
         """The next round; the same one until it is evaluated."""
         if not self._asked and self.stop() is None:
@@ -164,6 +166,7 @@ class PhysicalGp:
             return f"all {len(self._pool.everywhere)} candidates there are were evaluated"
         return None
 
+    @in_one_thread
     def recommend(self, count: int) -> list[Candidate]:
         """The candidates of highest mean fitness, tried or not, the best first, and not all alike.
 
@@ -177,6 +180,7 @@ class PhysicalGp:
             return list(tried.candidates[:count])
         return recommended(model, self._pool, tried, count, self._generator(_RECOMMENDING))
 
+    @in_one_thread
     def choose(self, finalists: Sequence[Evaluated]) -> int:
         """The finalist of highest mean fitness, by all trials and by how the finalists did on fresh scenes.
 
