@@ -31,7 +31,7 @@ def test_what_is_raised_passes_and_the_threads_come_back():
     def failing() -> None:
         raise ValueError("as it was")
 
-    with pytest.raises(ValueError, match="^as it was$"):
+    with pytest.raises(ValueError, match=r"^as it was$"):
         failing()
     assert threads() == before
 
