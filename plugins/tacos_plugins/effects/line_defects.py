@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,35 +29,59 @@ _FEW = 0.1
 """Share of lines above which a pattern of all lines is meant, not single bad ones."""
 
 
-def bad_lines(captures: Captures) -> Iterator[Mapping[str, Any]]:
-    """Settings of line defects that even fields suggest: shares and offset of bad columns, bad rows, or both.
+@dataclass(frozen=True)
+class _BadLines:
+    """Bad lines of one direction.
 
-    Lines that are dead stand off by the light of each capture. What others stand off by is the same in all
-    captures, and seen best in their mean.
+    Parameters
+    ----------
+    share
+        Of all lines.
+    offset_dn
+        What they show above the others; None where they are dead [DN].
     """
+
+    share: float
+    offset_dn: float | None
+
+
+def bad_lines(captures: Captures) -> Iterator[Mapping[str, Any]]:
+    """Settings of line defects that even fields suggest: of bad columns and rows together, and of either."""
     fields = [
         (capture, _residual(capture))
         for capture in of_kind(captures, "dark", "flat", "bracket")
         if capture.expected_dn is not None and min(capture.valid.shape) >= NEIGHBOURS
     ]
-    found: dict[str, Mapping[str, Any]] = {}
-    for key, turned in (("column_share", True), ("row_share", False)):
-        lines = [plane.T if turned else plane for _, plane in fields]
-        in_each = [_few(_offsets(_pieces(each))) for each in lines]
-        if any(_is_dead(capture, at[at != 0]) for (capture, _), at in zip(fields, in_each, strict=True)):
-            found[key] = {key: _largest_share(in_each), "dead": True}
-            continue
-        in_mean = [_few(_offsets(_mean(alike))) for alike in _of_one_shape(map(_pieces, lines))]
-        if share := _largest_share([*in_mean, *in_each]):
-            seen = in_mean if any(map(np.any, in_mean)) else in_each
-            found[key] = {
-                key: share,
-                "offset_dn": float(np.median(np.concatenate([at[at != 0] for at in seen]))),
-            }
-    if len(found) == 2 and len({"dead" in settings for settings in found.values()}) == 1:
-        columns, rows = found.values()
-        yield {**columns, **rows, **_offset_of_both(columns, rows)}
-    yield from found.values()
+    columns, rows = _found([(capture, plane.T) for capture, plane in fields]), _found(fields)
+    if columns and rows and (columns.offset_dn is None) == (rows.offset_dn is None):
+        yield {"column_share": columns.share, "row_share": rows.share, **_shown_by(columns, rows)}
+    if columns:
+        yield {"column_share": columns.share, **_shown_by(columns)}
+    if rows:
+        yield {"row_share": rows.share, **_shown_by(rows)}
+
+
+def _shown_by(*bad: _BadLines) -> dict[str, Any]:
+    """What bad lines show, as settings; one offset for all, as they are of one sensor."""
+    offsets_dn = [each.offset_dn for each in bad if each.offset_dn is not None]
+    return {"offset_dn": float(np.mean(offsets_dn))} if offsets_dn else {"dead": True}
+
+
+def _found(fields: Sequence[tuple[ObservedCapture, NDArray[np.floating]]]) -> _BadLines | None:
+    """The bad lines of captures and their (N, L) residuals, line by line; None where there are none.
+
+    Dead lines stand off by the light of each capture. What others stand off by is the same in all, and seen
+    best in their mean.
+    """
+    pieces = [_pieces(lines) for _, lines in fields]
+    in_each = [_few(_offsets(each)) for each in pieces]
+    if any(_is_dead(capture, at[at != 0]) for (capture, _), at in zip(fields, in_each, strict=True)):
+        return _BadLines(_largest_share(in_each), None)
+    in_mean = [_few(_offsets(_mean(alike))) for alike in _of_one_shape(pieces)]
+    if not (share := _largest_share([*in_mean, *in_each])):
+        return None
+    seen = np.concatenate(in_mean if any(map(np.any, in_mean)) else in_each)
+    return _BadLines(share, float(np.median(seen[seen != 0])))
 
 
 def _residual(capture: ObservedCapture) -> NDArray[np.floating]:
@@ -88,13 +113,6 @@ def _mean(pieces: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Their mean, each weighed by how little it scatters; by no more than rounding lets tell."""
     spreads = np.array([middle_and_spread(each)[1] for each in pieces])
     return np.average(pieces, axis=0, weights=1 / np.maximum(spreads, _ROUNDED_DN) ** 2)
-
-
-def _offset_of_both(columns: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, float]:
-    """One offset for columns and rows, which have the same on one sensor; none of dead lines."""
-    if "dead" in columns:
-        return {}
-    return {"offset_dn": (columns["offset_dn"] + rows["offset_dn"]) / 2}
 
 
 def _pieces(lines: NDArray[np.floating]) -> NDArray[np.float64]:
