@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -113,6 +115,18 @@ def test_lines_too_weak_for_one_capture_are_seen_in_the_mean_of_several():
     (guess,) = DefectLines.guesses_from(several)
     assert guess["column_share"] == 1 / 80
     assert guess["offset_dn"] == pytest.approx(1.2, abs=0.3)
+
+
+def test_captures_of_other_crops_show_other_lines():
+    def cropped(x):
+        frames = dark()
+        frames[:, :, 31 - x] += 9.0
+        capture = as_dark(frames)
+        capture.geometry = replace(capture.geometry, offset_px=(x, 0), full_width_px=100)
+        return capture
+
+    (guess,) = DefectLines.guesses_from([cropped(0), cropped(4), cropped(9)])
+    assert guess == {"column_share": 1 / 80, "offset_dn": 9.0}
 
 
 @pytest.mark.parametrize("bad", [np.s_[:, 35:, 31], np.s_[:, :5, :], np.s_[:, ::7, ::11]], ids=str)

@@ -77,7 +77,8 @@ def _found(fields: Sequence[tuple[ObservedCapture, NDArray[np.floating]]]) -> _B
     in_each = [_few(_offsets(each)) for each in pieces]
     if any(_is_dead(capture, at[at != 0]) for (capture, _), at in zip(fields, in_each, strict=True)):
         return _BadLines(_largest_share(in_each), None)
-    in_mean = [_few(_offsets(_mean(alike))) for alike in _of_one_shape(pieces)]
+    captures = [capture for capture, _ in fields]
+    in_mean = [_few(_offsets(_mean(alike))) for alike in _of_the_same_lines(captures, pieces)]
     if not (share := _largest_share([*in_mean, *in_each])):
         return None
     seen = np.concatenate(in_mean if any(map(np.any, in_mean)) else in_each)
@@ -101,11 +102,13 @@ def _largest_share(found_in: Sequence[NDArray[np.float64]]) -> float:
     return max((int(np.count_nonzero(offsets)) / offsets.size for offsets in found_in), default=0.0)
 
 
-def _of_one_shape(pieces: Iterable[NDArray[np.float64]]) -> Iterable[list[NDArray[np.float64]]]:
-    """Arrays by their shape: captures may differ in their crop."""
-    alike: dict[tuple[int, ...], list[NDArray[np.float64]]] = {}
-    for each in pieces:
-        alike.setdefault(each.shape, []).append(each)
+def _of_the_same_lines(
+    captures: Sequence[ObservedCapture], pieces: Sequence[NDArray[np.float64]]
+) -> Iterable[list[NDArray[np.float64]]]:
+    """Pieces by the lines of the sensor that they are of: captures may differ in their crop."""
+    alike: dict[Any, list[NDArray[np.float64]]] = {}
+    for capture, each in zip(captures, pieces, strict=True):
+        alike.setdefault((capture.geometry.offset_px, each.shape), []).append(each)
     return alike.values()
 
 
