@@ -77,6 +77,8 @@ def run(
     plugins = plugins or Plugins.discover()
     progress = progress or Silent()
     if isinstance(recipe, ProcedureRecipe | ProcedurePlan):
+        if extend:
+            raise UserError(Fault("extend", "only studies can be extended", "", "Leave it out."))
         return _run_procedure(recipe, Path(out), plugins, executor, resume, accept_changes, progress, command)
     return run_study(
         recipe,
@@ -125,7 +127,14 @@ def _run_procedure(
     data = plan.as_data()
     resumable = "resume" in plan.asks_for
     results = Results.resume(out, data)[0] if resume else Results.create(out, data, resumable=resumable)
-    supplied = {"out": out, "seed": recipe.seed, "plugins": plugins, "progress": progress, "resume": resume}
+    supplied = {
+        "out": out,
+        "seed": recipe.seed,
+        "plugins": plugins,
+        "progress": progress,
+        "resume": resume,
+        "accept_changes": accept_changes,
+    }
     evaluating = executor_of_run(
         executor,
         lambda: plan.executor_cls(plan.executor_config),

@@ -122,9 +122,9 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
 
     plugins = Plugins.discover()
     recipe, faults = _read(arguments, plugins)
-    recipe, extend = _to_go_on_with(arguments, recipe, plugins, faults)
+    longer, extend = _to_go_on_with(arguments, recipe, plugins, faults)
     planned = _plan_study if isinstance(recipe, Recipe) else _plan_procedure
-    plan, explanation = planned(recipe, plugins, faults)
+    plan, explanation = planned(longer, plugins, faults)
     if arguments.explain:
         print(explanation())
     if arguments.check:
@@ -134,9 +134,9 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
 
             for line in remarks(plan, verbose=arguments.verbose):
                 print(line)
-    return (
-        DONE if arguments.check or arguments.explain else _run_plan(arguments, plan, plugins, extend, command)
-    )
+    if arguments.check or arguments.explain:
+        return DONE
+    return _run_it(arguments, plan if longer is recipe else recipe, plugins, extend, command)
 
 
 def _to_go_on_with(
@@ -160,9 +160,9 @@ def _to_go_on_with(
     return recipe, extend
 
 
-def _run_plan(
+def _run_it(
     arguments: argparse.Namespace,
-    plan: Plan | ProcedurePlan,
+    given: Recipe | ProcedureRecipe | Plan | ProcedurePlan,
     plugins: Plugins,
     extend: Mapping[str, int],
     command: str,
@@ -175,7 +175,7 @@ def _run_plan(
     progress_shown = progress_for(quiet=arguments.quiet, verbose=arguments.verbose)
     with progress_shown as progress, ended_by_sigterm():
         result = run(
-            plan,
+            given,
             out=out,
             plugins=plugins,
             resume=arguments.resume or bool(arguments.extend),

@@ -73,6 +73,13 @@ class Plan:
         return target_of(variable, self.recipe.effect_names)
 
     @property
+    def parts(self) -> dict[str, ConfiguredComponent]:
+        """The components that results depend on, by the name of their place; all but the executor."""
+        effects = {f"effects.{effect.name or number}": effect for number, effect in enumerate(self.effects)}
+        exposure = {} if self.exposure is None else {"exposure": self.exposure}
+        return {**self.nodes, "rig": self.rig, "optimizer": self.optimizer, **exposure, **effects}
+
+    @property
     def trainable(self) -> tuple[str, ...]:
         """Task nodes that learn."""
         return tuple(n for n in self.graph.of_kind("task") if learns(self.nodes[n].cls))

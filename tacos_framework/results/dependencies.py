@@ -13,7 +13,7 @@ from tacos_framework.environment import package_versions
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files.trees import checksums_below
 from tacos_framework.packaged_resources import shipped_folder
-from tacos_framework.plan import ConfiguredComponent, Plan
+from tacos_framework.plan import Plan
 from tacos_framework.plan.procedure import ProcedurePlan
 from tacos_framework.plugins import Plugins
 from tacos_framework.results.manifest import Manifest
@@ -25,7 +25,7 @@ FRAMEWORK = "tacos_framework"
 
 def manifest_of_study(plan: Plan) -> Manifest:
     """The manifest of a study that starts now: of the components that its recipe names."""
-    parts = dict(_parts(plan))
+    parts = plan.parts
     return Manifest(
         python=platform.python_version(),
         packages=package_versions({part.distribution for part in parts.values() if part.distribution}),
@@ -46,15 +46,6 @@ def manifest_of_procedure(plan: ProcedurePlan, plugins: Plugins) -> Manifest:
         catalogs={},
         files=dict(_files({plan.recipe.use: plan.config})),
     )
-
-
-def _parts(plan: Plan) -> Iterator[tuple[str, ConfiguredComponent]]:
-    """The components that results depend on, by the name of their place."""
-    yield from plan.nodes.items()
-    yield "rig", plan.rig
-    yield "optimizer", plan.optimizer
-    for number, effect in enumerate(plan.effects):
-        yield f"effects.{effect.name or number}", effect
 
 
 def _code_of_all(modules: Iterable[str]) -> dict[str, dict[str, str]]:

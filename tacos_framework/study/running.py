@@ -38,15 +38,15 @@ def run_study(
     report: bool = True,
 ) -> dict[str, Any]:
     """Run a study; see `tacos_framework.run`."""
-    if resume and isinstance(study, Recipe):
-        study = for_resuming(study, out, plugins, extend or {})
-    plan = study if isinstance(study, Plan) else make_plan(study, plugins)
-    data = plan.recipe.as_data()
+    given = study.recipe if isinstance(study, Plan) else study
+    recipe = for_resuming(given, out, plugins, extend or {}) if resume else given
+    plan = study if isinstance(study, Plan) and recipe is given else make_plan(recipe, plugins)
+    data = recipe.as_data()
     may_change = partial(without_budget, optimizer=plan.optimizer) if extend else dict
     results, checkpoint = (
         Results.resume(out, data, may_change) if resume else (Results.create(out, data), None)
     )
-    parts = [*plan.nodes.values(), plan.optimizer, plan.executor]
+    parts = [*plan.parts.values(), plan.executor]
     packages = {part.cls.__module__.partition(".")[0] for part in parts}
     with results, results.logging({"tacos_framework", *packages}):
         manifest = settle_manifest(

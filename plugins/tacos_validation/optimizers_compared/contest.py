@@ -13,7 +13,7 @@ from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.search import Search
 from tacos_validation.score_table import ScoreTable, Wanted
 
-MOST_IDLE_ROUNDS = 200
+MOST_IDLE_ROUNDS = 50
 """After so many rounds in a row that render nothing, a run finds nothing new."""
 
 BUDGET_SPENT = "budget spent"
