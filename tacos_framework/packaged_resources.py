@@ -37,7 +37,7 @@ def find_file(name: str | Path, shipped: Path, *, folder: Path | None = None, no
         When there is no such file.
     """
     text = str(name)
-    if _is_word(text):
+    if is_shipped_name(text):
         file = shipped / f"{text}.yaml"
         if file.is_file():
             return file
@@ -55,7 +55,8 @@ def shipped_names(folder: Path) -> tuple[str, ...]:
     return tuple(sorted(file.stem for file in folder.glob("*.yaml")))
 
 
-def _is_word(text: str) -> bool:
+def is_shipped_name(text: str) -> bool:
+    """Whether a text is a bare word, and so means a shipped file rather than a path."""
     return text.replace("_", "a").replace("-", "a").isalnum()
 
 

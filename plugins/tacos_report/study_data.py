@@ -268,11 +268,15 @@ def document_of(recipe: str) -> Mapping[str, Any]:
 
 
 def _eye_height_m(recipe: Mapping[str, Any]) -> float:
-    """Middle of the camera height the recipe moves its agent with; the field's default where it has none."""
+    """How high the cameras are: the middle of the height the recipe moves its agent's eye at, and the mount's.
+
+    The field's default where no node has such a height.
+    """
+    mount_m = finite(mapping(recipe.get("rig")).get("height_above_eye_m")) or 0.0
     for node in mapping(recipe.get("nodes")).values():
         height = mapping(node).get("camera_height_m")
         ends = height if isinstance(height, list) else [height]
         known = [end for end in map(finite, ends) if end is not None]
         if known:
-            return sum(known) / len(known)
-    return StudyData.eye_height_m
+            return sum(known) / len(known) + mount_m
+    return StudyData.eye_height_m + mount_m

@@ -10,7 +10,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.results import read_run_json
 from tacos_framework.runner import run
-from tacos_framework.study import BROKEN_OFF
+from tacos_framework.study import BROKEN_OFF, DEFECT
 from tacos_framework.study.progress import Progress
 
 
@@ -21,9 +21,12 @@ def result_of(
     plugins: Plugins,
     executor: Executor,
     resume: bool,
+    accept_changes: bool = False,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """The result of a study: with `resume` that of one that ended, else what comes out now.
+
+    One that a defect stopped has not ended: it goes on, as the defect may have been mended.
 
     Raises
     ------
@@ -33,7 +36,7 @@ def result_of(
     done = folder / "result.json"
     if resume and done.exists():
         kept = read_run_json(done)
-        if kept["stopped"] != BROKEN_OFF:
+        if kept["stopped"] != BROKEN_OFF and not kept["stopped"].startswith(DEFECT):
             return kept
     result = run(
         recipe,
@@ -41,6 +44,7 @@ def result_of(
         plugins=plugins,
         executor=executor,
         resume=resume and folder.exists(),
+        accept_changes=accept_changes,
         progress=progress,
     )
     if result["stopped"] == BROKEN_OFF:

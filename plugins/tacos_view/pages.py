@@ -10,6 +10,7 @@ from typing import Any
 
 from tacos_files.images import decode_samples
 from tacos_framework.catalog import Catalog, OffTheShelf
+from tacos_framework.files import made_folder
 from tacos_report.page import (
     Page,
     PagePicture,
@@ -49,8 +50,7 @@ class ViewFolder:
     """
 
     def __init__(self, out: Path) -> None:
-        self.out = out
-        out.mkdir(parents=True, exist_ok=True)
+        self.out = made_folder(out)
 
     def add(self, name: str, picture: Picture, caption: str) -> PagePicture:
         """Write ``NAME.png``, and give what shows it on the page."""

@@ -7,6 +7,7 @@ will take, refuses what is above a stated limit, and says what is wrong in a `ta
 ``regular``  bytes of a regular file, not too many, not from elsewhere
 ``limits``   how much a file may take, and how a user changes that
 ``text``     text in UTF-8; JSON; tables of comma-separated values
+``folders``  folders that commands write into
 ``trees``    checksums of files and folders, to tell whether they have changed
 
 On top of them `tacos_framework.settings.yaml_reader` reads YAML, and `tacos_files` images and arrays.
@@ -14,8 +15,18 @@ On top of them `tacos_framework.settings.yaml_reader` reads YAML, and `tacos_fil
 
 from __future__ import annotations
 
+from tacos_framework.files.folders import made_folder
 from tacos_framework.files.limits import Limits, limits
 from tacos_framework.files.regular import read_bytes
 from tacos_framework.files.text import read_csv, read_json, read_lines, read_text
 
-__all__ = ["Limits", "limits", "read_bytes", "read_csv", "read_json", "read_lines", "read_text"]
+__all__ = [
+    "Limits",
+    "limits",
+    "made_folder",
+    "read_bytes",
+    "read_csv",
+    "read_json",
+    "read_lines",
+    "read_text",
+]

@@ -4,6 +4,7 @@
 ``plan``        what a plan is
 ``component``   a component class with its checked settings
 ``planner``     the whole recipe, section by section
+``located``     the resolved recipe, with files that are found from any folder
 ``findings``    what all sections share: components found by name, and every fault with its place
 ``nodes``       the graph
 ``effects``     the effects, their names and cameras

@@ -39,7 +39,8 @@ def check_cameras_fit(
         return
     rigs = _choosable_rigs(findings.recipe, rig, fixed, space)
     for name, part in asking.items():
-        reasons = [part.instance.lacks(each) for each in rigs]
+        with part.calling(f"lacks in node {name!r}"):
+            reasons = [part.instance.lacks(each) for each in rigs]
         wanted, remedy = _FITTING_CAMERA.get(part.use.partition(".")[0], _FITTING_CAMERA["task"])
         if reasons and all(reasons):
             findings.add(
@@ -63,5 +64,6 @@ def _choosable_rigs(
     for values in tried:
         variables, faults, _ = check(rig.cls.Variables, {**fixed, **values}, recipe.where)
         if not faults:
-            built.append(builder.build(variables))
+            with rig.calling("build"):
+                built.append(builder.build(variables))
     return built

@@ -70,5 +70,6 @@ def _cameras_of(
         own = {name: value for name, value in values.items() if "." not in name}
         variables, _, _ = check(rig.cls.Variables, {**fixed, **own}, findings.recipe.where)
         if variables is not None:
-            names.update((camera.name, None) for camera in rig.instance.build(variables).cameras)
+            with rig.calling("build"):
+                names.update((camera.name, None) for camera in rig.instance.build(variables).cameras)
     return list(names)

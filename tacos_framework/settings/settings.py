@@ -126,11 +126,16 @@ def physical_settings(config: type[BaseModel]) -> Mapping[str, str]:
     return MappingProxyType({name: str(of) for name, of in counterparts.items() if of})
 
 
+def path_settings(config: type[Settings]) -> list[str]:
+    """The settings that may be paths."""
+    return [name for name in config.model_fields if _extra(config, name).get("path")]
+
+
 def paths_in(settings: Settings) -> Iterator[tuple[str, str]]:
     """The settings that may be paths and that text is given for, by name."""
-    for name in type(settings).model_fields:
+    for name in path_settings(type(settings)):
         value = getattr(settings, name)
-        if _extra(type(settings), name).get("path") and isinstance(value, str) and value:
+        if isinstance(value, str) and value:
             yield name, value
 
 
@@ -144,9 +149,9 @@ def with_paths_from(
 ) -> dict[str, Any]:
     """The settings, with relative paths to what exists below the folder of a setting made to start there."""
     found = dict(settings)
-    for name in config.model_fields:
+    for name in path_settings(config):
         value = settings.get(name)
-        if _extra(config, name).get("path") and isinstance(value, str) and value:
+        if isinstance(value, str) and value:
             folder = folder_of(name)
             if folder is not None and (folder / value).exists():
                 found[name] = str(folder / value)

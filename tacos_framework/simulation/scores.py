@@ -31,9 +31,10 @@ def score(context: EvaluationContext, spec: EpisodeSpec, states: Mapping[str, St
     images = 0
     for scene in graph.of_kind("scene"):
         tasks = [task for task in graph.of_kind("task") if graph.scene_of(task) == scene]
-        scorers: dict[str, Scorer] = {
-            task: context.components[task].begin(state=states.get(task)) for task in tasks
-        }
+        scorers: dict[str, Scorer] = {}
+        for task in tasks:
+            with context.at_work(task):
+                scorers[task] = context.components[task].begin(state=states.get(task))
         with context.clock.of(scene):
             episode = context.episode(scene, spec)
         images += len(episode) * len(context.rig.cameras)

@@ -132,15 +132,18 @@ class Simulation:
     ) -> Evaluation:
         """The evaluation with the scores of each episode, and what they cost."""
         context = next(iter(contexts.values()))
-        for component in context.components.values():  # before anything is rendered in vain
+        for name, component in context.components.items():  # before anything is rendered in vain
             sensors = (
                 [component.sensor, *component.by_camera.values()]
                 if isinstance(component, PlacedSensor)
                 else [component]
             )
-            for each in sensors:
-                if callable(lacks := getattr(each, "lacks", None)) and (reason := lacks(context.rig)):
-                    raise CandidateFailed(reason)
+            with self.plan.nodes[name].calling(f"lacks in node {name!r}"):
+                reasons = [
+                    each.lacks(context.rig) for each in sensors if callable(getattr(each, "lacks", None))
+                ]
+            if reason := next(filter(None, reasons), None):
+                raise CandidateFailed(reason)
         images = 0
         states = dict(states)
         if training is not None:

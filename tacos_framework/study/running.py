@@ -10,6 +10,7 @@ from typing import Any
 
 from tacos_framework.contracts import JobRunner
 from tacos_framework.plan import Plan, make_plan
+from tacos_framework.plan.located import located_recipe
 from tacos_framework.plugins import Plugins
 from tacos_framework.plugins.executing import executor_of_run
 from tacos_framework.recipe import Recipe
@@ -41,7 +42,7 @@ def run_study(
     given = study.recipe if isinstance(study, Plan) else study
     recipe = for_resuming(given, out, plugins, extend or {}) if resume else given
     plan = study if isinstance(study, Plan) and recipe is given else make_plan(recipe, plugins)
-    data = recipe.as_data()
+    data = located_recipe(plan)
     may_change = partial(without_budget, optimizer=plan.optimizer) if extend else dict
     results, checkpoint = (
         Results.resume(out, data, may_change) if resume else (Results.create(out, data), None)

@@ -13,7 +13,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing.component import ComponentConformance
 
-SUPPLIED = ("out", "seed", "plugins", "executor", "progress", "resume")
+SUPPLIED = ("out", "seed", "plugins", "executor", "progress", "resume", "accept_changes")
 """What the framework has to offer to a procedure's `run`."""
 
 

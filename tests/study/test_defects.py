@@ -12,7 +12,10 @@ from toy_study import LEARNER, comparable, run, toy_recipe
 
 from tacos_framework.cli import run_main
 from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework.study import DEFECT
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
+from tacos_plugins.executors.local import LocalExecutor
+from tacos_validation.kept_studies import result_of
 
 RAISED = "task.toy-width raised ZeroDivisionError: a defect of the toy"
 STOPPED = f"stopped by a defect: 5 candidates in a row failed by the same defect, the last: {RAISED}"
@@ -68,6 +71,26 @@ def test_a_resumed_study_fails_the_same_candidates(toys, tmp_path, one_crashed, 
     assert run(crashing(110), toys, tmp_path)["stopped"] == "interrupted by the user"
     monkeypatch.setattr(toy_plugin.WidthTask, "interrupt_at", None)
     assert comparable(run(crashing(110), toys, tmp_path, resume=True)) == comparable(result)
+
+
+def test_a_defect_at_the_beginning_of_an_episode_names_the_component_too(toys, tmp_path, monkeypatch):
+    def begin(self, *, state) -> toy_plugin.WidthScorer:
+        raise ZeroDivisionError("a defect of begin")
+
+    monkeypatch.setattr(toy_plugin.WidthTask, "begin", begin)
+    stopped = run(toy_recipe(), toys, tmp_path)["stopped"]
+    assert "task.toy-width raised ZeroDivisionError: a defect of begin" in stopped
+
+
+def test_a_study_inside_a_procedure_goes_on_once_its_defect_is_mended(toys, tmp_path, monkeypatch):
+    recipe, executor = toy_recipe(), LocalExecutor(LocalExecutor.Config())
+    keywords = {"plugins": toys, "executor": executor}
+    with monkeypatch.context() as broken:
+        broken.setattr(toy_plugin.WidthScorer, "scores", lambda self: 1 / 0)
+        assert result_of(recipe, tmp_path, resume=False, **keywords)["stopped"].startswith(DEFECT)
+    assert (
+        result_of(recipe, tmp_path, resume=True, **keywords)["stopped"] == "all 4 generations were evaluated"
+    )
 
 
 def test_on_error_stop_ends_the_study_with_the_error_unchanged(toys, tmp_path):

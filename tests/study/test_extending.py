@@ -9,6 +9,7 @@ import toy_plugin
 from toy_study import LEARNER, comparable, run, toy_recipe
 
 from tacos_framework.errors import UserError
+from tacos_framework.plan import make_plan
 
 OPTIMIZERS = {
     "genetic": ({"population": 4, "keep": 1, "parents": 2}, "generations", 2),
@@ -56,6 +57,13 @@ def test_an_interrupted_study_can_be_extended_too(toys, tmp_path, monkeypatch):
     assert run(recipe("genetic", 2), toys, tmp_path / "out")["stopped"] == "interrupted by the user"
     monkeypatch.setattr(toy_plugin.WidthTask, "interrupt_at", None)
     extended = run(recipe("genetic", 2), toys, tmp_path / "out", extend={"generations": 1})
+    assert comparable(extended) == comparable(run(recipe("genetic", 3), toys, tmp_path / "long"))
+
+
+def test_the_plan_of_a_study_is_extended_as_its_recipe_is(toys, tmp_path):
+    run(recipe("genetic", 2), toys, tmp_path / "out")
+    plan = make_plan(recipe("genetic", 2), toys)
+    extended = run(plan, toys, tmp_path / "out", extend={"generations": 1})
     assert comparable(extended) == comparable(run(recipe("genetic", 3), toys, tmp_path / "long"))
 
 

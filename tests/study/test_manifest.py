@@ -10,7 +10,8 @@ from toy_study import comparable, run, toy_recipe
 
 from tacos_framework.errors import UserError
 from tacos_framework.plan import make_plan
-from tacos_framework.recipe import Recipe
+from tacos_framework.plugins import Plugins
+from tacos_framework.recipe import Recipe, load_recipe
 from tacos_framework.results import dependencies
 from tacos_framework.results.dependencies import manifest_of_study
 from tacos_framework.results.manifest import Manifest
@@ -87,3 +88,10 @@ def test_code_is_that_of_the_packages_in_use(of_toys):
 def test_a_module_that_was_made_by_hand_has_no_files(monkeypatch):
     monkeypatch.setitem(sys.modules, "zz_made", types.ModuleType("zz_made"))
     assert dependencies._code_of("zz_made") == {}
+
+
+def test_all_that_a_recipe_names_is_in_the_manifest_but_what_evaluates_it():
+    plan = make_plan(load_recipe("headset_exposure"), Plugins.discover())
+    assert {"rig", "optimizer", "exposure"} < set(plan.parts)
+    assert plan.parts["exposure"] is plan.exposure
+    assert plan.executor not in plan.parts.values()

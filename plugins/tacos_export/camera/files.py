@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tacos_export.camera.description import CameraDescription, second_from_first
+from tacos_framework.files import made_folder
 from tacos_framework.settings.yaml_writer import to_yaml
 
 _KALIBR_MODEL = {"brown": "radtan", "fisheye": "equidistant"}
@@ -37,7 +38,7 @@ def write_camera_files(out: Path, cameras: Sequence[CameraDescription]) -> tuple
     -------
     The files, and in a sentence each what they do not say.
     """
-    out.mkdir(parents=True, exist_ok=True)
+    made_folder(out)
     written = []
     for each in cameras:
         name = each.camera.name

@@ -12,6 +12,7 @@ from tacos_export.camera.description import lens_of
 from tacos_export.dataset.frame import Dataset, DatasetCamera, DatasetWriter, Encoding
 from tacos_framework import __version__
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.files import made_folder
 from tacos_framework.values import FrameBatch, World
 from tacos_plugins.effects.tone_curve import ToneCurve
 from tacos_view.setup import RenderSetup
@@ -66,7 +67,7 @@ def export_dataset(
         When there is no such format, it has no place for the rig or the encoding, or the folder is not empty.
     """
     writer_class = _writer(format)
-    if out.exists() and any(out.iterdir()):
+    if out.is_dir() and any(out.iterdir()):
         raise UserError(Fault(str(out), "the folder is not empty", "a new folder", "Name another by --out."))
     lenses, notes = {}, []
     for camera in setup.rig.cameras:
@@ -80,7 +81,7 @@ def export_dataset(
     encoding = encoding or ("camera" if curved else "srgb")
     dataset = Dataset(out, setup.rig, lenses, encoding)
     writer = writer_class(dataset)
-    out.mkdir(parents=True, exist_ok=True)  # nothing is left of a format that refuses the rig
+    made_folder(out)  # nothing is left of a format that refuses the rig
     as_taken = "camera" if curved else "linear"
     manifest = Manifest(dataset, setup.camera.title, encoding if writer_class.eight_bits else as_taken)
     count = 0

@@ -19,6 +19,7 @@ from tacos_framework.formation import PlacedSensor
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting
+from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import ContextMissing
 from tacos_gap.bench import recipe_renderer
@@ -134,7 +135,7 @@ class Diagnose:
         if question is not None and diagnosis.causes:
             try:
                 decision = decide(question, patch(diagnosis.causes), plugins, executor, progress)
-            except ContextMissing as missing:
+            except (ContextMissing, KeepsFailing) as missing:
                 why = f"{question.study} cannot be run with the causes: {missing}."
                 diagnosis = replace(diagnosis, limitations=(*diagnosis.limitations, why))
             data = {**diagnosis.as_data(), "decision": decision}

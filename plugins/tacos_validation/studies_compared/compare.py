@@ -70,7 +70,14 @@ class CompareStudies:
             pass
 
     def run(
-        self, *, out: Path, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
+        self,
+        *,
+        out: Path,
+        plugins: Plugins,
+        executor: Executor,
+        progress: Progress,
+        resume: bool,
+        accept_changes: bool = False,
     ) -> Mapping[str, Any]:
         """Run them; leaves ``report.html``, ``studies.csv`` and a folder for each study."""
         studies = list(self._studies(plugins))
@@ -78,7 +85,14 @@ class CompareStudies:
         outcomes = []
         for variant, seed, recipe in studies:
             folder = out / "studies" / f"{variant}-{seed}"
-            result = result_of(recipe, folder, plugins=plugins, executor=executor, resume=resume)
+            result = result_of(
+                recipe,
+                folder,
+                plugins=plugins,
+                executor=executor,
+                resume=resume,
+                accept_changes=accept_changes,
+            )
             outcome = _outcome(variant, seed, _with_design(result, folder))
             outcomes.append(outcome)
             progress.step(f"{variant}, seed {seed}: {outcome.scores['fitness']:.3f}")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tacos_framework.components import KINDS
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.files import made_folder
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _TAKEN = frozenset(
@@ -57,7 +58,8 @@ def new_plugin(name: str, kinds: Sequence[str] = ("task",), *, folder: Path) -> 
     Raises
     ------
     UserError
-        When the name cannot be that of a package, a kind is unknown, or the folder is there already.
+        When the name cannot be that of a package, a kind is unknown, or the folder is there already or
+        cannot be made.
     """
     project, component = folder / name, name.removeprefix("tacos-")
     kinds = tuple(dict.fromkeys(kinds))
@@ -78,6 +80,7 @@ def new_plugin(name: str, kinds: Sequence[str] = ("task",), *, folder: Path) -> 
         for path, template in COMPONENT_FILES.items():
             own = {"kind": kind}
             files[path.format(**words, **own)] = (template.format(**own), own)
+    made_folder(project)
     written = []
     for path, (template, own) in files.items():
         target = project / path

@@ -14,7 +14,7 @@ from tacos_plugins.tasks.faster_rcnn.examples import Example, in_parts, mixed_ba
 from tacos_plugins.tasks.faster_rcnn.networks import still_norms
 from tacos_plugins.tasks.faster_rcnn.schedule import learning_rate
 from tacos_plugins.tasks.learning.device import mixed_precision
-from tacos_plugins.tasks.learning.guard import finite
+from tacos_plugins.tasks.learning.guard import finite, finite_weights
 from tacos_plugins.tasks.learning.images import network_image
 
 WHERE = "task.faster-rcnn"
@@ -88,7 +88,7 @@ def train(
     Raises
     ------
     TrainingDiverged
-        When the loss is no number.
+        When the loss is no number, or the last step has made weights that are none.
     """
     model.train()
     if not norms:
@@ -114,6 +114,8 @@ def train(
             if on_step is not None:
                 on_step(losses)
         passes += 1
+    if step:
+        finite_weights(model, where=WHERE)
     return passes
 
 
