@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from tacos_decision.model import TIME, CameraModel, interval
 from tacos_decision.optimum import BestOfParts
 from tacos_decision.pool import Pool, joined, part_names
 from tacos_framework.catalog import CatalogPart
 from tacos_framework.study.record import StudiedCamera, Values
 from tacos_framework.variables.design_space import CatalogChoice
+
+PLACES = 64
+"""Settings of what a product leaves free that are looked at."""
 
 SCORED_AGAIN = ("final", "test", "analysis")
 """Stages that score a camera on scenes it was not chosen by."""
@@ -31,12 +36,16 @@ def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -
         A camera of the same parts that was scored again stands for them where it is no further behind the
         best optics that were found for them [fitness].
     """
-    products = [camera for camera in model.record.products if camera.camera is not None]
+    products = {
+        product.name: (product.camera, at_its_best(model, product, product.camera, margin))
+        for product in model.record.products
+        if product.camera is not None
+    }
     entries = _entries_of_parts(model, pool, found, margin) if pool.catalogs else _entries_of_cameras(model)
     if not entries:
         return []
     cameras = [camera for _, camera in entries]
-    draws = model.draws([*cameras, *(product.camera for product in products if product.camera is not None)])
+    draws = model.draws([*cameras, *(best for _, best in products.values())])
     low, high = interval(draws)
     mean = draws.mean(axis=0)
     unknown = _unknown(model, cameras)
@@ -50,9 +59,9 @@ def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -
                 "fitness": float(mean[i]),
                 "ci": [float(low[i]), float(high[i])],
                 "p_better": {
-                    product.name: float((draws[:, i] > draws[:, len(entries) + j]).mean())
-                    for j, product in enumerate(products)
-                    if product.camera != camera
+                    name: float((draws[:, i] > draws[:, len(entries) + j]).mean())
+                    for j, (name, own) in enumerate(products.items())
+                    if camera not in own
                 },
                 "rescored": any(each.stage in SCORED_AGAIN for each in scored),
                 "episodes": len(scored),
@@ -60,6 +69,23 @@ def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -
             }
         )
     return sorted(rows, key=lambda row: -row["fitness"])
+
+
+def at_its_best(model: CameraModel, product: StudiedCamera, camera: Values, margin: float) -> Values:
+    """A product with what it leaves free where the model likes it best, as each part is compared.
+
+    Its own short search may have ended elsewhere. What it was scored with stands where it is no further
+    behind than `margin`.
+    """
+    space = model.record.space
+    free = Pool(space.fix([name for name in space.names if name not in product.free]))
+    if not free.space.variables:
+        return camera
+    places = free.spread(PLACES)
+    tried = [{**camera, **free.camera(parts, place)} for parts in free.parts for place in places]
+    own, *means = model.posterior([camera, *tried]).mean.tolist()
+    best = int(np.argmax(means))
+    return tried[best] if means[best] > own + margin else camera
 
 
 def left_out(model: CameraModel, pool: Pool, found: BestOfParts) -> list[dict[str, str]]:

@@ -268,7 +268,7 @@ def document_of(recipe: str) -> Mapping[str, Any]:
 
 
 def _eye_height_m(recipe: Mapping[str, Any]) -> float:
-    """How high the cameras are: the middle of the height the recipe moves its agent's eye at, and the mount's.
+    """How high the cameras are: the middle of the heights of the agent's eye in the recipe, and the mount's.
 
     The field's default where no node has such a height.
     """

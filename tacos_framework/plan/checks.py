@@ -26,6 +26,10 @@ def check_scores(findings: RecipeFindings, nodes: Mapping[str, ConfiguredCompone
     """The fitness takes scores that tasks report, each once."""
     recipe = findings.recipe
     scores = scores_of(nodes)
+    if recipe.fitness and not any(term.weight for term in recipe.fitness):
+        findings.add(
+            ("fitness",), "all weights are 0, so that all cameras are equal", "a weight other than 0"
+        )
     seen: set[str] = set()
     for i, term in enumerate(recipe.fitness):
         path = ("fitness", i, "score")

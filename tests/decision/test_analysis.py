@@ -17,6 +17,7 @@ from tacos_decision.importance import sobol_indices
 from tacos_decision.model import CameraModel
 from tacos_decision.optimum import best_of_parts
 from tacos_decision.pool import Pool
+from tacos_decision.ranking import at_its_best
 from tacos_framework.fitness import Fitness, FitnessTerm
 from tests.decision.recorded import recorded
 
@@ -56,6 +57,18 @@ def test_every_part_is_ranked_at_its_own_best_optics():
         "basler_dart",
     }
     assert all(0 <= p <= 1 for row in ranking for p in row["p_better"].values())
+
+
+def test_a_product_is_compared_at_its_own_best_wherever_its_search_has_ended():
+    record, scored = recorded(), recorded().cameras[0]
+    astray = {**scored.camera, "focal_length_mm": 20.0}
+    product = replace(scored, name="product", camera=astray, free=("focal_length_mm", "pitch_deg"))
+    best = at_its_best(model(), product, astray, margin=0.01)
+    assert best["sensor"] == astray["sensor"]
+    assert abs(record.derived(best)["hfov_deg"] - 90) < 15
+    fixed = replace(product, free=())
+    assert at_its_best(model(), fixed, astray, margin=0.01) == astray
+    assert at_its_best(model(), product, astray, margin=10.0) == astray, "what it was scored with stands"
 
 
 def test_what_was_scored_again_is_said():

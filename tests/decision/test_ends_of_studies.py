@@ -14,6 +14,7 @@ from tacos_decision import StudyResult, read_result
 from tacos_decision.tables import TABLES
 from tacos_framework.errors import UserError
 from tacos_framework.hookspecs import hookimpl
+from tacos_framework.plan import make_plan
 from tests.decision.recorded import from_catalog, with_toys
 
 SMALL = {
@@ -112,7 +113,6 @@ def test_several_scenarios_and_tasks_that_learn_are_analysed_too(tmp_path):
     ("sections", "said"),
     [
         ({"test": {"episodes": 1, "most_episodes": 1}}, "a single scene"),
-        ({"fitness": [{"score": "width.closeness", "weight": 0}]}, "score zero"),
         ({"nodes": {"width": {"fail_above_deg": 0.001}}}, "No camera could be scored"),
     ],
 )
@@ -122,6 +122,18 @@ def test_where_there_is_no_winner_none_is_named(tmp_path, sections, said):
     assert result["decision"] is None
     assert result["decision_absent"] == result["degenerate"]
     assert "ranking" not in result
+
+
+def test_where_nothing_is_seen_no_winner_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(toy_plugin.WidthScorer, "scores", lambda self: {"closeness": 0.0, "brightness": 0.0})
+    result = run(small(), with_toys(tacos_decision.plugin), tmp_path / "out")
+    assert "score zero" in result["degenerate"]
+    assert result["decision"] is None
+
+
+def test_weights_that_are_all_zero_are_refused(toys):
+    with pytest.raises(UserError, match="all weights are 0"):
+        make_plan(small(fitness=[{"score": "width.closeness", "weight": 0}]), toys)
 
 
 def test_equal_scores_name_no_winner(tmp_path, monkeypatch):
