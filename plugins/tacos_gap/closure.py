@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.fit import Fitted
+from tacos_gap.fit import Fitted, fold_for, move_of_fold
 from tacos_gap.problem import Problem, robust
 from tacos_gap.unknown import block_index
 
@@ -178,16 +178,15 @@ def negative_control(
         return None
     blocks = [np.flatnonzero(block_index(problem) == k) for k in range(int(block_index(problem).max()) + 1)]
     straight = robust(problem.null)
-    before = problem.gap(problem.null)
+    before, fold = problem.gap(problem.null), fold_for(problem, best.hypothesis)
     found = []
     for _ in range(draws):
         directions = np.empty_like(best.jacobian)
         for block in blocks:
             directions[block] = best.jacobian[rng.permutation(block)] * rng.choice((-1.0, 1.0))
         predicted = straight.copy()
-        for held in (problem.fold, ~problem.fold):
-            own = directions[~held]
-            move, *_ = np.linalg.lstsq(own, -straight[~held], rcond=None)
+        for held in (fold, ~fold):
+            move = move_of_fold(directions[~held], straight[~held])
             predicted[held] = straight[held] + directions[held] @ move
         after = float(np.sqrt(np.mean(predicted**2)) / max(problem.noise_floor_rms, 1e-9))
         found.append(closure(before, after))

@@ -257,16 +257,33 @@ def _held_out(
         return z
     straight = robust(z)
     predicted = straight.copy()
-    by_capture = any(is_of_one_capture(name) for name in free_names(hypothesis))
-    fold = problem.fold_within_captures if by_capture else problem.fold
+    fold = fold_for(problem, hypothesis)
     for held in (fold, ~fold):
-        own = jacobian[~held]
-        normal = own.T @ own
-        ridge = 1e-6 * max(float(np.trace(normal)) / len(normal), 1e-12)
-        move = -np.linalg.solve(normal + (ridge + 1.0) * np.eye(len(normal)), own.T @ straight[~held])
-        move = _within_bounds(hypothesis, np.clip(move, -2, 2), steps)
+        move = _within_bounds(hypothesis, move_of_fold(jacobian[~held], straight[~held]), steps)
         predicted[held] = straight[held] + jacobian[held] @ move
     return np.asarray(ROBUST_SCALE * np.sinh(predicted / ROBUST_SCALE))
+
+
+def fold_for(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.bool_]:
+    """(K,) which residuals are held out first; within captures where a capture has values of its own."""
+    by_capture = any(is_of_one_capture(name) for name in free_names(hypothesis))
+    return problem.fold_within_captures if by_capture else problem.fold
+
+
+def move_of_fold(jacobian: NDArray[np.float64], straight: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(P,) the move that residuals of one fold would choose, no farther than two steps [steps that matter].
+
+    Parameters
+    ----------
+    jacobian
+        (K, P) changes of those residuals with each parameter.
+    straight
+        (K,) the residuals, made robust.
+    """
+    normal = jacobian.T @ jacobian
+    ridge = 1e-6 * max(float(np.trace(normal)) / len(normal), 1e-12)
+    move = -np.linalg.solve(normal + (ridge + 1.0) * np.eye(len(normal)), jacobian.T @ straight)
+    return np.clip(move, -2, 2)
 
 
 def _within_bounds(

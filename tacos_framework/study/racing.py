@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -184,7 +184,8 @@ class Race:
 
         Its own mean is over other blocks than that of the candidates that saw all, and blocks differ more
         than cameras do. So the optimizer observes the fitness of the one it was dropped for, less what it was
-        behind. It always ranks below a candidate that saw all blocks.
+        behind. Where that one has failed since, the best of those that saw all blocks stands in for it. It
+        never ranks above a candidate that saw all blocks.
 
         Parameters
         ----------
@@ -193,13 +194,31 @@ class Race:
 
         Returns
         -------
-        Fitness of those that did not, by key; without those dropped for one that has failed since.
+        Fitness of those that did not, by key; none where no candidate saw all blocks.
         """
         known = dict(fitnesses)
         for key, gap in reversed(self.dropped.items()):  # those dropped for it were dropped before it was
-            if gap.rival in known and key not in fitnesses:
-                known[key] = known[gap.rival] + gap.difference
+            behind = gap if gap.rival in known else self._behind_the_best(key, fitnesses)
+            if behind is not None and key not in fitnesses:
+                known[key] = known[behind.rival] + behind.difference
         return {key: fitness for key, fitness in known.items() if key not in fitnesses}
+
+    def _behind_the_best(self, key: Key, fitnesses: Mapping[Key, float]) -> Behind | None:
+        """How far a dropped candidate is behind the best that saw all blocks, on those both have seen.
+
+        By a standard error at least, as it may have been lucky on those blocks.
+        """
+        raced = [each for each in fitnesses if each in self.blocks]
+        leader = max(raced, key=lambda each: fitnesses[each], default=None)
+        if leader is None:
+            return None
+        shared = min(len(self.blocks[leader]), len(self.blocks[key]))
+        leading = contributions(self.blocks[leader][:shared], self.fitness)
+        own = contributions(self.blocks[key][:shared], self.fitness)
+        if leading is None or own is None:
+            return None
+        gap = _behind(leader, leading, own)
+        return replace(gap, difference=min(gap.difference, -gap.standard_error))
 
 
 def _behind(leader: Key, leading: NDArray[np.float64], values: NDArray[np.float64]) -> Behind:

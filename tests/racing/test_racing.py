@@ -113,6 +113,20 @@ def test_a_dropped_candidate_is_told_less_than_one_that_saw_all_blocks(scores):
     assert all(fitness < max(whole.values()) for fitness in dropped.values())
 
 
+def test_one_dropped_for_a_leader_that_fails_later_is_compared_with_the_best_that_is_left():
+    race = Race(FITNESS, standard_errors=2, min_blocks=3)
+    easy, hard = ({"a": 9.0}, {"a": 9.2}, {"a": 9.1}), ({"a": 1.0}, {"a": 1.0})
+    race.saw("leader", [{"a": 10.0}, {"a": 10.1}, {"a": 10.2}])
+    race.saw("dropped", easy)
+    race.saw("left", [{"a": 9.95}, {"a": 10.2}, {"a": 10.1}])
+    assert race.drop() == ["dropped"]
+    race.withdraw("leader")
+    race.saw("left", hard)
+    left = float(np.mean([9.95, 10.2, 10.1, 1.0, 1.0]))
+    told = race.fitness_of_dropped({"left": left})["dropped"]
+    assert told == pytest.approx(left - np.mean([0.95, 1.0, 1.0])), "its mean over the easy blocks is 9.1"
+
+
 def test_blocks_that_were_easy_do_not_lift_those_that_saw_only_them():
     easy_first = race(good=[10.0, 10.1, 10.2, 0.0, 0.0], bad=[9.0, 9.2, 9.1])
     assert easy_first.drop() == ["bad"]
