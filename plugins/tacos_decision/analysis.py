@@ -40,6 +40,7 @@ def analyse(record: StudyRecord) -> dict[str, Any]:
     if model.box.degenerate is not None:
         return {"ranking_absent": f"No camera can be ranked: {model.box.degenerate}."}
     pool = Pool(record.space)
+    aims, model = _front(model, pool)  # first, as all that follows learns from what is scored for it
     found = best_of_parts(model, pool)
     if not found.cameras:
         return {"ranking_absent": "No camera can be ranked: none of those tried keeps all constraints."}
@@ -50,13 +51,13 @@ def analyse(record: StudyRecord) -> dict[str, Any]:
         "ranking_left_out": left_out(model, pool, found),
         "equivalent": equivalence(model, pool, found, share),
         "importance": importance(model, pool, found.best),
-        **_front(model, pool),
+        **aims,
     }
 
 
-def _front(model: CameraModel, pool: Pool) -> dict[str, Any]:
+def _front(model: CameraModel, pool: Pool) -> tuple[dict[str, Any], CameraModel]:
     try:
-        aims = front(model, pool)
+        aims, model = front(model, pool)
     except UserError as error:  # the rest of the analysis does not need pymoo
-        return {"front_absent": str(error)}
-    return {"front": aims} if aims else {}
+        return {"front_absent": str(error)}, model
+    return {"front": aims} if aims else {}, model

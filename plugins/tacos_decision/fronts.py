@@ -35,8 +35,10 @@ MOST_SCORED = 8
 """Points of the front that are rendered, spread along it; the others are the model's word alone."""
 
 
-def front(model: CameraModel, pool: Pool) -> dict[str, Any] | None:
-    """The key ``front``; None where the recipe has no objectives.
+def front(model: CameraModel, pool: Pool) -> tuple[dict[str, Any] | None, CameraModel]:
+    """The key ``front``, and the model that has learnt from what was scored for it.
+
+    None and the same model where the recipe has no objectives.
 
     Raises
     ------
@@ -45,7 +47,7 @@ def front(model: CameraModel, pool: Pool) -> dict[str, Any] | None:
     """
     objectives = model.record.objectives
     if not objectives:
-        return None
+        return None, model
     found = _undominated(model, _searched(model, pool))
     scored = [found[i] for i in _spread(_aims(model, found))]
     study = model.record.recipe.study
@@ -56,11 +58,11 @@ def front(model: CameraModel, pool: Pool) -> dict[str, Any] | None:
         found = _undominated(model, found)
     rendered = {content_key(episode.camera) for episode in again}
     if not found:
-        return {"objectives": [_as_data(each) for each in objectives], "points": []}
+        return {"objectives": [_as_data(each) for each in objectives], "points": []}, model
     values = _values(model, found)
     draws = model.draws(found)
     low, high = interval(draws)
-    points = [
+    points: list[dict[str, Any]] = [
         {
             "camera": dict(camera),
             "part": joined(part_names(pool.catalogs, camera)),
@@ -72,10 +74,8 @@ def front(model: CameraModel, pool: Pool) -> dict[str, Any] | None:
         for i, camera in enumerate(found)
     ]
     first = objectives[0].name
-    return {
-        "objectives": [_as_data(each) for each in objectives],
-        "points": sorted(points, key=lambda point: -point["values"][first]),
-    }
+    ordered = sorted(points, key=lambda point: -point["values"][first])
+    return {"objectives": [_as_data(each) for each in objectives], "points": ordered}, model
 
 
 def undominated(aims: Array) -> list[int]:

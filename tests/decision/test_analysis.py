@@ -209,7 +209,9 @@ def test_a_front_trades_fitness_for_pixels_and_is_scored_again():
 
     objectives = (Objective("fitness", "1", "max"), Objective("megapixels", "Mpx", "min"))
     record = replace(recorded(), objectives=objectives, score=score)
-    found = fronts.front(model=CameraModel.fit(record), pool=Pool(record.space))
+    found, learnt = fronts.front(model=CameraModel.fit(record), pool=Pool(record.space))
+    assert found is not None
+    assert all(learnt.episodes_of(camera) for camera in scored), "the ranking is to know of them"
     assert 0 < len(scored) <= fronts.MOST_SCORED
     values = np.array([[p["values"]["fitness"], p["values"]["megapixels"]] for p in found["points"]])
     assert (np.diff(values[:, 0]) <= 0).all()
