@@ -34,6 +34,19 @@ from tacos_framework.results.writing import append_to_file, replace_file
 log = logging.getLogger(__name__)
 
 
+def is_in_use(folder: Path) -> bool:
+    """Whether a process writes a run into a folder; True too where the file system does not tell."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:  # held, or a network file system without locks
+        return True
+    else:
+        return False
+    finally:
+        os.close(descriptor)
+
+
 class RunFolder:
     """A folder that is this process's alone until `close`; usable with ``with``."""
 

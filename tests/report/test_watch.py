@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
+from tacos_framework.results import Results
 from tacos_report.watching.in_words import ranking, state
 from tacos_report.watching.running_study import MOST_SHOWN, read_running
 
@@ -38,8 +40,17 @@ def test_the_best_come_first_and_each_camera_once(tmp_path: Path) -> None:
         (4.0, -1.0),
     ]
     assert ranking(study)[0] == ("1", "a 3\u202fmm lens", "2.5", "2")
-    said = state(study, study.written_at_s + 61)
+    said = state(replace(study, is_running=True), study.written_at_s + 61)
     assert said == "Running; last heard of 1 min 1 s ago. 5 candidates scored, 20 images rendered, 1 failed."
+
+
+def test_a_run_whose_process_is_gone_is_told_from_one_that_runs(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    with Results.create(folder, {"name": "a study"}):
+        assert state(read_running(folder), 0.0).startswith("Running; ")
+    gone = state(read_running(folder), 0.0)
+    assert gone.startswith("Broken off, as no process works on it; ")
+    assert gone.endswith("Go on with it by --resume.")
 
 
 def test_a_long_ranking_is_cut(tmp_path: Path) -> None:
@@ -57,7 +68,7 @@ def test_a_line_that_is_being_written_is_left_for_later(tmp_path: Path) -> None:
 def test_before_the_first_round_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "recipe.yaml").write_text("name: new\n")
     assert tacos_main(["watch", str(tmp_path), "--once", "--page"]) == 0
-    assert "0 candidates scored" in capsys.readouterr().out
+    assert "0 candidates scored" in " ".join(capsys.readouterr().out.split())
     assert "No candidate has been scored yet." in (tmp_path / "watch.html").read_text()
 
 

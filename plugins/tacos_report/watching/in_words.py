@@ -22,7 +22,10 @@ def state(study: RunningStudy, now_s: float) -> str:
     failed = f", {study.failed} failed" if study.failed else ""
     if study.stopped is not None:
         return f"Ended: {study.stopped}. {done}{failed}."
-    return f"Running; last heard of {duration(max(0.0, now_s - study.written_at_s))} ago. {done}{failed}."
+    heard = f"last heard of {duration(max(0.0, now_s - study.written_at_s))} ago. {done}{failed}."
+    if study.is_running:
+        return f"Running; {heard}"
+    return f"Broken off, as no process works on it; {heard} Go on with it by --resume."
 
 
 def ranking(study: RunningStudy) -> tuple[tuple[str, ...], ...]:

@@ -12,6 +12,7 @@ from typing import Any
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes, read_text
 from tacos_framework.results import read_run_json
+from tacos_framework.results.folder import is_in_use
 from tacos_report.plain_values import text
 from tacos_report.study_data import Generation, Tried, document_of, read_generations
 
@@ -33,8 +34,10 @@ class RunningStudy:
         The last line of its log, which says what it does.
     written_at_s
         When the study last wrote to its folder, in seconds since the epoch; pages are written by others too.
+    is_running
+        Whether a process works on it.
     stopped
-        Why it ended; None while it runs.
+        Why it ended; None while it runs, and where its process was killed.
     report
         Its report, once there is one.
     """
@@ -43,6 +46,7 @@ class RunningStudy:
     generations: tuple[Generation, ...]
     last_line: str
     written_at_s: float
+    is_running: bool
     stopped: str | None
     report: Path | None
 
@@ -93,6 +97,7 @@ def read_running(folder: Path) -> RunningStudy:
         generations=read_generations(folder / "generations.jsonl")[0],
         last_line=lines[-1] if lines else "",
         written_at_s=max(_written_at_s(folder)),
+        is_running=is_in_use(folder),
         stopped=text(result.get("stopped")) or None,
         report=report if report.is_file() else None,
     )
