@@ -144,6 +144,9 @@ def read_result(folder: str | Path) -> StudyResult:
     from tacos_framework.results import read_run_json  # with numpy, which listing the plugins does without
 
     path = Path(folder) / "result.json"
+    if not path.exists():
+        remedy = "Name the folder that tacos-run wrote with --out."
+        raise UserError(Fault(str(folder), "there is no result.json here", "", remedy))
     data = read_run_json(path)
     if not isinstance(data.get("cameras"), dict):
         fault = Fault(str(path), "it is not the result of a study", "a result.json with cameras", "")

@@ -254,3 +254,8 @@ def test_a_result_shows_itself_in_notebooks() -> None:
     assert (
         html.index("A &amp; B</td><td>2.5") < html.index("Designed</td><td>1.25") < html.index("C</td><td>")
     )
+
+
+def test_a_folder_without_a_result_is_called_that(tmp_path):
+    with pytest.raises(UserError, match=r"there is no result\.json here"):
+        read_result(tmp_path / "nothere")
