@@ -58,11 +58,18 @@ class StudiesTable:
         self.plan(plugins)
 
     def run(
-        self, *, out: Path, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
+        self,
+        *,
+        out: Path,
+        plugins: Plugins,
+        executor: Executor,
+        progress: Progress,
+        resume: bool,
+        accept_changes: bool = False,
     ) -> Mapping[str, Any]:
         """Run them; leaves ``studies/``, ``report.html`` and ``table.csv``."""
         planned, notes = self.plan(plugins)
-        runs = tuple(self._runs(planned, out, plugins, executor, progress, resume))
+        runs = tuple(self._runs(planned, out, plugins, executor, progress, resume, accept_changes))
         rows = findings(self.config.rows, self.config.columns, runs)
         outcome = TableOutcome(self.config, rows, runs, tuple(notes))
         write_page(out / "report.html", page(outcome))
@@ -132,6 +139,7 @@ class StudiesTable:
         executor: Executor,
         progress: Progress,
         resume: bool,
+        accept_changes: bool,
     ) -> Iterator[StudyRun]:
         for number in range(self.config.seeds):
             for study in planned:
@@ -144,6 +152,7 @@ class StudiesTable:
                     plugins=plugins,
                     executor=executor,
                     resume=resume,
+                    accept_changes=accept_changes,
                     progress=progress,
                 )
                 yield StudyRun(
