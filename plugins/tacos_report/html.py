@@ -21,9 +21,9 @@ from tacos_report.figures.top_view import top_view
 from tacos_report.page import Drawing, in_both_widths, page_templates
 from tacos_report.palette import camera_variable, stylesheet
 from tacos_report.pictures import MOST_ENLARGED, picture, row_width_px, side_by_side
-from tacos_report.plain_values import mapping
+from tacos_report.plain_values import finite, mapping
 from tacos_report.quantities import measured, row_detail, shown, unit_of, words
-from tacos_report.study_data import StudyData, Tried
+from tacos_report.study_data import StudyData, Tried, parts_of
 from tacos_report.tables import OF_PURCHASE, camera_table, score_table
 
 _HERO_PX, _HERO_LEAST_PX, _FRAME_PX, _MAP_PX = 1280, 480, 640, 1000
@@ -54,7 +54,9 @@ def render(study: StudyData) -> str:
             camera_rows=camera_table(study),
             score_rows=score_table(study),
             scene_map=picture(study.scene_map, _MAP_PX, lossless=True) if study.scene_map else None,
-            search=in_both_widths(partial(search_curve, study.generations)) if study.scored else None,
+            search=in_both_widths(partial(search_curve, study.generations, study.shows_design))
+            if study.scored
+            else None,
             space=_space(study),
             time=_time(study.result.get("seconds_by_node")),
             failures=story.failure_groups(study.tried),
@@ -148,13 +150,14 @@ def _space(study: StudyData) -> dict[str, Any]:
     rows = [(words(row["name"]), row, story.space_words(row)) for row in study.design_space]
     if not scored:
         return {"rows": rows, "scatter": None, "catalogs": []}
-    catalogs = [name for name, value in scored[0].camera.items() if isinstance(value, dict)]
+    designed = parts_of(study.designed.camera) if study.designed else {}
     panels = _panels(study, scored)
     return {
         "rows": rows,
         "scatter": in_both_widths(partial(explored, panels, scored)) if panels else None,
         "catalogs": [
-            (words(name), in_both_widths(partial(catalog_choices, name, scored))) for name in catalogs
+            (words(name), in_both_widths(partial(catalog_choices, name, scored, designed.get(name))))
+            for name in parts_of(scored[0].camera)
         ],
     }
 
@@ -163,11 +166,14 @@ def _panels(study: StudyData, scored: Sequence[Tried]) -> list[Panel]:
     """One panel per numeric variable, within its bounds, then one per derived quantity."""
     bounds = {row["name"]: (row.get("lower"), row.get("upper")) for row in study.design_space}
     numeric = [name for name, value in scored[0].camera.items() if isinstance(value, int | float)]
+    designed = {**study.designed.derived, **study.designed.camera} if study.designed else {}
     panels = []
     for name in dict.fromkeys([*numeric, *scored[0].derived]):
         values = [tried.camera.get(name, tried.derived.get(name)) for tried in scored]
         unit = study.units.get(name) or unit_of(name)
-        panels.append(Panel(name, unit, tuple(values), *bounds.get(name, (None, None))))
+        panels.append(
+            Panel(name, unit, tuple(values), finite(designed.get(name)), *bounds.get(name, (None, None)))
+        )
     return panels
 
 

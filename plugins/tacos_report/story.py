@@ -242,6 +242,15 @@ def search_words(study: StudyData) -> str:
     return f"{text}; {_count(later, 'later generation')} found nothing better." if later else f"{text}."
 
 
+def chosen_words(study: StudyData) -> str:
+    """Which of the candidates the designed camera is; the highest dot of many noisy ones may be luck."""
+    if study.designed is None:
+        return ""
+    if any(study.shows_design(candidate.camera) for candidate in study.scored):
+        return "The star is the designed camera; a higher dot may owe its place to luck."
+    return "The designed camera is none of them: the optimizer recommended it from all it had seen."
+
+
 def size_words(study: StudyData) -> str:
     """What the study took: candidates, images, time."""
     result = study.result

@@ -11,7 +11,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_framework.results import read_run_json, read_run_lines
 from tacos_framework.settings.yaml_reader import read_yaml
-from tacos_report.analysis import Analysis, read_analysis
+from tacos_report.analysis import Analysis, RankedPart, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
 from tacos_report.plain_values import rows as plain_rows
 
@@ -97,6 +97,17 @@ class StudyData:
         """The winner of the search; None where no candidate succeeded."""
         return next((camera for camera in self.cameras if camera.name == DESIGNED), None)
 
+    def shows_design(self, camera: Mapping[str, Any]) -> bool:
+        """Whether the plain values are those of the designed camera itself."""
+        return self.designed is not None and dict(camera) == dict(self.designed.camera)
+
+    def has_parts_of_design(self, part: RankedPart) -> bool:
+        """Whether a row of the ranking is that of the designed camera's parts, whatever its optics."""
+        if self.designed is None or self.analysis.degenerate:
+            return False
+        parts = parts_of(self.designed.camera)
+        return parts_of(part.camera) == parts if parts else part.part == self.designed.name
+
     @property
     def others(self) -> tuple[CameraResult, ...]:
         """The cameras it is compared with."""
@@ -153,6 +164,15 @@ class StudyData:
     def design_space(self) -> list[dict[str, Any]]:
         """The design variables with kind, unit and bounds."""
         return [dict(row) for row in plain_rows(self.result.get("design_space")) if "name" in row]
+
+
+def parts_of(camera: Mapping[str, Any]) -> dict[str, str]:
+    """The names of the parts in a camera, by variable.
+
+    >>> parts_of({"sensor": {"name": "IMX219"}, "pitch_deg": -20.0})
+    {'sensor': 'IMX219'}
+    """
+    return {name: text(value.get("name")) for name, value in camera.items() if isinstance(value, Mapping)}
 
 
 def read_study(folder: Path) -> StudyData:

@@ -78,7 +78,7 @@ def page(folder: Path) -> Page:
         "price: ask the maker where it matters",
         "Before you order Nobody states the distortion of DSL219.",
         "P(better than FLIR Flea3)",
-        "The other 31 parts",
+        "The other 40 parts",
         "LINE4K megapixels is 31.2",
         "not stated: power",
         "5 of 43 parts lie within 1 % of the best fitness (0.012)",

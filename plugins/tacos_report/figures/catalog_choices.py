@@ -15,10 +15,18 @@ from tacos_report.study_data import Tried
 _SHOWN = 10
 
 
-def catalog_choices(variable: str, tried: Sequence[Tried], *, narrow: bool = False) -> str:
-    """SVG of the best rows of a catalog variable, each with the fitness of every candidate that used it."""
+def catalog_choices(
+    variable: str, tried: Sequence[Tried], designed: str | None, *, narrow: bool = False
+) -> str:
+    """SVG of the best rows of a catalog variable, each with the fitness of every candidate that used it.
+
+    Parameters
+    ----------
+    designed
+        Name of the row that the designed camera has; it is shown wherever it ranks, if it was tried.
+    """
     rows = _ranked(variable, tried)
-    shown = rows[:_SHOWN]
+    shown = [row for place, row in enumerate(rows) if place < _SHOWN or row[0] == designed]
     names = ", ".join(f"{name} {number(max(values))}" for name, _, values in shown)
     label = words(variable).lower()
     description = f"Best fitness by {label}, {len(shown)} best of {len(rows)} tried: {names}."
@@ -26,19 +34,20 @@ def catalog_choices(variable: str, tried: Sequence[Tried], *, narrow: bool = Fal
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
         left = min(min(values) for _, _, values in shown)
+        colours = [camera_colour(0) if name == designed else INK for name, _, _ in shown]
+        weights = ["bold" if name == designed else "normal" for name, _, _ in shown]
         for place, (_, _, values) in enumerate(shown):
-            top, colour = max(values), camera_colour(0) if place == 0 else INK
+            top, colour = max(values), colours[place]
             axes.plot([min(values), top], [place, place], color=RULE, linewidth=2.5, zorder=0)
             axes.plot(values, [place] * len(values), "o", color=DOT, alpha=0.5, markersize=5, linestyle="")
-            shape = "*" if place == 0 else "o"
-            axes.plot([top], [place], shape, color=colour, markersize=13 if place == 0 else 6, linestyle="")
+            axes.plot([top], [place], "o", color=colour, markersize=6, linestyle="")
             axes.annotate(
                 number(top), (top, place), (9, 0), textcoords="offset points", va="center", color=colour,
-                fontweight="bold" if place == 0 else "normal",
+                fontweight=weights[place],
             )  # fmt: skip
         labels = name_rows(axes, [_label(name, row, values) for name, row, values in shown], narrow=narrow)
-        for place, text in enumerate(labels):
-            text.set(color=INK if place else camera_colour(0), fontweight="normal" if place else "bold")
+        for text, colour, weight in zip(labels, colours, weights, strict=True):
+            text.set(color=colour, fontweight=weight)
         axes.set_ylim(len(shown) - 0.4, -0.9 if narrow else -0.6)
         axes.margins(x=0.12 if narrow else 0.1)
         axes.set_xlabel(f"fitness of each candidate with that {label}", color=MUTED)

@@ -20,11 +20,13 @@ _COLUMNS = 3
 
 @dataclass(frozen=True)
 class Panel:
-    """A variable or derived quantity: its unit, its value for each scored candidate, its bounds."""
+    """A variable or derived quantity: its unit, its value for each scored candidate and for the designed
+    camera, its bounds."""
 
     name: str
     unit: str
     values: tuple[float | None, ...]
+    designed: float | None = None
     lower: float | None = None
     upper: float | None = None
 
@@ -70,10 +72,9 @@ def _scatter(axes: Axes, panel: Panel, scored: Sequence[Tried]) -> None:
         if bound is not None:
             axes.axvline(bound, color=RULE, linewidth=1.2)
     title = words(panel.name)
-    if points:
-        x, top = max((pair for pairs in points.values() for pair in pairs), key=lambda pair: pair[1])
-        axes.plot([x], [top], "*", color=camera_colour(0), markersize=14, zorder=5, linestyle="")
-        title += f": {quantity(x, panel.unit)}"
+    if panel.designed is not None:
+        axes.axvline(panel.designed, color=camera_colour(0), linewidth=1.6, zorder=1)
+        title += f": {quantity(panel.designed, panel.unit)}"
     axes.set_title(title)
     axes.set_xlabel({"deg": "degrees", "": "value"}.get(panel.unit, unit_sign(panel.unit)))
     axes.xaxis.set_major_locator(MaxNLocator(6))

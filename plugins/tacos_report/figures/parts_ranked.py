@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from matplotlib.figure import Figure
 
@@ -15,14 +15,20 @@ _ROW_IN = 0.215
 
 
 def parts_ranked(
-    parts: Sequence[RankedPart], products: Mapping[str, tuple[int, str]], narrow: bool = False
+    parts: Sequence[RankedPart],
+    products: Mapping[str, tuple[int, str]],
+    designed: Collection[str],
+    narrow: bool = False,
 ) -> str:
-    """SVG of one row per part: dot, 95 % interval, and the product that has it.
+    """SVG of one row per part: dot, 95 % interval, and the product that has it; a band is the interval of
+    the first.
 
     Parameters
     ----------
     products
         By name of a part, the place of its product among the cameras (its colour) and its title.
+    designed
+        Names of the rows that have the designed camera's parts.
     narrow
         For the width of a phone.
     """
@@ -31,10 +37,12 @@ def parts_ranked(
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
         if (best := parts[0].ci) is not None:
-            axes.axvspan(*best, color=camera_colour(0), alpha=0.08, linewidth=0, zorder=0)
+            axes.axvspan(*best, color=DOT, alpha=0.13, linewidth=0, zorder=0)
         for place, part in enumerate(parts):
             index, title = products.get(part.part, (None, ""))
-            colour = camera_colour(0) if place == 0 else DOT if index is None else camera_colour(index)
+            colour = (
+                camera_colour(0) if part.part in designed else DOT if index is None else camera_colour(index)
+            )
             if part.ci is not None:
                 axes.plot(part.ci, [place, place], color=colour, linewidth=2.2, alpha=0.75, zorder=1)
             size = (9.0 if part.rescored else 6.5) + (1 if index is not None else 0)
@@ -49,9 +57,11 @@ def parts_ranked(
                               color=colour, fontsize=8)  # fmt: skip
         axes.set_yticks(range(len(parts)), [part.part for part in parts])
         for label, part in zip(axes.get_yticklabels(), parts, strict=True):
-            index = products.get(part.part, (None, ""))[0]
-            label.set(color=INK if index is None else camera_colour(index), fontsize=8.5)
-        axes.get_yticklabels()[0].set(color=camera_colour(0), fontweight="bold")
+            if part.part in designed:
+                label.set(color=camera_colour(0), fontsize=8.5, fontweight="bold")
+            else:
+                index = products.get(part.part, (None, ""))[0]
+                label.set(color=INK if index is None else camera_colour(index), fontsize=8.5)
         axes.set_ylim(len(parts) - 0.3, -0.7)
         axes.margins(x=0.05)
         axes.set_xlabel("fitness at its own best optics (higher is better)")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate
 from typing import Any
 
@@ -16,8 +16,20 @@ from tacos_report.quantities import number
 from tacos_report.study_data import Generation, Tried
 
 
-def search_curve(generations: Sequence[Generation], *, narrow: bool = False) -> str:
-    """SVG of fitness against images rendered (or candidates, where no images were counted)."""
+def search_curve(
+    generations: Sequence[Generation],
+    is_design: Callable[[Mapping[str, Any]], bool] = lambda _: False,
+    *,
+    narrow: bool = False,
+) -> str:
+    """SVG of fitness against images rendered (or candidates, where no images were counted).
+
+    Parameters
+    ----------
+    is_design
+        Whether the variables are the designed camera's, which gets the star where it was tried: the highest
+        dot may be luck.
+    """
     spent = [generation.frames for generation in generations]
     unit = "images rendered"
     if not sum(spent):  # every capture came from the cache, or the renderer counts none
@@ -25,6 +37,9 @@ def search_curve(generations: Sequence[Generation], *, narrow: bool = False) -> 
     ends = list(accumulate(spent))
     placed = _placed(generations, ends)
     scored = [(x, candidate.fitness) for x, candidate in placed if candidate.fitness is not None]
+    designed = [
+        (x, tried.fitness) for x, tried in placed if tried.fitness is not None and is_design(tried.camera)
+    ]
     failed = [x for x, candidate in placed if candidate.fitness is None]
     description = (
         f"Search curve: {len(scored)} scored and {len(failed)} failed candidates over {ends[-1]} {unit}."
@@ -36,13 +51,13 @@ def search_curve(generations: Sequence[Generation], *, narrow: bool = False) -> 
             xs, ys = zip(*scored, strict=True)
             axes.plot(xs, ys, "o", color=DOT, alpha=0.55, markersize=5, linestyle="", label="candidate")
             best = list(accumulate(ys, max))
-            line: dict[str, Any] = {"color": camera_colour(0), "linewidth": 2.2, "drawstyle": "steps-post"}
+            line: dict[str, Any] = {"color": INK, "linewidth": 1.8, "drawstyle": "steps-post"}
             axes.plot([*xs, ends[-1]], [*best, best[-1]], label="best so far", **line)
-            top = ys.index(max(ys))
+        if designed:
             star: dict[str, Any] = {"color": camera_colour(0), "markersize": 15, "zorder": 5, "linestyle": ""}
-            axes.plot([xs[top]], [ys[top]], "*", label="best", markeredgecolor=PAPER, **star)
+            axes.plot(*zip(*designed, strict=True), "*", label="designed", markeredgecolor=PAPER, **star)
             axes.annotate(
-                number(ys[top]), (xs[top], ys[top]), (0, 10), textcoords="offset points", ha="center",
+                number(designed[-1][1]), designed[-1], (0, 10), textcoords="offset points", ha="center",
                 color=camera_colour(0), fontsize=10.5, fontweight="bold",
             )  # fmt: skip
         axes.margins(x=0.02, y=0.14)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from tacos_report.figures.canvas import NARROW_IN, draw
-from tacos_report.palette import INK, MUTED, RULE, camera_colour
+from tacos_report.palette import DOT, INK, MUTED, RULE, camera_colour
 from tacos_report.quantities import quantity
 
 Ends = tuple[float, float]
@@ -39,10 +39,10 @@ def tolerances(variables: Sequence[VariableRange], *, narrow: bool = False) -> s
         for place, variable in enumerate(variables):
             low, high = variable.bounds
             axes.plot([0, 1], [place, place], color=RULE, linewidth=2, solid_capstyle="butt", zorder=0)
-            for ends, width, alpha in ((variable.among, 11, 0.28), (variable.about, 11, 0.85)):
+            for ends, colour, alpha in ((variable.among, DOT, 0.4), (variable.about, camera_colour(0), 0.85)):
                 if ends is not None:
                     at = [(end - low) / (high - low) for end in ends]
-                    axes.plot(at, [place, place], color=camera_colour(0), linewidth=width, alpha=alpha,
+                    axes.plot(at, [place, place], color=colour, linewidth=11, alpha=alpha,
                               solid_capstyle="butt", zorder=1)  # fmt: skip
             if variable.chosen is not None:
                 at_chosen = (variable.chosen - low) / (high - low)

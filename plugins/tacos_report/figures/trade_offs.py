@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,8 +19,20 @@ _COLUMNS = 2
 _NAMED = 12
 
 
-def trade_offs(objectives: Sequence[Objective], points: Sequence[FrontPoint], *, narrow: bool = False) -> str:
-    """SVG of one panel per objective, the fitness upwards in all of them."""
+def trade_offs(
+    objectives: Sequence[Objective],
+    points: Sequence[FrontPoint],
+    designed: Mapping[str, Any] | None,
+    *,
+    narrow: bool = False,
+) -> str:
+    """SVG of one panel per objective, the fitness upwards in all of them.
+
+    Parameters
+    ----------
+    designed
+        The designed camera's variables, which may be those of a point.
+    """
     columns = min(1 if narrow else _COLUMNS, len(objectives))
     rows = math.ceil(len(objectives) / columns)
     names = ", ".join(words(each.name) for each in objectives)
@@ -30,7 +43,7 @@ def trade_offs(objectives: Sequence[Objective], points: Sequence[FrontPoint], *,
             if place >= len(objectives):
                 axes.set_visible(False)
                 continue
-            _panel(axes, objectives[place], points)
+            _panel(axes, objectives[place], points, designed)
             if place % columns == 0:
                 axes.set_ylabel("fitness")
 
@@ -40,11 +53,12 @@ def trade_offs(objectives: Sequence[Objective], points: Sequence[FrontPoint], *,
     return draw("front", (9.2, 0.3 + 3.4 * rows), said, paint)
 
 
-def _panel(axes: Axes, objective: Objective, points: Sequence[FrontPoint]) -> None:
+def _panel(
+    axes: Axes, objective: Objective, points: Sequence[FrontPoint], designed: Mapping[str, Any] | None
+) -> None:
     here = [(point.values[objective.name], point) for point in points if objective.name in point.values]
-    best = max((point.fitness for _, point in here), default=0.0)
     for x, point in here:
-        colour = camera_colour(0) if point.fitness == best else DOT
+        colour = camera_colour(0) if point.camera == designed else DOT
         if point.ci is not None:
             axes.plot([x, x], point.ci, color=colour, linewidth=1.2, alpha=0.6)
         axes.plot([x], [point.fitness], "o", markersize=6.5, linestyle="", zorder=2, markeredgewidth=1.3,

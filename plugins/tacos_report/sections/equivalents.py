@@ -32,7 +32,7 @@ def blocks(study: StudyData) -> Iterator[Block]:
     if drawn:
         yield in_both_widths(
             partial(tolerances, drawn),
-            "Light: where cameras within the margin lie, all variables free to follow. Dark: how far this "
+            "Grey: where cameras within the margin lie, all variables free to follow. Orange: how far this "
             "one may stray while the rest of the designed camera (the star) stays as it is. Ends are those "
             "of the design space.",
         )

@@ -12,8 +12,8 @@ from tacos_report.quantities import number, words
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
 
-_SHOWN = 12
-"""Rows of the table before the rest is folded."""
+_SHOWN = 3
+"""Rows of the table before the rest is folded: the drawing has them all, and a phone shows a row a screen."""
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
@@ -21,18 +21,22 @@ def blocks(study: StudyData) -> Iterator[Block]:
     ranked = study.analysis.ranking
     if ranked:
         carried = products_of_parts(study)
+        designed = [part.part for part in ranked if study.has_parts_of_design(part)]
         yield in_both_widths(
-            partial(parts_ranked, ranked, carried),
+            partial(parts_ranked, ranked, carried, designed),
             "Every part at the optics that suit it best. Filled dots were scored on scenes, again where "
             "they are large; hollow ones are told by the model of the scores alone, and their intervals say "
-            "how well. Bars hold 95 % of what is credible. Coloured diamonds are parts of products off the "
-            "shelf.",
+            "how well. Bars hold 95 % of what is credible, the grey band that of the first. Orange is the "
+            "part of the designed camera, which was chosen on scenes and not by this list; coloured diamonds "
+            "are parts of products off the shelf.",
         )
         heads = ("", "Part", "Its best optics", "Fitness (95 %)", *_heads(study), "Known from")
         rows = tuple(_row(place, part, study, carried) for place, part in enumerate(ranked, start=1))
-        yield Table(heads, rows[:_SHOWN])
-        if rows[_SHOWN:]:
-            yield Folded(f"The other {len(rows) - _SHOWN} parts", Table(heads, rows[_SHOWN:]))
+        first = [i for i, part in enumerate(ranked) if i < _SHOWN or part.part in designed]
+        others = tuple(row for i, row in enumerate(rows) if i not in first)
+        yield Table(heads, tuple(rows[i] for i in first))
+        if others:
+            yield Folded(f"The other {len(others)} parts", Table(heads, others))
     if left_out := study.analysis.left_out:
         if ranked:
             yield Paragraph(f"{len(left_out)} more cannot be used:")
