@@ -82,16 +82,11 @@ class ContractBroken(Exception):
 
 
 def did_you_mean(given: str, known: Iterable[str]) -> str:
-    """The remedy for an unknown name: the one alike in letters or in meaning, or the names that exist."""
-    from difflib import get_close_matches
-
-    from tacos_framework.synonyms import meant
+    """The remedy for an unknown name: those that may be meant, or the names that exist."""
+    from tacos_framework.suggestions import suggestions
 
     names = sorted(known)
-    alike = get_close_matches(given, names, n=1)
-    nearly_equal = get_close_matches(given, names, n=1, cutoff=0.8)
-    begun = [name for name in names if len(given) > 2 and name.startswith(given)]
-    suggestions = (*nearly_equal, meant(given, names), *alike, *(begun if len(begun) == 1 else ()))
-    if suggested := next(filter(None, suggestions), None):
-        return f"Did you mean {suggested!r}?"
+    if suggested := [repr(name) for name in suggestions(given, names)]:
+        *first, last = suggested
+        return f"Did you mean {' or '.join(filter(None, (', '.join(first), last)))}?"
     return f"Known names: {', '.join(names)}." if names else ""

@@ -22,10 +22,27 @@ LIGHT = tuple(Scenario.model_fields)
         ("jobs", ("workers", "timeout_s"), "workers"),
         ("flea", ("flea3_imx172", "other"), "flea3_imx172"),
         ("workers", ("worker", "iso"), "worker"),
+        ("task.orb", ("task.sgbm", "task.orb-features"), "task.orb-features"),
+        ("task.sbgm", ("task.sgbm", "task.orb-features"), "task.sgbm"),
+        ("mt9p031", ("MT9P031", "MT9V032"), "MT9P031"),
+        ("tsk.sgbm", ("task.sgbm", "task.orb-features"), "task.sgbm"),
     ],
 )
 def test_by_letters_or_by_meaning(given: str, known: tuple[str, ...], suggested: str) -> None:
     assert did_you_mean(given, known) == f"Did you mean {suggested!r}?"
+
+
+def test_names_that_share_as_much_are_all_told() -> None:
+    effects = ("effect.motion-blur", "effect.lens-blur", "effect.flare")
+    assert did_you_mean("effect.blur", effects) == "Did you mean 'effect.lens-blur' or 'effect.motion-blur'?"
+
+
+@pytest.mark.parametrize(
+    ("given", "known"),
+    [("optimizer.ga", ("optimizer.cma-es", "optimizer.ppo")), ("roll_deg", ("pan_deg", "tilt_deg", "x"))],
+)
+def test_letters_and_units_alike_by_chance_are_no_suggestion(given: str, known: tuple[str, ...]) -> None:
+    assert did_you_mean(given, known) == f"Known names: {', '.join(known)}."
 
 
 def test_a_word_nobody_uses_gets_the_names_there_are() -> None:
