@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, Tag, model_validator
 
 from tacos_framework.settings import Settings, setting
+from tacos_gap.captures.forms import told_apart
 
 Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]
 Size = Annotated[int, Field(ge=1, le=100_000)]
@@ -19,6 +20,26 @@ Corners = Annotated[int, Field(ge=3, le=1000)]
 
 DICTIONARIES = r"^DICT_((4X4|5X5|6X6|7X7)_(50|100|250|1000)|ARUCO_ORIGINAL|APRILTAG_(16h5|25h9|36h10|36h11))$"
 """Names of OpenCV's marker dictionaries."""
+
+PerChannel = Annotated[
+    Annotated[NonNegative, Tag("<number>")]
+    | Annotated[tuple[NonNegative, NonNegative, NonNegative], Tag("<list>")],
+    told_apart("a number, or a list of three, one per channel", length=3),
+]
+Files = Annotated[
+    Annotated[str, Tag("<text>")] | Annotated[tuple[str, ...], Tag("<list>")],
+    told_apart("a file, a glob, or a list of files, as in [a.png, b.png]"),
+]
+FilesOrLevel = Annotated[
+    Annotated[Level, Tag("<number>")]
+    | Annotated[str, Tag("<text>")]
+    | Annotated[tuple[str, ...], Tag("<list>")],
+    told_apart("a number, a file, or a list of files, as in [a.npy, b.npy]"),
+]
+Velocity = Annotated[
+    Annotated[tuple[Level, Level], Tag("<list>")] | Annotated[str, Tag("<text>")],
+    told_apart("two numbers, as in [120, 0], or a .npy file", length=2),
+]
 
 
 class CropEntry(Settings):
@@ -59,9 +80,13 @@ class CaptureCamera(Settings):
     @model_validator(mode="after")
     def _levels(self) -> CaptureCamera:
         if self.black_level_dn >= self.white:
-            raise ValueError(f"black_level_dn is below the white level, {self.white:g}")
+            origin = "white_level_dn" if self.white_level_dn else "2**bit_depth - 1"
+            raise ValueError(
+                f"black_level_dn is {self.black_level_dn:g}, which is not below the white level of "
+                f"{self.white:g} DN ({origin})"
+            )
         if self.cfa is not None and self.channels != 1:
-            raise ValueError("a mosaic (cfa) has 1 channel")
+            raise ValueError(f"cfa is {self.cfa}, and a mosaic has 1 channel, not {self.channels}")
         return self
 
     @property
@@ -73,12 +98,10 @@ class CaptureCamera(Settings):
 class NoiseEntry(Settings):
     """The simulator's affine noise at a gain, before rounding and clipping."""
 
-    photon_dn: NonNegative | tuple[NonNegative, NonNegative, NonNegative] = setting(
+    photon_dn: PerChannel = setting(
         help="Variance per DN of signal above the pedestal; one, or one per channel.", unit="DN"
     )
-    thermal_dn2: NonNegative | tuple[NonNegative, NonNegative, NonNegative] = setting(
-        help="Variance at no signal; one, or one per channel.", unit="DN^2"
-    )
+    thermal_dn2: PerChannel = setting(help="Variance at no signal; one, or one per channel.", unit="DN^2")
     gain_db: float = setting(0.0, help="The gain it holds at.", unit="dB", ge=-200, le=200)
 
 
@@ -138,8 +161,8 @@ class CaptureEntry(Settings):
 
     id: str = setting(help="Its name.", min_length=1, max_length=200)
     kind: Kind = setting(help="What it shows.")
-    real: str | tuple[str, ...] = setting(help="Files of the frames, or a glob.", min_length=1)
-    simulated: Level | str | tuple[str, ...] | None = setting(
+    real: Files = setting(help="Files of the frames, or a glob.")
+    simulated: FilesOrLevel | None = setting(
         None, help="Expected file values without noise: a file, one per frame, or a number.", unit="DN"
     )
     scene: str | None = setting(None, help="A recipe that renders the expected values.")
@@ -162,7 +185,7 @@ class CaptureEntry(Settings):
     chart: ChartEntry | None = setting(None, help="The patches of a chart.")
     depth: str | None = setting(None, help="Depth along the optical axis, .npy.", unit="m")
     objects: ObjectsEntry | None = setting(None, help="Labelled objects, for tasks that find things.")
-    velocity_px_s: tuple[Level, Level] | str | None = setting(
+    velocity_px_s: Velocity | None = setting(
         None, help="Motion in the image, or a .npy of (height, width, 2).", unit="px/s"
     )
     frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0, le=1e9)
@@ -178,12 +201,18 @@ class CaptureEntry(Settings):
     )
 
 
+NoiseEntries = Annotated[
+    Annotated[Literal["unknown"], Tag("<text>")]
+    | Annotated[NoiseEntry, Tag("<keys>")]
+    | Annotated[tuple[NoiseEntry, ...], Tag("<list>")],
+    told_apart("unknown, {photon_dn: 0.06, thermal_dn2: 4}, or a list of such, one for each gain_db"),
+]
+
+
 class FolderEntry(Settings):
     """``captures.yaml``."""
 
     tacos_captures: Literal[1] = setting(help="Format of the file.")
     camera: CaptureCamera = setting(help="What the simulator believes of the camera.")
-    noise: Literal["unknown"] | NoiseEntry | tuple[NoiseEntry, ...] = setting(
-        "unknown", help="The simulator's noise, or unknown."
-    )
+    noise: NoiseEntries = setting("unknown", help="The simulator's noise, or unknown.")
     captures: tuple[CaptureEntry, ...] = setting(help="The captures, one at least.")

@@ -125,7 +125,12 @@ class CaptureFiles:
         if self.channels == 1 and (image == image[..., :1]).all():
             return image[..., :1]
         raise UserError(
-            Fault(where, f"{path.name} has {given} channels", str(self.channels), "Correct camera.channels.")
+            Fault(
+                where,
+                f"{path.name} has {given} channel{'s' * (given > 1)}",
+                str(self.channels),
+                "Correct camera.channels.",
+            )
         )
 
     def array(

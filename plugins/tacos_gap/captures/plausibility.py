@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_framework.errors import Fault
 from tacos_gap.captures.alignment import REMEDY, is_share_of_full_scale
@@ -53,8 +54,34 @@ def faults_of(capture: RealCapture) -> Iterator[tuple[str, str, str, str]]:
             f"values of {capture.id!r} run from {capture.expected_dn.min():g} to "
             f"{capture.expected_dn.max():g}, those of the files from {real.min():g} to {real.max():g}",
             f"digital numbers up to {white:g}, as in the files",
-            f"Multiply it by {_times_as_bright(capture):.3g} if it is in other units.",
+            _in_the_units_of_the_files(capture, capture.expected_dn),
         )
+
+
+def _in_the_units_of_the_files(capture: RealCapture, expected_dn: NDArray[np.float32]) -> str:
+    """What to do about an expectation far from the files: a factor where one may be what is missing."""
+    black, white = capture.context.black_level_dn, capture.context.white_level_dn
+    real, expected = (float(image[:, capture.valid].mean()) for image in (capture.real_dn, expected_dn))
+    if real - black < _DIM_DN:
+        return f"The files hold no light above the black level, {black:g}: is this capture a dark?"
+    if expected_dn.min() >= 0 and 0 < expected_dn.max() <= 1:
+        return f"Shares of full scale have to be multiplied by {white:g}, with the black level in them."
+    if expected <= black:
+        return f"It has to hold the black level, {black:g}, and the light above it."
+    if expected < real:
+        return f"Multiply it by about {_in_figures(real / expected)} if it is in other units."
+    if expected > white:
+        return f"Divide it by about {_in_figures(expected / real)} if it is in other units."
+    return "Make sure that light, exposure_ms and gain_db were those of the files."
+
+
+def _in_figures(number: float) -> str:
+    """A factor above 1 to three figures, without an exponent.
+
+    >>> _in_figures(256.7), _in_figures(87999.0)
+    ('257', '88000')
+    """
+    return f"{float(f'{number:.3g}'):.10g}"
 
 
 def _copies(capture: RealCapture) -> tuple[int, int] | None:

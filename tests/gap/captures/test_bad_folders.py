@@ -138,9 +138,13 @@ def test_a_wrong_entry(tmp_path, changes, message):
 @pytest.mark.parametrize(
     ("camera", "message"),
     [
-        ({"black_level_dn": 300}, "black_level_dn is below the white level"),
-        ({"channels": 3}, "has 1 channels"),
-        ({"channels": 3, "cfa": "RGGB"}, "a mosaic (cfa) has 1 channel"),
+        (
+            {"black_level_dn": 300},
+            "black_level_dn is 300, which is not below the white level of 255 DN (2**bit_depth - 1)",
+        ),
+        ({"black_level_dn": 90, "white_level_dn": 80}, "white level of 80 DN (white_level_dn)"),
+        ({"channels": 3}, "has 1 channel\n"),
+        ({"channels": 3, "cfa": "RGGB"}, "cfa is RGGB, and a mosaic has 1 channel, not 3"),
         ({"bit_depth": 20}, "camera.bit_depth is 20"),
         ({"crop": {"full_width_px": 10, "full_height_px": 10}}, "are not on a sensor of 10"),
         ({"bit_depth": 6}, "reach"),
@@ -169,6 +173,57 @@ def test_wrong_noise(tmp_path, noise, message):
     found = faults(describe(tmp_path, entry, noise=noise))
     assert found
     assert message in "\n".join(found)
+
+
+@pytest.mark.parametrize(
+    ("noise", "said"),
+    [
+        (None, "noise is null\n  expected: unknown, {photon_dn: 0.06, thermal_dn2: 4}, or a list of such"),
+        (5, "noise is 5\n  expected: unknown, {photon_dn: 0.06, thermal_dn2: 4}, or a list of such"),
+        ([], "noise is []\n  expected: unknown, {photon_dn"),
+        ("unknow", "noise is \"unknow\"\n  expected: 'unknown'"),
+        (
+            {"photon_dn": -0.1, "thermal_dn2": 1},
+            "noise.photon_dn is -0.1\n  expected: greater than or equal to 0",
+        ),
+        (
+            {"photon_dn": "0,1", "thermal_dn2": 1},
+            'noise.photon_dn is "0,1"\n  expected: a number, or a list of three',
+        ),
+        (
+            {"photon_dn": [1, 2], "thermal_dn2": 1},
+            "photon_dn is [1, 2]\n  expected: a number, or a list of three",
+        ),
+        (
+            [{"photon_dn": 1, "thermal_dn2": 1, "gain": 6}],
+            "unknown key 'noise.0.gain'\n  to do: Did you mean 'gain_db'?",
+        ),
+        ({"photon_dn": 1}, "'noise.thermal_dn2' is missing"),
+    ],
+    ids=str,
+)
+def test_a_wrong_entry_of_noise_is_one_fault_that_says_what_it_may_be(tmp_path, noise, said):
+    names = save_frames(tmp_path, "flat", noisy())
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 100}
+    assert said in only(faults(describe(tmp_path, entry, noise=noise)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"real": 5}, "real is 5\n  expected: a file, a glob, or a list of files"),
+        ({"real": []}, "real is []\n  expected: a file, a glob, or a list of files"),
+        ({"real": ["a.png", 5]}, "real.1 is 5\n  expected: a valid string"),
+        ({"simulated": {"a": 1}}, 'simulated is {"a": 1}\n  expected: a number, a file, or a list of files'),
+        (
+            {"velocity_px_s": [1]},
+            "velocity_px_s is [1]\n  expected: two numbers, as in [120, 0], or a .npy file",
+        ),
+    ],
+    ids=str,
+)
+def test_an_entry_that_takes_several_forms_is_one_fault(tmp_path, changes, said):
+    assert said in only(faults(flat_folder(tmp_path, **changes)))
 
 
 def test_one_block_of_noise_does_not_serve_two_gains(tmp_path):

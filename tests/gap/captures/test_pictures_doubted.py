@@ -36,11 +36,29 @@ def test_values_below_zero(tmp_path):
     assert "go down to" in only(faults(describe(tmp_path, entry)))
 
 
-@pytest.mark.parametrize("factor", [1 / 255, 257.0])
-def test_an_expectation_in_other_units(tmp_path, factor):
-    fault = only(faults(flat_folder(tmp_path, simulated=100.0 * factor)))
+@pytest.mark.parametrize(
+    ("real_dn", "simulated_dn", "remedy"),
+    [
+        (120, 120 / 255, "Shares of full scale have to be multiplied by 255, with the black level in them."),
+        (120, 120 * 257.0, "Divide it by about 257 if it is in other units."),
+        (240, 1.5, "Multiply it by about 160 if it is in other units."),
+        (240, 0.0, "It has to hold the black level, 1, and the light above it."),
+        (1, 120, "The files hold no light above the black level, 1: is this capture a dark?"),
+    ],
+)
+def test_an_expectation_in_other_units(tmp_path, real_dn, simulated_dn, remedy):
+    names = save_frames(tmp_path, "flat", noisy(real_dn))
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": simulated_dn}
+    fault = only(faults(describe(tmp_path, entry, camera={**CAMERA, "black_level_dn": 1})))
     assert "digital numbers up to 255, as in the files" in fault
-    assert "Multiply it by" in fault
+    assert fault.endswith(remedy)
+
+
+def test_darker_files_than_expected_within_the_scale_are_a_matter_of_light(tmp_path):
+    names = save_frames(tmp_path, "flat", noisy(40).astype(np.uint16))
+    entry = {"id": "flat", "kind": "flat", "real": names, "simulated": 4000}
+    fault = only(faults(describe(tmp_path, entry, camera={**CAMERA, "bit_depth": 12})))
+    assert fault.endswith("Make sure that light, exposure_ms and gain_db were those of the files.")
 
 
 def test_units_that_may_be_right_are_doubted_aloud(tmp_path):
