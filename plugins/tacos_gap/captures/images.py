@@ -28,6 +28,12 @@ RAW_SUFFIXES = frozenset(
     {".dng", ".cr2", ".cr3", ".nef", ".nrw", ".arw", ".raf", ".rw2", ".rwl", ".orf", ".pef", ".srw", ".3fr"}
 )
 _HEIF_SUFFIXES = frozenset({".heic", ".heif"})
+_NO_HEIF = (
+    "Let the camera save RAW or JPEG files (iPhone: Settings, Camera, Formats, Most Compatible), or convert "
+    "what is there to PNG or TIFF."
+)
+"""Its readers turn pictures, and nothing here knows how its codec loses detail: no extra reads it."""
+
 PICTURE_SUFFIXES = (
     RAW_SUFFIXES
     | _HEIF_SUFFIXES
@@ -58,8 +64,7 @@ def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[An
     elif path.suffix.lower() in RAW_SUFFIXES:
         image = _read_raw(path, where, within)
     elif path.suffix.lower() in _HEIF_SUFFIXES:
-        what, remedy = f"{path.name} is HEIF, which cannot be read", "Let the camera save RAW or JPEG files."
-        raise UserError(Fault(where, what, FORMATS, remedy))
+        raise UserError(Fault(where, f"{path.name} is HEIF, which cannot be read", FORMATS, _NO_HEIF))
     else:
         image = read_samples(path, where=where, within=within)
     if image.ndim == 2:

@@ -69,15 +69,16 @@ def import_photographs(
     Raises
     ------
     UserError
-        When there are no pictures, some cannot be read, or `out` is not empty or cannot be written.
+        When there are no pictures, none can be read, or `out` is not empty or cannot be written.
     """
     given = given or Given()
     paths, doubts = pictures_in(sources)
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         what = "is not empty" if out.is_dir() else "is a file"
         raise UserError(Fault(str(out), what, "a folder that is new or empty", "Name another --out."))
-    pictures, left_out = of_one_form(looked_at(paths, given, notify or (lambda text: None)))
-    doubts += left_out
+    pictures, unreadable = looked_at(paths, given, notify or (lambda text: None))
+    pictures, of_other_forms = of_one_form(pictures)
+    doubts += [*unreadable, *of_other_forms]
     boards = [picture for picture in pictures if picture.shown.kind == "board"]
     board = board_of(boards, given.inner_corners)
     lost = [picture for picture in boards if board is None or picture not in board.corners_px]

@@ -10,28 +10,35 @@ from pathlib import Path
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_gap.photographs.camera import Given
-from tacos_gap.photographs.picture import Picture, bits_of, look_at
+from tacos_gap.photographs.left_out import left_out, why_unreadable
+from tacos_gap.photographs.picture import Picture, bits_of, look_at, printable_name
 
 
-def looked_at(paths: Sequence[Path], given: Given, tell: Callable[[str], None]) -> list[Picture]:
+def looked_at(
+    paths: Sequence[Path], given: Given, tell: Callable[[str], None]
+) -> tuple[list[Picture], list[str]]:
     """The pictures of files, in the order they were taken, each seen at the depth that all of them need.
+
+    Beside them sentences on the files that cannot be read.
 
     Raises
     ------
     UserError
-        With what is wrong with every file that cannot be read.
+        With what is wrong with every file, when none of them can be read.
     """
     pictures: list[Picture] = []
-    faults: list[Fault] = []
+    faults: list[tuple[Path, Fault]] = []
     for path in paths:
         tell(path.name)
         try:
             pictures.append(look_at(path, given.black_level_dn, given.bit_depth))
         except UserError as error:
-            faults += error.faults
-    if faults:
-        raise UserError(faults)
-    return sorted(_at_one_depth(pictures, given), key=lambda picture: picture.facts.taken)
+            faults += ((path, fault) for fault in error.faults)
+    if not pictures:
+        raise UserError(fault for _, fault in faults)
+    names = [(path.name, printable_name(path), fault) for path, fault in faults]
+    said = left_out((shown, why_unreadable(name, shown, fault)) for name, shown, fault in names)
+    return sorted(_at_one_depth(pictures, given), key=lambda picture: picture.facts.taken), said
 
 
 def _at_one_depth(pictures: Sequence[Picture], given: Given) -> list[Picture]:
@@ -51,31 +58,31 @@ def of_one_form(pictures: Sequence[Picture]) -> tuple[list[Picture], list[str]]:
 
     def leave_out(those: Sequence[Picture], why: Callable[[Picture], str]) -> None:
         nonlocal pictures
-        said.extend(f"{picture.name} is left out: {why(picture)}." for picture in those)
+        said.extend(left_out((picture.name, why(picture)) for picture in those))
         pictures = [picture for picture in pictures if picture not in set(those)]
 
     size = Counter(picture.size_px for picture in pictures).most_common(1)[0][0]
     others = [picture for picture in pictures if picture.size_px != size]
-    leave_out(others, lambda picture: f"it is not {size[0]} x {size[1]} like most")
+    leave_out(others, lambda picture: f"is not {size[0]} x {size[1]} like most")
 
     grey, rgb = ([p for p in pictures if p.channels == channels] for channels in (1, 3))
     if grey and not all(picture.mono for picture in rgb):
         if len(rgb) >= len(grey):
-            leave_out(grey, lambda picture: "it has one channel, and most have three")
+            leave_out(grey, lambda picture: "has one channel, and most have three")
         else:
             colour = [picture for picture in rgb if not picture.mono]
-            leave_out(colour, lambda picture: "it is in colour, and most have one channel")
+            leave_out(colour, lambda picture: "is in colour, and most have one channel")
 
     eight = [picture for picture in pictures if picture.sample == "uint8"]
     deeper = [picture for picture in pictures if picture.sample != "uint8"]
     if eight and deeper:
         if len(deeper) >= len(eight):
-            leave_out(eight, lambda picture: "it has 8 bits a sample, and most have more")
+            leave_out(eight, lambda picture: "has 8 bits a sample, and most have more")
         else:
-            leave_out(deeper, lambda picture: "it has more than 8 bits a sample, and most have 8")
+            leave_out(deeper, lambda picture: "has more than 8 bits a sample, and most have 8")
 
     copies = _copies(pictures)
-    leave_out(list(copies), lambda picture: f"it is the same, byte by byte, as {copies[picture].name}")
+    leave_out(list(copies), lambda picture: f"is the same, byte by byte, as {copies[picture].name}")
     return list(pictures), said
 
 

@@ -63,8 +63,17 @@ class Picture:
 
     @property
     def name(self) -> str:
-        """The name of the file, for print and for YAML: what neither can hold is an underscore."""
-        return "".join(letter if letter.isprintable() else "_" for letter in self.path.name)
+        """The name of the file, for print and for YAML."""
+        return printable_name(self.path)
+
+
+def printable_name(path: Path) -> str:
+    """The name of a file; what neither print nor YAML can hold is an underscore.
+
+    >>> printable_name(Path("photos/wall\\n1.png"))
+    'wall_1.png'
+    """
+    return "".join(letter if letter.isprintable() else "_" for letter in path.name)
 
 
 def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Picture:
@@ -117,6 +126,8 @@ def bits_of(largest_dn: float, sample: str) -> int:
 
 def _has_lattice(plane: NDArray[np.generic]) -> bool:
     """Whether the four phases of two by two pixels have other means."""
+    if min(plane.shape) < 2:
+        return False
     phases = np.array(
         [float(np.asarray(plane[r::2, c::2], np.float64).mean()) for r in (0, 1) for c in (0, 1)]
     )

@@ -78,6 +78,47 @@ def test_a_heif_file_says_what_to_set_the_camera_to(tmp_path):
         import_photographs([tmp_path], tmp_path / "out")
 
 
+def test_files_that_cannot_be_read_are_named_and_the_others_imported(tmp_path, capsys):
+    photo = taken(tmp_path / "in/wall_10ms.png", 120)
+    for name, content in (
+        ("IMG_1.HEIC", b"\0\0\0 ftypheic"),
+        ("IMG_2.HEIC", b"\0\0\0 ftypheic"),
+        ("empty.jpg", b""),
+        ("half.png", photo.read_bytes()[:300]),
+        ("gr\udcfcn.png", b"no picture"),
+    ):
+        (tmp_path / "in" / name).write_bytes(content)
+    np.save(tmp_path / "in/shares.npy", np.random.default_rng(0).uniform(0.4, 0.5, SHAPE))
+    assert tacos_main(["captures", "import", str(tmp_path / "in"), "--out", str(tmp_path / "out")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert (
+        "IMG_1.HEIC and IMG_2.HEIC are left out: each is HEIF, which cannot be read. Let the camera save RAW "
+        "or JPEG files (iPhone: Settings, Camera, Formats, Most Compatible), or convert what is there to PNG "
+        "or TIFF."
+    ) in said
+    assert (
+        "empty.jpg is left out: it is no image that can be read: it is empty. Copy or save it anew." in said
+    )
+    assert "half.png is left out: it is no image that can be read: it breaks off in the middle." in said
+    assert "gr_n.png is left out: it is no image that can be read: it is none of PNG," in said
+    assert (
+        "shares.npy is left out: it cannot be used: values of shares.npy run from 0.4 to 0.5. Multiply"
+        in said
+    )
+    assert [capture.kind for capture in read_captures(tmp_path / "out").captures] == ["flat"]
+
+
+def test_a_picture_of_one_pixel_warns_of_nothing(tmp_path):
+    for seed in range(2):
+        taken(tmp_path / f"in/wall_{seed}.png", 120, seed=seed)
+    for size in ((1, 1), (1, 9), (9, 1)):
+        Image.fromarray(np.full(size, 90, np.uint8)).save(tmp_path / f"in/{size[0]} by {size[1]}.png")
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert (
+        "1 by 1.png, 1 by 9.png and 9 by 1.png are left out: each is not 160 x 120 like most." in found.doubts
+    )
+
+
 def deep(path: Path, level_dn: float, sigma_dn: float, seed: int = 0) -> Path:
     """An even picture of a camera of 12 bits, in a file of 16."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -112,7 +153,7 @@ def test_pictures_of_another_form_are_left_out_and_the_rest_can_be_read(tmp_path
     deep(tmp_path / "in/deep.png", 2300, 30)
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
     assert [len(entry["real"]) for entry in found.entries] == [2]
-    assert "grey.png is left out: it has one channel, and most have three." in found.doubts
+    assert "deep.png and grey.png are left out: each has one channel, and most have three." in found.doubts
     assert read_captures(tmp_path / "out").captures[0].frames == 2
 
 
