@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 _NOT_PRINTABLE = re.compile(
@@ -81,12 +82,24 @@ class ContractBroken(Exception):
     """
 
 
-def did_you_mean(given: str, known: Iterable[str]) -> str:
-    """The remedy for an unknown name: those that may be meant, or the names that exist."""
+def did_you_mean(
+    given: str, known: Iterable[str], also_called: Mapping[str, Collection[str]] = MappingProxyType({})
+) -> str:
+    """The remedy for an unknown name: those that may be meant, or the names that exist.
+
+    Parameters
+    ----------
+    given
+        The name that is not known.
+    known
+        The names that are.
+    also_called
+        What others call some of them, in lower case; see `tacos_framework.settings.also_called`.
+    """
     from tacos_framework.suggestions import suggestions
 
     names = sorted(known)
-    if suggested := [repr(name) for name in suggestions(given, names)]:
+    if suggested := [repr(name) for name in suggestions(given, names, also_called)]:
         *first, last = suggested
         return f"Did you mean {' or '.join(filter(None, (', '.join(first), last)))}?"
     return f"Known names: {', '.join(names)}." if names else ""

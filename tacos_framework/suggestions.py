@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from difflib import SequenceMatcher
-
-from tacos_framework.synonyms import meant
+from types import MappingProxyType
 
 MISSPELT = 0.8
 """Likeness in letters from which a name is the given one, misspelt."""
@@ -21,11 +20,14 @@ MOST_SUGGESTED = 3
 """Names that share equally much with the given one are all told, up to so many."""
 
 
-def suggestions(given: str, names: Sequence[str]) -> list[str]:
+def suggestions(
+    given: str, names: Sequence[str], also_called: Mapping[str, Collection[str]] = MappingProxyType({})
+) -> list[str]:
     """Names that may be meant, the likeliest first; none where letters alike would be chance.
 
     A name that is misspelt comes before one of the same meaning, then those that share words, then those
-    alike in letters. What names have in common before their last dot, or as a unit, tells nothing of which is meant.
+    alike in letters. What names have in common before their last dot, or as a unit, tells nothing of which
+    is meant.
 
     Examples
     --------
@@ -39,13 +41,29 @@ def suggestions(given: str, names: Sequence[str]) -> list[str]:
     ranked = sorted(alike, key=lambda name: -alike[name])
     if ranked and alike[ranked[0]] >= MISSPELT:
         return ranked[:1]
-    if (name := meant(given, names)) is not None:
-        return [name]
+    if of_meaning := meant(given, {name: also_called[name] for name in names if name in also_called}):
+        return of_meaning[:MOST_SUGGESTED]
     shared = {name: _shared(*_told_apart(given, name)) for name in ranked}
     most = max(shared.values(), default=0.0)
     if most > 0.5:
         return [name for name in ranked if shared[name] == most][:MOST_SUGGESTED]
     return [name for name in ranked[:1] if alike[name] >= ALIKE]
+
+
+def meant(given: str, also_called: Mapping[str, Collection[str]]) -> list[str]:
+    """The names that others call by a given word, or by the first of its parts that they use.
+
+    Examples
+    --------
+    >>> also_called = {"exposure_ms": ("shutter",), "gain_db": ("iso",), "speed": ("us",)}
+    >>> meant("ISO", also_called), meant("shutter_speed_us", also_called), meant("zoom", also_called)
+    (['gain_db'], ['exposure_ms'], [])
+    """
+    word = given.lower().rpartition(".")[2].replace("-", "_")
+    for part in (word, word.replace("_", ""), *word.split("_")):
+        if found := [name for name, words in also_called.items() if part in words]:
+            return found
+    return []
 
 
 def _told_apart(given: str, name: str) -> tuple[str, str]:

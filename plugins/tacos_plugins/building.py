@@ -9,7 +9,7 @@ from tacos_framework.graph import signature_of
 from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
-from tacos_framework.settings import Path, Settings, check
+from tacos_framework.settings import Path, Settings, also_called, check
 from tacos_framework.values import Episode, Rig
 
 
@@ -30,9 +30,12 @@ def build_rig(use: Use, plugins: Plugins) -> Rig:
     cls = plugins.resolve(use.use, "rig", where=use.use)
     variables, settings = cls.Variables.model_fields, cls.Config.model_fields
     if unknown := [name for name in use.settings if name not in variables and name not in settings]:
-        known = [*variables, *settings]
+        known, called = [*variables, *settings], also_called(cls.Variables) | also_called(cls.Config)
         raise UserError(
-            [Fault(use.use, f"unknown key {name!r}", "", did_you_mean(name, known)) for name in unknown]
+            [
+                Fault(use.use, f"unknown key {name!r}", "", did_you_mean(name, known, called))
+                for name in unknown
+            ]
         )
     of_variables = {name: value for name, value in use.settings.items() if name in variables}
     of_config = {name: value for name, value in use.settings.items() if name in settings}

@@ -13,6 +13,7 @@ from tacos_framework.catalog import OffTheShelf, camera_names, load_cameras
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plan import Plan
 from tacos_framework.results import read_run_json
+from tacos_framework.settings import also_called
 from tacos_framework.values import Rig
 from tacos_framework.variables import CatalogChoice
 
@@ -127,9 +128,10 @@ def _completed(plan: Plan, title: str, given: Mapping[str, Any]) -> CameraChoice
 
 
 def _refuse_unknown(plan: Plan, given: Mapping[str, Any]) -> None:
-    known = {*plan.space.names, *plan.rig.cls.Variables.model_fields}
+    variables = plan.rig.cls.Variables
+    known, called = {*plan.space.names, *variables.model_fields}, also_called(variables)
     faults = [
-        Fault(name, f"{plan.rig.use} has no variable {name!r}", "", did_you_mean(name, known))
+        Fault(name, f"{plan.rig.use} has no variable {name!r}", "", did_you_mean(name, known, called))
         for name in given
         if name not in known
     ]

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from pydantic import BaseModel
 
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.targets import EXPOSURE
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Scenario
-from tacos_framework.synonyms import meant
+from tacos_framework.settings import also_called
+from tacos_framework.suggestions import meant
+
+
+@dataclass(frozen=True)
+class KeyOfSetting:
+    """The key under ``design:`` that sets a setting, and what others call that setting."""
+
+    key: str
+    also_called: tuple[str, ...]
 
 
 def keys_of_recipe(
@@ -17,22 +29,28 @@ def keys_of_recipe(
     nodes: Mapping[str, ConfiguredComponent],
     effects: Mapping[str, ConfiguredComponent],
     exposure: ConfiguredComponent | None,
-) -> dict[str, str]:
+) -> dict[str, KeyOfSetting]:
     """Names of settings, and the keys under ``design:`` that set them; of several the likeliest."""
-    named: dict[str, str] = {}
-    owners = [("", rig.cls.Variables.model_fields)] if rig else []
-    owners += [("scenario.", Scenario.model_fields)]
-    owners += [(f"{EXPOSURE}.", exposure.cls.Config.model_fields)] if exposure else []
-    owners += [(f"effects.{name}.", part.cls.Config.model_fields) for name, part in effects.items()]
-    owners += [(f"{name}.", part.cls.Config.model_fields) for name, part in nodes.items()]
-    for owner, fields in owners:
-        for name in fields:
-            named.setdefault(name, f"{owner}{name}")
+    named: dict[str, KeyOfSetting] = {}
+    owners: list[tuple[str, type[BaseModel]]] = [("", rig.cls.Variables)] if rig else []
+    owners += [("scenario.", Scenario)]
+    owners += [(f"{EXPOSURE}.", exposure.cls.Config)] if exposure else []
+    owners += [(f"effects.{name}.", part.cls.Config) for name, part in effects.items()]
+    owners += [(f"{name}.", part.cls.Config) for name, part in nodes.items()]
+    for owner, settings in owners:
+        called = also_called(settings)
+        for name in settings.model_fields:
+            named.setdefault(name, KeyOfSetting(f"{owner}{name}", called.get(name, ())))
     return named
 
 
 def remedy_for(
-    setting: str, own: Mapping[str, object], keys: Mapping[str, str], plugins: Plugins, *, alone: bool
+    setting: str,
+    own: type[BaseModel],
+    keys: Mapping[str, KeyOfSetting],
+    plugins: Plugins,
+    *,
+    alone: bool,
 ) -> str:
     """What to do about a design variable whose owner has no such setting.
 
@@ -41,7 +59,7 @@ def remedy_for(
     setting
         The name that is not known.
     own
-        What its owner does have.
+        The settings that its owner does have.
     keys
         What the recipe has; see `keys_of_recipe`.
     plugins
@@ -49,14 +67,14 @@ def remedy_for(
     alone
         Whether the name stood alone, with no owner: then a setting called so elsewhere is the likeliest.
     """
-    near = did_you_mean(setting, own)
+    near = did_you_mean(setting, own.model_fields, also_called(own))
     of_owner = near.startswith("Did you mean") and not (alone and setting in keys)
-    name = setting if setting in keys else meant(setting, keys)
+    name = _this_or_meant(setting, {name: key.also_called for name, key in keys.items()})
     if of_owner:
         return near
     if name is not None:
-        return f"Did you mean {keys[name]!r}?"
-    known = [(use, setting if setting in has else meant(setting, has)) for use, has in _effects(plugins)]
+        return f"Did you mean {keys[name].key!r}?"
+    known = [(use, _this_or_meant(setting, called)) for use, called in _effects(plugins)]
     having = [(use, name) for use, name in known if name is not None]
     if not having:
         return near
@@ -64,13 +82,19 @@ def remedy_for(
     return f"Did you mean {named}? The recipe needs the effect: effects: [{{use: {having[0][0]}}}]."
 
 
-def _effects(plugins: Plugins) -> Iterator[tuple[str, Mapping[str, object]]]:
-    """Effects that can be imported, with their settings."""
+def _this_or_meant(setting: str, called: Mapping[str, tuple[str, ...]]) -> str | None:
+    """The setting, or the one that others call so; None where there is neither."""
+    return setting if setting in called else next(iter(meant(setting, called)), None)
+
+
+def _effects(plugins: Plugins) -> Iterator[tuple[str, Mapping[str, tuple[str, ...]]]]:
+    """Effects that can be imported, with what others call their settings."""
     for registered in plugins:
         component = registered.component
         if component.kind != "effect" or component.missing_packages():
             continue
         try:
-            yield component.use, plugins.resolve(component.use).Config.model_fields
+            config = plugins.resolve(component.use).Config
+            yield component.use, {**dict.fromkeys(config.model_fields, ()), **also_called(config)}
         except Exception:  # noqa: BLE001 - one that is broken is told where it is asked for, not as a hint
             continue

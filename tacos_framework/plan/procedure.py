@@ -11,7 +11,7 @@ from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plugins import Plugins, calling
 from tacos_framework.recipe import Use
 from tacos_framework.recipe.procedure import SHARED_KEYS, ProcedureRecipe
-from tacos_framework.settings import Settings, check, with_paths_from
+from tacos_framework.settings import Settings, also_called, check, with_paths_from
 
 
 @dataclass(frozen=True)
@@ -101,6 +101,6 @@ def _with_shared_keys(cls: type[Any], faults: Sequence[Fault]) -> list[Fault]:
             )
             continue
         unknown = fault.what.startswith("unknown key") and "." not in name
-        remedy = did_you_mean(name, known) if unknown else fault.remedy
+        remedy = did_you_mean(name, known, also_called(cls.Config)) if unknown else fault.remedy
         suggested.append(Fault(fault.where, fault.what, fault.expected, remedy))
     return suggested

@@ -7,6 +7,7 @@ from typing import Any
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
+from tacos_framework.settings import also_called
 
 
 def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict[str, Any]]:
@@ -20,7 +21,11 @@ def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict
     known = {name: value for name, value in use.settings.items() if name in cls.Config.model_fields}
     for name in use.settings:
         if name not in variables and name not in cls.Config.model_fields:
-            remedy = did_you_mean(name, [*variables, *cls.Config.model_fields])
+            remedy = did_you_mean(
+                name,
+                [*variables, *cls.Config.model_fields],
+                also_called(cls.Variables) | also_called(cls.Config),
+            )
             findings.add(
                 ("rig", name), f"unknown key {name!r}", f"a setting or variable of {use.use}", remedy
             )

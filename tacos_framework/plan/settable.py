@@ -7,13 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from pydantic import BaseModel
+
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.other_keys import keys_of_recipe, remedy_for
 from tacos_framework.plan.targets import EXPOSURE, Target, target_of
 from tacos_framework.recipe import NamedScenario, Scenario
-from tacos_framework.settings import check
+from tacos_framework.settings import check, unit_of
 from tacos_framework.variables.design_space import CatalogChoice, Categorical, Continuous, Variable
 
 _OF_ONE_CAMERA = ("effect", "sensor")
@@ -37,30 +39,29 @@ class Settable:
     def unit(self, variable: str) -> str | None:
         """Unit of a design variable; None, and a fault, when there is no such variable."""
         target = self.target(variable)
+        settings: type[BaseModel]
         if target.kind == "rig":
             if self.rig is None:
                 return "1"
-            fields, owner = self.rig.cls.Variables.model_fields, self.rig.use
+            settings, owner = self.rig.cls.Variables, self.rig.use
         elif target.kind == "scenario":
             if not self._is_scenario(variable, target):
                 return None
-            fields, owner = Scenario.model_fields, "scenario"
+            settings, owner = Scenario, "scenario"
         else:
             if not self._is_part(variable, target):
                 return None
             part = self._part(target)
             if part is None:
                 return "1"  # it is at fault already
-            fields, owner = part.cls.Config.model_fields, part.use
-        if target.setting not in fields:
+            settings, owner = part.cls.Config, part.use
+        if target.setting not in settings.model_fields:
             what = f"{owner} has no variable {target.setting!r}"
-            remedy = self._remedy(target, fields)
-            self._fault(variable, what, "", remedy)
+            self._fault(variable, what, "", self._remedy(target, settings))
             return None
-        extra = fields[target.setting].json_schema_extra
-        return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
+        return unit_of(settings, target.setting)
 
-    def _remedy(self, target: Target, own: Mapping[str, object]) -> str:
+    def _remedy(self, target: Target, own: type[BaseModel]) -> str:
         """What to do about a setting that its owner does not have."""
         keys = keys_of_recipe(self.rig, self.nodes, self.effects, self.exposure)
         alone = target.kind == "rig"
@@ -139,8 +140,7 @@ class Settable:
         if target.kind == "effect":
             known, expected = recipe.effect_names, "effects.NAME.setting, with an effect of the recipe"
         if target.owner == "rig" and self.rig is not None and "rig" not in known:
-            own = self.rig.cls.Variables.model_fields
-            remedy = self._remedy(target, own)
+            remedy = self._remedy(target, self.rig.cls.Variables)
             self._fault(variable, "variables of the rig are named alone", "NAME, not rig.NAME", remedy)
             return False
         if target.owner not in known:

@@ -141,10 +141,25 @@ class Aim(Settings):
 class Scenario(Settings):
     """Light and exposure, the same for every candidate."""
 
-    illumination_lux: float = setting(20.0, help="Mean illuminance 1 m above the floor.", unit="lux", gt=0)
-    gain_db: float = setting(5.0, help="Gain of the calibrated pixel; larger pixels need less.", unit="dB")
-    exposure_ms: float = setting(30.0, help="Exposure time.", unit="ms", gt=0)
-    f_number: float = setting(2.0, help="Focal length over aperture.", gt=0)
+    illumination_lux: float = setting(
+        20.0,
+        help="Mean illuminance 1 m above the floor.",
+        unit="lux",
+        gt=0,
+        also=("lux", "brightness", "light"),
+    )
+    gain_db: float = setting(
+        5.0,
+        help="Gain of the calibrated pixel; larger pixels need less.",
+        unit="dB",
+        also=("iso", "sensitivity", "amplification"),
+    )
+    exposure_ms: float = setting(
+        30.0, help="Exposure time.", unit="ms", gt=0, also=("shutter", "integration")
+    )
+    f_number: float = setting(
+        2.0, help="Focal length over aperture.", gt=0, also=("aperture", "fnumber", "fstop")
+    )
 
 
 class NamedScenario(Scenario):

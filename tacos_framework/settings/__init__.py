@@ -5,6 +5,7 @@ from __future__ import annotations
 from tacos_framework.settings.checking import Path, check
 from tacos_framework.settings.settings import (
     Settings,
+    also_called,
     averaging_of,
     includes_pedestal,
     path_settings,
@@ -20,6 +21,7 @@ from tacos_framework.settings.settings import (
 __all__ = [
     "Path",
     "Settings",
+    "also_called",
     "averaging_of",
     "check",
     "includes_pedestal",

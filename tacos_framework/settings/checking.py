@@ -12,6 +12,7 @@ from pydantic import BaseModel, Discriminator, Tag, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from tacos_framework.errors import Fault, did_you_mean
+from tacos_framework.settings.settings import also_called
 
 Path = tuple[str | int, ...]
 """Keys and indices from the top of a recipe to a value."""
@@ -65,7 +66,8 @@ def _fault(details: Mapping[str, Any], kind: Any, where: Callable[[Path], str], 
     model, field = _owner(kind, details["loc"])
     if details["type"] == "extra_forbidden":
         known = [f.alias or key for key, f in model.model_fields.items()] if model is not None else []
-        return Fault(where(path), f"unknown key {name!r}", "", did_you_mean(str(path[-1]), known))
+        called = also_called(model) if model is not None else {}
+        return Fault(where(path), f"unknown key {name!r}", "", did_you_mean(str(path[-1]), known, called))
     if details["type"] == "missing":
         return Fault(where(path), f"{name!r} is missing", _help(field), f"Add {path[-1]!r}.")
     if details["type"] == "value_error" and isinstance(details["input"], dict):  # settings that clash

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -41,6 +41,7 @@ def setting(
     averaging: Averaging | None = None,
     with_pedestal: bool = False,
     period: float | None = None,
+    also: Sequence[str] = (),
     **bounds: Any,
 ) -> Any:
     """Declare one setting.
@@ -61,6 +62,8 @@ def setting(
         For a level in digital numbers: whether it includes the pedestal.
     period
         For an angle: after how much it means the same again. Estimates are given from 0 to it.
+    also
+        What others call it, words in lower case: whoever writes one of them is told this name.
     bounds
         pydantic's ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``, ``alias``.
     """
@@ -73,6 +76,8 @@ def setting(
         extra["with_pedestal"] = True
     if period is not None:
         extra["period"] = period
+    if also:
+        extra["also_called"] = list(also)
     return Field(default, description=help, json_schema_extra=extra, **bounds)
 
 
@@ -117,6 +122,15 @@ def period_of(config: type[BaseModel], name: str) -> float | None:
     """After how much a setting means the same again; None where it never does."""
     period: Any = _extra(config, name).get("period")
     return period
+
+
+def also_called(config: type[BaseModel]) -> dict[str, tuple[str, ...]]:
+    """What others call the settings of a class, by the names they are given by."""
+    words: Any = {
+        field.alias or name: _extra(config, name).get("also_called", ())
+        for name, field in config.model_fields.items()
+    }
+    return {name: tuple(called) for name, called in words.items() if called}
 
 
 @cache

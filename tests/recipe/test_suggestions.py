@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tacos_framework.errors import did_you_mean
+from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Scenario
-from tacos_framework.synonyms import SYNONYMS
+from tacos_framework.settings import also_called
 
 LIGHT = tuple(Scenario.model_fields)
 
@@ -19,7 +20,6 @@ LIGHT = tuple(Scenario.model_fields)
         ("shutter_speed", LIGHT, "exposure_ms"),
         ("aperture", LIGHT, "f_number"),
         ("lux", LIGHT, "illumination_lux"),
-        ("jobs", ("workers", "timeout_s"), "workers"),
         ("flea", ("flea3_imx172", "other"), "flea3_imx172"),
         ("workers", ("worker", "iso"), "worker"),
         ("task.orb", ("task.sgbm", "task.orb-features"), "task.orb-features"),
@@ -29,7 +29,7 @@ LIGHT = tuple(Scenario.model_fields)
     ],
 )
 def test_by_letters_or_by_meaning(given: str, known: tuple[str, ...], suggested: str) -> None:
-    assert did_you_mean(given, known) == f"Did you mean {suggested!r}?"
+    assert did_you_mean(given, known, also_called(Scenario)) == f"Did you mean {suggested!r}?"
 
 
 def test_names_that_share_as_much_are_all_told() -> None:
@@ -49,5 +49,17 @@ def test_a_word_nobody_uses_gets_the_names_there_are() -> None:
     assert did_you_mean("zzz", ("b", "a")) == "Known names: a, b."
 
 
-def test_synonyms_are_looked_up_in_lower_case() -> None:
-    assert all(word == word.lower() for word in SYNONYMS)
+def test_components_say_what_others_call_their_settings() -> None:
+    plugins = Plugins.discover()
+    random = plugins.resolve("optimizer.random").Config
+    assert did_you_mean("trials", random.model_fields, also_called(random)) == "Did you mean 'evaluations'?"
+
+
+def test_no_other_word_is_a_setting_itself_and_all_are_in_lower_case() -> None:
+    plugins = Plugins.discover()
+    usable = [each.component.use for each in plugins if not each.component.missing_packages()]
+    classes = [plugins.resolve(use) for use in usable]
+    settings = [Scenario, *(c for cls in classes for c in (cls.Config, getattr(cls, "Variables", None)) if c)]
+    for each in settings:
+        for words in also_called(each).values():
+            assert [word for word in words if word != word.lower() or word in each.model_fields] == []

@@ -64,6 +64,7 @@ class Defocus:
             unit="m",
             gt=0,
             le=1e6,
+            also=("focus", "defocus"),
         )
         f_number: float | None = setting(
             None, help="Focal length over aperture for `focus_m`; by default the exposure's.", gt=0.3, le=200

@@ -47,7 +47,10 @@ class ProcessExecutor:
         """Settings of the executor."""
 
         workers: int | None = setting(
-            None, help="Worker processes; by default one for each core this process may use.", ge=1
+            None,
+            help="Worker processes; by default one for each core this process may use.",
+            ge=1,
+            also=("jobs", "processes"),
         )
         threads: int = setting(1, help="Threads each worker may compute with.", ge=1)
         timeout_s: float | None = setting(

@@ -70,7 +70,12 @@ class CmaEs:
     class Config(Settings):
         """Settings of the optimizer."""
 
-        evaluations: int = setting(200, help="Different candidates evaluated in all.", ge=1)
+        evaluations: int = setting(
+            200,
+            help="Different candidates evaluated in all.",
+            ge=1,
+            also=("budget", "trials", "iterations", "steps"),
+        )
         initial: int = setting(
             12, help="Candidates spread over the space before the first descent; 0 starts anywhere.", ge=0
         )

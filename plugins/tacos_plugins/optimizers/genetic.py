@@ -60,7 +60,9 @@ class Genetic:
         population: int = setting(10, help="Candidates per generation.", ge=1)
         keep: int = setting(3, help="Best candidates that go on unchanged.", ge=0)
         parents: int = setting(5, help="Best candidates that breed.", ge=1)
-        generations: int = setting(20, help="Generations evaluated in all.", ge=1)
+        generations: int = setting(
+            20, help="Generations evaluated in all.", ge=1, also=("budget", "iterations", "steps")
+        )
         factor: tuple[float, float] = setting(
             (0.8, 1.2), help="Range of the random factor on each gene of an offspring."
         )

@@ -70,7 +70,9 @@ class OptunaSearch:
         sampler: Literal["tpe", "gp"] = setting(
             "tpe", help="Parzen estimators (tpe), or a Gaussian process (gp), which needs torch installed."
         )
-        evaluations: int = setting(200, help="Candidates asked in all.", ge=1)
+        evaluations: int = setting(
+            200, help="Candidates asked in all.", ge=1, also=("budget", "trials", "iterations", "steps")
+        )
         batch: int = setting(
             1,
             help="Candidates asked at a time; more keep workers busy, but learn nothing from one another.",

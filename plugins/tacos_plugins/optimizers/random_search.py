@@ -33,7 +33,9 @@ class RandomSearch(Draws):
     class Config(Settings):
         """Settings of the optimizer."""
 
-        evaluations: int = setting(200, help="Candidates drawn in all.", ge=1)
+        evaluations: int = setting(
+            200, help="Candidates drawn in all.", ge=1, also=("budget", "trials", "iterations", "steps")
+        )
         batch: int = setting(10, help="Candidates asked at a time; the last batch may be smaller.", ge=1)
 
     def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:

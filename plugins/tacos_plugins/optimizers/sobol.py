@@ -36,7 +36,13 @@ class Sobol(Draws):
     class Config(Settings):
         """Settings of the optimizer."""
 
-        evaluations: int = setting(256, help="Candidates drawn in all.", ge=1, le=2**30)
+        evaluations: int = setting(
+            256,
+            help="Candidates drawn in all.",
+            ge=1,
+            le=2**30,
+            also=("budget", "trials", "iterations", "steps"),
+        )
         batch: int = setting(8, help="Candidates asked at a time; the last batch may be smaller.", ge=1)
 
     def __init__(self, config: Config, *, space: DesignSpace, rng: np.random.Generator) -> None:

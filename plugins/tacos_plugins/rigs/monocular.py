@@ -40,9 +40,20 @@ class MonocularRig:
     class Variables(ReadOutVariables):
         """What a recipe may design or fix; of focal length and lens exactly one."""
 
-        pitch_deg: float = setting(0.0, help="Tilt of the camera, positive is up.", unit="deg", ge=-90, le=90)
+        pitch_deg: float = setting(
+            0.0,
+            help="Tilt of the camera, positive is up.",
+            unit="deg",
+            ge=-90,
+            le=90,
+            also=("tilt", "elevation"),
+        )
         focal_length_mm: float | None = setting(
-            None, help="Focal length of a lens yet to be found, instead of a lens.", unit="mm", gt=0
+            None,
+            help="Focal length of a lens yet to be found, instead of a lens.",
+            unit="mm",
+            gt=0,
+            also=("fov", "hfov", "vfov", "zoom", "efl"),
         )
         lens: LensPart | None = setting(
             None, help="Lens: a row of a catalog, or its focal length and what else is known of it."

@@ -23,7 +23,9 @@ class SensorPart(Settings):
     name: str = setting("custom", help="Name of the part, for reports.")
     width_px: int = setting(help="Photosites along the long side.", unit="px", ge=1)
     height_px: int = setting(help="Photosites along the short side.", unit="px", ge=1)
-    pixel_um: float = setting(help="Pitch of the photosites.", unit="um", gt=0)
+    pixel_um: float = setting(
+        help="Pitch of the photosites.", unit="um", gt=0, also=("pitch_um", "pixel_size")
+    )
     quantum_efficiency: float | None = setting(None, help="Electrons per photon, if known.", gt=0, le=1)
     full_well_e: float | None = setting(
         None, help="Electrons a photosite holds before it saturates, if known.", unit="e-", gt=0
@@ -123,6 +125,7 @@ class MountSettings(Settings):
         1.0,
         help="Simulate blocks of binning x binning pixels as one, to run on a small machine.",
         ge=1,
+        also=("downsample", "downscale"),
     )
     height_above_eye_m: float = setting(
         0.0, help="Height of the optical centres above the agent's eye.", unit="m"
@@ -132,12 +135,22 @@ class MountSettings(Settings):
 class ReadOutVariables(Settings):
     """A sensor, and what is read out of it: how much, and in how large pixels."""
 
-    sensor: SensorPart = setting(help="Image sensor: a row of a catalog, or its size and pitch.")
+    sensor: SensorPart = setting(
+        help="Image sensor: a row of a catalog, or its size and pitch.", also=("imager", "chip", "resolution")
+    )
     roi_width: float = setting(
-        1.0, help="Share of the sensor's width that is read out, about its middle.", gt=0, le=1
+        1.0,
+        help="Share of the sensor's width that is read out, about its middle.",
+        gt=0,
+        le=1,
+        also=("roi", "crop", "window"),
     )
     roi_height: float = setting(
-        1.0, help="Share of the sensor's height that is read out, about its middle.", gt=0, le=1
+        1.0,
+        help="Share of the sensor's height that is read out, about its middle.",
+        gt=0,
+        le=1,
+        also=("roi", "crop", "window"),
     )
     sensor_binning: int = setting(
         1,
@@ -145,6 +158,7 @@ class ReadOutVariables(Settings):
         "by itself.",
         ge=1,
         le=16,
+        also=("bin", "binning", "downsample", "downscale"),
     )
 
     @property

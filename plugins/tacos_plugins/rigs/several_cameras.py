@@ -40,7 +40,14 @@ class SeveralCamerasConfig(MountSettings):
 class SeveralCamerasVariables(ReadOutVariables):
     """What a recipe may design or fix of all cameras alike."""
 
-    pitch_deg: float = setting(0.0, help="Tilt of all cameras, positive is up.", unit="deg", ge=-90, le=90)
+    pitch_deg: float = setting(
+        0.0,
+        help="Tilt of all cameras, positive is up.",
+        unit="deg",
+        ge=-90,
+        le=90,
+        also=("tilt", "elevation"),
+    )
 
 
 @dataclass(frozen=True)

@@ -42,15 +42,29 @@ class StereoRig:
     class Variables(ReadOutVariables):
         """What a recipe may design or fix; of field of view and focal length exactly one."""
 
-        baseline_m: float = setting(help="Distance between the two optical centres.", unit="m", gt=0)
+        baseline_m: float = setting(
+            help="Distance between the two optical centres.",
+            unit="m",
+            gt=0,
+            also=("eye_distance", "separation"),
+        )
         hfov_deg: float | None = setting(
             None, help="Horizontal field of view, instead of a focal length.", unit="deg", gt=0, lt=180
         )
         focal_length_mm: float | None = setting(
-            None, help="Focal length of both lenses, instead of a field of view.", unit="mm", gt=0
+            None,
+            help="Focal length of both lenses, instead of a field of view.",
+            unit="mm",
+            gt=0,
+            also=("fov", "hfov", "vfov", "zoom", "efl"),
         )
         pitch_deg: float = setting(
-            0.0, help="Tilt of both cameras, positive is up.", unit="deg", ge=-90, le=90
+            0.0,
+            help="Tilt of both cameras, positive is up.",
+            unit="deg",
+            ge=-90,
+            le=90,
+            also=("tilt", "elevation"),
         )
 
         @model_validator(mode="after")

@@ -23,7 +23,7 @@ def blocks(study: StudyData) -> Iterator[Block]:
     ]
     if drawn:
         yield in_both_widths(
-            partial(trade_offs, drawn, points, study.designed and study.designed.camera),
+            partial(trade_offs, drawn, points, study.designed.camera if study.designed else None),
             "Cameras of which none is better in one aim without being worse in another. Filled dots were "
             "scored again on scenes, hollow ones are told by the model; bars are 95 % intervals. Orange is "
             "the designed camera, where it is one of them. Arrows say which way is better.",

@@ -127,12 +127,12 @@ class ImportedScene:
         step_m: float = setting(
             0.25, help="Greatest step up or down; higher things are walked around.", unit="m", ge=0.01, le=1
         )
-        frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000)
+        frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000, also=("steps",))
         sampling: Literal["walk", "approaches"] = setting(
             "walk", help="Where frames are taken: all along the way, or only before obstacles."
         )
         frame_rate_hz: float = setting(
-            5.0, help="Frames per second of walking, under sampling: walk.", unit="Hz", gt=0
+            5.0, help="Frames per second of walking, under sampling: walk.", unit="Hz", gt=0, also=("fps",)
         )
         before_step_s: tuple[Seconds, ...] = setting(
             (1.6, 1.4, 0.8, 0.6),

@@ -57,12 +57,12 @@ class IndoorScene:
         min_room_m: float = setting(
             5.0, help="Least edge of a room, to the middle of inner walls.", unit="m", ge=3.5
         )
-        frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000)
+        frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000, also=("steps",))
         sampling: Literal["walk", "approaches"] = setting(
             "walk", help="Where frames are taken: all along the walk, or only before thresholds."
         )
         frame_rate_hz: float = setting(
-            5.0, help="Frames per second of walking, under sampling: walk.", unit="Hz", gt=0
+            5.0, help="Frames per second of walking, under sampling: walk.", unit="Hz", gt=0, also=("fps",)
         )
         before_step_s: tuple[Seconds, ...] = setting(
             (1.6, 1.4, 0.8, 0.6),

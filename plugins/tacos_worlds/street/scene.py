@@ -42,8 +42,10 @@ class StreetScene:
         reach_m: float = setting(
             160.0, help="How far streets go on beyond the outermost crossings.", unit="m", ge=60, le=400
         )
-        frames: int = setting(500, help="Frames taken along the drive.", ge=1, le=1_000_000)
-        frame_rate_hz: float = setting(2.0, help="Frames per second of driving.", unit="Hz", gt=0)
+        frames: int = setting(500, help="Frames taken along the drive.", ge=1, le=1_000_000, also=("steps",))
+        frame_rate_hz: float = setting(
+            2.0, help="Frames per second of driving.", unit="Hz", gt=0, also=("fps",)
+        )
         speed_m_s: float = setting(
             11.0, help="Speed on straight ways; bends are taken slower.", unit="m/s", gt=0, le=30
         )

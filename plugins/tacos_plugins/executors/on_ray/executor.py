@@ -56,8 +56,7 @@ class RayExecutor:
         )
         workers: int | None = setting(
             None, help="Workers at most; by default as many as the cluster has room for when it is joined.",
-            ge=1,
-        )  # fmt: skip
+            ge=1, also=("jobs", "processes"))  # fmt: skip
         cpus_per_worker: float = setting(1.0, help="Processors each worker takes up.", gt=0)
         gpus_per_worker: float = setting(
             0.0,

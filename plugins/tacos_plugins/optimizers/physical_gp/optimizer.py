@@ -63,7 +63,9 @@ class PhysicalGp:
     class Config(Settings):
         """Settings of the optimizer."""
 
-        evaluations: int = setting(40, help="Candidates evaluated in all.", ge=1)
+        evaluations: int = setting(
+            40, help="Candidates evaluated in all.", ge=1, also=("budget", "trials", "iterations", "steps")
+        )
         per_round: int = setting(
             2, help="Candidates asked at a time after the first round; one for each worker.", ge=1
         )

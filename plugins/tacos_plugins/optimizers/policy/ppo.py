@@ -57,7 +57,12 @@ class Ppo:
     class Config(Settings):
         """Settings of the optimizer."""
 
-        evaluations: int = setting(1000, help="Candidates asked in all; 1000 in the paper.", ge=1)
+        evaluations: int = setting(
+            1000,
+            help="Candidates asked in all; 1000 in the paper.",
+            ge=1,
+            also=("budget", "trials", "iterations"),
+        )
         cameras: int = setting(
             4, help="Cameras changed side by side, which are the candidates asked at a time.", ge=1
         )
@@ -73,7 +78,7 @@ class Ppo:
         )
         minibatch: int = setting(16, help="Changes in each step of an update.", ge=2)
         epochs: int = setting(10, help="Passes over the changes in each update.", ge=1)
-        learning_rate: float = setting(3e-4, help="Of Adam.", gt=0)
+        learning_rate: float = setting(3e-4, help="Of Adam.", gt=0, also=("lr",))
         discount: float = setting(0.99, help="What a reward is worth one change later.", ge=0, le=1)
         gae_lambda: float = setting(
             0.95,

@@ -33,7 +33,7 @@ HEAD_WEIGHTS = (0.5, 0.7, 1.0)
 class PsmnetTraining(Settings):
     """How PSMNet learns: further keys of a recipe's ``train:``."""
 
-    learning_rate: float = setting(1e-3, help="Adam's learning rate.", gt=0, le=1)
+    learning_rate: float = setting(1e-3, help="Adam's learning rate.", gt=0, le=1, also=("lr",))
     batch_size: int = setting(4, help="Pairs in a step of Adam.", unit="pairs", ge=1)
     crop_width_px: int = setting(
         512, help="Width of the random windows trained on; at most the image's.", unit="px", ge=SMALLEST_PX
