@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from tacos_gap.photographs.picture import Picture
-from tacos_gap.photographs.shown import repeated, same_framing
+from tacos_gap.photographs.shown import repeated, same_framing, same_shading
 
 FEWEST_TIMES = 2
 """Exposure times that make a bracket."""
@@ -39,9 +39,9 @@ class Stack:
 def stacks_of(pictures: Sequence[Picture]) -> list[Stack]:
     """Captures that pictures make.
 
-    Pictures are one capture if they show the same at the same settings. Of views that differ by their
-    exposure time alone a bracket is made; a wall's stays a wall as well at the time that fills half of the
-    scale, since brackets say nothing of shading.
+    Pictures are one capture if they show the same at the same settings; walls, with the same shading. Of
+    views that differ by their exposure time alone a bracket is made; a wall's stays a wall as well at the
+    time that fills half of the scale, since brackets say nothing of shading.
     """
     stacks: list[Stack] = []
     for picture in pictures:
@@ -75,7 +75,7 @@ def _with_brackets(stacks: Sequence[Stack]) -> list[Stack]:
     for stack in stacks:
         if stack.kind in ("dark", "board") or stack.first.facts.exposure_ms is None:
             continue
-        home = next((members for members in series if _one_view(members[-1], stack)), None)
+        home = next((members for members in series if _continues(members, stack)), None)
         if home is None:
             series.append([stack])
         else:
@@ -90,12 +90,18 @@ def _with_brackets(stacks: Sequence[Stack]) -> list[Stack]:
     return found
 
 
+def _continues(members: Sequence[Stack], stack: Stack) -> bool:
+    """Whether a stack shows the view of a series, at a time that the series has not."""
+    times = {member.first.facts.exposure_ms for member in members}
+    return stack.first.facts.exposure_ms not in times and _one_view(members[-1], stack)
+
+
 def _one_view(first: Stack, second: Stack) -> bool:
     a, b = first.first, second.first
-    if _settings(a)[1:] != _settings(b)[1:] or a.facts.exposure_ms == b.facts.exposure_ms:
+    if _settings(a)[1:] != _settings(b)[1:]:
         return False
     if first.kind == second.kind == "flat":
-        return _brighter_with_time(a, b)
+        return _brighter_with_time(a, b) and same_shading(a.shown, b.shown, through_a_curve=True)
     return "flat" not in (first.kind, second.kind) and same_framing(a.shown, b.shown)
 
 

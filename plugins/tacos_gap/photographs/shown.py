@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import cv2
@@ -25,6 +26,17 @@ _FEWEST_CORNERS = 20
 THUMBNAIL = (48, 64)
 COARSE = (6, 8)
 """Parts by which even pictures are compared: each averages 6,400 pixels of 640 x 480."""
+
+_LIT_ALIKE = 0.003
+"""Spread of the ratio of two walls' shading from side to side up to which light and camera were left alone:
+that of a tilt by 1 %. Repeated frames of 480 x 360 pixels stay below 0.001, a wall turned under a lamp that
+falls off by 1.5 % has 0.005."""
+
+_CLIPPED = 0.95
+"""Share of full scale from which on a part of a wall says nothing of its shading."""
+
+_POWERS = (0.3, 3.0)
+"""Local powers of tone curves, one over the other."""
 
 _WORKING_PX = 1000
 _EVEN = 0.04
@@ -102,9 +114,38 @@ def repeated(first: Shown, second: Shown) -> bool:
     """Whether two pictures differ by their noise alone: same view, same light, same focus."""
     even = first.kind == second.kind and first.kind in ("dark", "flat")
     a, b = (_coarse(each.thumbnail) if even else each.thumbnail for each in (first, second))
-    apart = float(np.percentile(np.abs(a - b), 95))
-    alike = 0.85 < (first.sharpness + 1e-9) / (second.sharpness + 1e-9) < 1 / 0.85
-    return apart < _STEADY * max(float(a.mean()), DARK_SHARE) and (alike or even)
+    if np.percentile(np.abs(a - b), 95) >= _STEADY * max(float(a.mean()), DARK_SHARE):
+        return False
+    if even:
+        return first.kind == "dark" or same_shading(first, second)
+    return 0.85 < (first.sharpness + 1e-9) / (second.sharpness + 1e-9) < 1 / 0.85
+
+
+def same_shading(first: Shown, second: Shown, *, through_a_curve: bool = False) -> bool:
+    """Whether two walls are shaded alike from side to side, so that neither lamp nor camera were turned.
+
+    What differs from row to row alone is left to the lamp: it flickers while rows are read out.
+
+    Parameters
+    ----------
+    first, second
+        Pictures of walls.
+    through_a_curve
+        Whether their levels differ, so that a tone curve or a pedestal gives their shading other powers.
+    """
+    a, b = first.thumbnail, second.thumbnail
+    seen = (np.maximum(a, b) < _CLIPPED).all(axis=0)
+    if seen.mean() < 0.5:
+        return True
+    profiles = [np.log(np.maximum(each.mean(axis=0)[seen], 1e-6)) for each in (a, b)]
+    across_a, across_b = (profile - profile.mean() for profile in profiles)
+    power = 1.0
+    if through_a_curve:
+        power = float(np.clip(across_a @ across_b / max(across_b @ across_b, 1e-12), *_POWERS))
+    apart = across_a - power * across_b
+    parts = apart[: len(apart) // COARSE[1] * COARSE[1]].reshape(COARSE[1], -1)
+    noise = float(parts.std(axis=1).mean()) / math.sqrt(parts.shape[1])
+    return float(parts.mean(axis=1).std()) < max(_LIT_ALIKE, 3 * noise)
 
 
 def same_framing(first: Shown, second: Shown) -> bool:
