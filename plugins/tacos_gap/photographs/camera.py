@@ -17,7 +17,10 @@ from tacos_framework.errors import Fault, UserError
 from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left
 from tacos_gap.photographs.picture import Picture, bits_of
 
-USUAL_PIXEL_UM, USUAL_FOCAL_MM = 3.0, 4.0
+USUAL_PIXEL_UM = 3.0
+
+_GIVEN, _EXIF, _RAW, _GUESS = "as given", "EXIF", "the RAW files", "a guess"
+"""Where a value is from."""
 
 _FEWEST_VIEWS = 3
 
@@ -102,80 +105,108 @@ def camera_of(pictures: Sequence[Picture], given: Given, focal_px: float | None)
         What was said on the command line.
     focal_px
         Focal length by the views of a board; None without them [px].
+
+    Raises
+    ------
+    UserError
+        When what was said contradicts the pictures.
     """
-    facts = [picture.facts for picture in pictures]
     width, height = pictures[0].size_px
-    entry: dict[str, Any] = {"width_px": width, "height_px": height}
-    source: dict[str, str] = {}
-    doubts: list[str] = []
-
-    def settle(key: str, *options: tuple[Any, str], usual: Any = None, unsure: str = "") -> None:
-        for value, origin in options:
-            if value is not None:
-                entry[key], source[key] = value, origin
-                return
-        if usual is not None:
-            entry[key], source[key] = usual, "a guess"
-        if unsure:
-            doubts.append(unsure)
-
-    pixel_um = _usual(f.pixel_um for f in facts)
-    settle(
-        "pixel_um",
-        (given.pixel_um, "as given"),
-        (pixel_um, "EXIF"),
-        usual=USUAL_PIXEL_UM,
-        unsure=f"Nobody says how large a pixel is: {USUAL_PIXEL_UM:g} um is a guess that only lengths in "
-        f"micrometres hang on (--pixel-um).",
-    )
-    pitch = entry["pixel_um"]
-    settle(
-        "focal_length_mm",
-        (given.focal_length_mm, "as given"),
-        (_usual(f.focal_length_mm for f in facts) if source["pixel_um"] != "a guess" else None, "EXIF"),
-        (focal_px and round(focal_px * pitch / 1e3, 4), "the views of the board"),
-        (_usual(f.focal_length_mm for f in facts), "EXIF"),
-        usual=round(width * pitch / 1e3, 4),
-        unsure="Nobody says the focal length: a guess of 53 degrees across; boards will call it wrong "
-        "(--focal-length-mm).",
-    )
-    settle("f_number", (_usual(f.f_number for f in facts), "EXIF"))
     channels = 1 if all(picture.mono for picture in pictures) else 3
     if given.cfa and channels == 3:
         raise UserError(Fault("--cfa", "the pictures are in colour", "a mosaic has one channel"))
-    bits = given.bit_depth or max(picture.bits for picture in pictures)
-    settle("bit_depth", (given.bit_depth, "as given"), (bits, "the largest value of the files"))
-    white_dn = _usual(f.white_level_dn for f in facts)
-    highest = max(pictures, key=lambda picture: picture.largest_dn)
-    if white_dn is None and highest.largest_dn > 2**bits - 1:
-        what = f"is {bits}, and values of {highest.name} reach {highest.largest_dn:g}"
-        raise UserError(Fault("--bit-depth", what, f"{bits_of(highest.largest_dn, highest.sample)} or more"))
-    settle(
-        "white_level_dn",
-        (white_dn if white_dn and white_dn >= highest.largest_dn else None, "the RAW files"),
-        (highest.largest_dn if white_dn else None, "the largest value, beyond what the RAW files say"),
+    camera = _Answers({"width_px": width, "height_px": height})
+    _settle_lens(camera, pictures, given, focal_px)
+    _settle_white(camera, pictures, given)
+    _settle_black(camera, pictures, given)
+    camera.entry["channels"] = channels
+    camera.settle("cfa", (given.cfa, _GIVEN), (_usual(p.facts.cfa for p in pictures), _RAW))
+    doubts = (*camera.doubts, *_doubts(pictures, channels, camera.entry))
+    return CameraFound(camera.entry, camera.source, doubts)
+
+
+class _Answers:
+    """The entry `camera` as it is put together, with where each value is from and what is unsure."""
+
+    def __init__(self, known: dict[str, Any]):
+        self.entry = known
+        self.source: dict[str, str] = {}
+        self.doubts: list[str] = []
+
+    def settle(self, key: str, *answers: tuple[Any, str], guess: Any = None, unsure: str = "") -> None:
+        """Take the first answer there is, each with where it is from; else guess, and say so."""
+        found = next((each for each in answers if each[0] is not None), None)
+        if found is None and guess is not None:
+            found = guess, _GUESS
+            self.doubts.append(unsure)
+        if found is not None:
+            self.entry[key], self.source[key] = found
+
+
+def _settle_lens(camera: _Answers, pictures: Sequence[Picture], given: Given, focal_px: float | None) -> None:
+    """Pitch of the pixels, focal length, f-number."""
+    facts = [picture.facts for picture in pictures]
+    camera.settle(
+        "pixel_um",
+        (given.pixel_um, _GIVEN),
+        (_usual(f.pixel_um for f in facts), _EXIF),
+        guess=USUAL_PIXEL_UM,
+        unsure=f"Nobody says how large a pixel is: {USUAL_PIXEL_UM:g} um is a guess that only lengths in "
+        f"micrometres hang on (--pixel-um).",
     )
-    raw_black_dn = _usual((f.black_level_dn for f in facts), zero=True)
+    pixel_um, focal_mm = camera.entry["pixel_um"], _usual(f.focal_length_mm for f in facts)
+    camera.settle(
+        "focal_length_mm",
+        (given.focal_length_mm, _GIVEN),
+        (focal_mm if camera.source["pixel_um"] != _GUESS else None, _EXIF),
+        (focal_px and round(focal_px * pixel_um / 1e3, 4), "the views of the board"),
+        (focal_mm, _EXIF),
+        guess=round(camera.entry["width_px"] * pixel_um / 1e3, 4),
+        unsure="Nobody says the focal length: a guess of 53 degrees across; boards will call it wrong "
+        "(--focal-length-mm).",
+    )
+    camera.settle("f_number", (_usual(f.f_number for f in facts), _EXIF))
+
+
+def _settle_white(camera: _Answers, pictures: Sequence[Picture], given: Given) -> None:
+    """Bits, and the white level where RAW files say one."""
+    bits = given.bit_depth or max(picture.bits for picture in pictures)
+    camera.settle("bit_depth", (given.bit_depth, _GIVEN), (bits, "the largest value of the files"))
+    white_dn = _usual(picture.facts.white_level_dn for picture in pictures)
+    highest = max(pictures, key=lambda picture: picture.largest_dn)
+    if white_dn is None:
+        if highest.largest_dn > 2**bits - 1:
+            what = f"is {bits}, and values of {highest.name} reach {highest.largest_dn:g}"
+            needed = f"{bits_of(highest.largest_dn, highest.sample)} or more"
+            raise UserError(Fault("--bit-depth", what, needed))
+        return
+    camera.settle(
+        "white_level_dn",
+        (white_dn if white_dn >= highest.largest_dn else None, _RAW),
+        (highest.largest_dn, "the largest value, beyond what the RAW files say"),
+    )
+
+
+def _settle_black(camera: _Answers, pictures: Sequence[Picture], given: Given) -> None:
+    """The black level, and whether the darks agree."""
+    raw_dn = _usual((picture.facts.black_level_dn for picture in pictures), zero=True)
     dark_dn = _dark_level(pictures)
-    settle(
+    camera.settle(
         "black_level_dn",
-        (given.black_level_dn, "as given"),
-        (raw_black_dn or None, "the RAW files"),
+        (given.black_level_dn, _GIVEN),
+        (raw_dn or None, _RAW),
         (dark_dn, "the middle value of the darks"),
-        (raw_black_dn, "the RAW files"),
-        usual=0.0,
+        (raw_dn, _RAW),
+        guess=0.0,
         unsure="No dark picture tells the black level: 0 is a guess. Take one with the cap on.",
     )
-    if dark_dn is not None and abs(dark_dn - entry["black_level_dn"]) > max(2.0, _LEVELS_AGREE * 2**bits):
-        doubts.append(
-            f"The black level is {entry['black_level_dn']:g} DN ({source['black_level_dn']}), and the darks "
+    black_dn, full_scale_dn = camera.entry["black_level_dn"], 2 ** camera.entry["bit_depth"]
+    if dark_dn is not None and abs(dark_dn - black_dn) > max(2.0, _LEVELS_AGREE * full_scale_dn):
+        camera.doubts.append(
+            f"The black level is {black_dn:g} DN ({camera.source['black_level_dn']}), and the darks "
             f"lie at {dark_dn:g} DN: light got in, the time was long, or the level is another "
             f"(--black-level-dn)."
         )
-    entry["channels"] = channels
-    settle("cfa", (given.cfa, "as given"), (_usual(f.cfa for f in facts), "the RAW files"))
-    doubts += _doubts(pictures, channels, entry)
-    return CameraFound(entry, source, tuple(doubts))
 
 
 def _usual(values: Any, *, zero: bool = False) -> Any:
