@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings import check
 from tacos_framework.settings.yaml_document import Document
 from tacos_framework.settings.yaml_reader import read_yaml
-from tacos_framework.values import ImageContext
+from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures.capture import Board, CaptureFolder, Objects, RealCapture
 from tacos_gap.captures.doubts import doubt_of_files, doubts
 from tacos_gap.captures.entries import BoardEntry, CaptureEntry, FolderEntry
@@ -100,38 +101,21 @@ class _Reader:
         entry, camera, files = self.entry.captures[i], self.entry.camera, self.files
         before = len(files.faults)
         self._check_needs(i, entry)
-        try:
-            geometry = geometry_of(camera, entry)
-        except ValueError as error:
-            files.fault(("captures", i, "crop"), str(error), "files that lie on the sensor")
+        geometry = self._geometry(i, entry)
+        if geometry is None:
             return None
         shape = (geometry.height_px, geometry.width_px)
         paths = files.found(i, "real", entry.real)
-        if len(paths) > MAX_FRAMES:
-            self.limitations.append(
-                f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
-            )
         real = files.stack(i, "real", paths[:MAX_FRAMES], shape)
-        self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
-        if entry.kind == "board" and (entry.simulated is not None or entry.scene is not None):
-            self.limitations.append(
-                f"{entry.id}: what is simulated is not used; a board is compared with the pose that fits it "
-                f"best."
-            )
+        self._limit(entry, paths)
         expected = self.expected.of(i, entry, shape, len(paths), usable=real is not None)
-        mask = files.array(i, "mask", entry.mask, shape)
-        depth = files.array(i, "depth", entry.depth, shape, infinite=True)
-        if depth is not None and (depth <= 0).any():
-            files.fault(
-                ("captures", i, "depth"), f"{entry.depth} holds depths of 0 or below", "metres above 0"
-            )
-        velocity = self._velocity(i, entry, shape)
+        valid = self._valid(i, entry, shape)
+        context = self._context(i, entry, shape)
         objects = self._objects(i, entry, shape)
         patches = files.patches(i, entry.chart.patches, shape) if entry.chart else None
         noise = self.noise.at(i, entry)
         if len(files.faults) > before or real is None:
             return None
-        valid = np.ones(shape, bool) if mask is None else mask.reshape(*shape, -1)[..., 0] != 0
         capture = RealCapture(
             id=entry.id,
             kind=entry.kind,
@@ -139,18 +123,7 @@ class _Reader:
             expected_dn=expected,
             valid=valid,
             geometry=geometry,
-            context=ImageContext(
-                exposure_s=(entry.exposure_ms or 30.0) * 1e-3,
-                gain_db=entry.gain_db,
-                f_number=camera.f_number,
-                black_level_dn=camera.black_level_dn,
-                white_level_dn=camera.white,
-                depth_m=depth,
-                velocity_px_s=velocity,
-                frame_interval_s=entry.frame_interval_ms and entry.frame_interval_ms * 1e-3,
-                reference_row=entry.row_time_reference,
-                cfa=filters_of(camera, entry),
-            ),
+            context=context,
             noise=noise
             or estimate_noise(
                 real, expected, valid, camera.black_level_dn, camera.white, mosaic=camera.cfa is not None
@@ -172,6 +145,53 @@ class _Reader:
         for key, what, wanted, remedy in faults_of(capture):
             files.fault(("captures", i, key), what, wanted, remedy)
         return capture if len(files.faults) == before else None
+
+    def _geometry(self, i: int, entry: CaptureEntry) -> ImageGeometry | None:
+        try:
+            return geometry_of(self.entry.camera, entry)
+        except ValueError as error:
+            self.files.fault(("captures", i, "crop"), str(error), "files that lie on the sensor")
+            return None
+
+    def _limit(self, entry: CaptureEntry, paths: Sequence[Path]) -> None:
+        """Say what of a capture is not used, or not to be relied on."""
+        if len(paths) > MAX_FRAMES:
+            self.limitations.append(
+                f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."
+            )
+        self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
+        if entry.kind == "board" and (entry.simulated is not None or entry.scene is not None):
+            self.limitations.append(
+                f"{entry.id}: what is simulated is not used; a board is compared with the pose that fits it "
+                f"best."
+            )
+
+    def _valid(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> NDArray[np.bool_]:
+        """(H, W) where the expectation says something: everywhere without a mask, or after a fault of it."""
+        mask = self.files.array(i, "mask", entry.mask, shape)
+        return np.ones(shape, bool) if mask is None else mask.reshape(*shape, -1)[..., 0] != 0
+
+    def _context(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> ImageContext:
+        camera = self.entry.camera
+        return ImageContext(
+            exposure_s=(entry.exposure_ms or 30.0) * 1e-3,
+            gain_db=entry.gain_db,
+            f_number=camera.f_number,
+            black_level_dn=camera.black_level_dn,
+            white_level_dn=camera.white,
+            depth_m=self._depth(i, entry, shape),
+            velocity_px_s=self._velocity(i, entry, shape),
+            frame_interval_s=entry.frame_interval_ms and entry.frame_interval_ms * 1e-3,
+            reference_row=entry.row_time_reference,
+            cfa=filters_of(camera, entry),
+        )
+
+    def _depth(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> NDArray[np.float64] | None:
+        depth_m = self.files.array(i, "depth", entry.depth, shape, infinite=True)
+        if depth_m is not None and (depth_m <= 0).any():
+            what = f"{entry.depth} holds depths of 0 or below"
+            self.files.fault(("captures", i, "depth"), what, "metres above 0")
+        return depth_m
 
     def _check_needs(self, i: int, entry: CaptureEntry) -> None:
         fault = self.files.fault
