@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 
@@ -56,33 +56,32 @@ def of_one_form(pictures: Sequence[Picture]) -> tuple[list[Picture], list[str]]:
     """Those of the size, channels and depth that most have, none twice, and a sentence for each left out."""
     said: list[str] = []
 
-    def leave_out(those: Sequence[Picture], why: Callable[[Picture], str]) -> None:
+    def leave_out(reasons: Mapping[Picture, str]) -> None:
         nonlocal pictures
-        said.extend(left_out((picture.name, why(picture)) for picture in those))
-        pictures = [picture for picture in pictures if picture not in set(those)]
+        said.extend(left_out((picture.name, why) for picture, why in reasons.items()))
+        pictures = [picture for picture in pictures if picture not in reasons]
 
     size = Counter(picture.size_px for picture in pictures).most_common(1)[0][0]
     others = [picture for picture in pictures if picture.size_px != size]
-    leave_out(others, lambda picture: f"is not {size[0]} x {size[1]} like most")
+    leave_out(dict.fromkeys(others, f"is not {size[0]} x {size[1]} like most"))
 
     grey, rgb = ([p for p in pictures if p.channels == channels] for channels in (1, 3))
     if grey and not all(picture.mono for picture in rgb):
         if len(rgb) >= len(grey):
-            leave_out(grey, lambda picture: "has one channel, and most have three")
+            leave_out(dict.fromkeys(grey, "has one channel, and most have three"))
         else:
             colour = [picture for picture in rgb if not picture.mono]
-            leave_out(colour, lambda picture: "is in colour, and most have one channel")
+            leave_out(dict.fromkeys(colour, "is in colour, and most have one channel"))
 
     eight = [picture for picture in pictures if picture.sample == "uint8"]
     deeper = [picture for picture in pictures if picture.sample != "uint8"]
     if eight and deeper:
         if len(deeper) >= len(eight):
-            leave_out(eight, lambda picture: "has 8 bits a sample, and most have more")
+            leave_out(dict.fromkeys(eight, "has 8 bits a sample, and most have more"))
         else:
-            leave_out(deeper, lambda picture: "has more than 8 bits a sample, and most have 8")
+            leave_out(dict.fromkeys(deeper, "has more than 8 bits a sample, and most have 8"))
 
-    copies = _copies(pictures)
-    leave_out(list(copies), lambda picture: f"is the same, byte by byte, as {copies[picture].name}")
+    leave_out({copy: f"is the same, byte by byte, as {p.name}" for copy, p in _copies(pictures).items()})
     return list(pictures), said
 
 
