@@ -216,8 +216,11 @@ def _read(arguments: argparse.Namespace, plugins: Plugins) -> tuple[Recipe | Pro
 
     faults: list[Fault] = []
     sets = _sets(arguments, plugins, faults)
-    effects = [effect for file in arguments.effects for effect in _effects(Path(file))]
-    recipe, found = read_any_recipe(arguments.recipe, sets=sets, effects=effects)
+    effects, places = _effects(arguments, faults)
+    try:
+        recipe, found = read_any_recipe(arguments.recipe, sets, effects, places)
+    except UserError as error:
+        raise UserError([*faults, *error.faults]) from error
     return recipe, [*faults, *found]
 
 
@@ -260,17 +263,30 @@ def _extend(arguments: argparse.Namespace, faults: list[Fault]) -> dict[str, int
     return extend
 
 
-def _effects(file: Path) -> list[Mapping[str, Any]]:
-    from tacos_framework.settings.yaml_reader import read_yaml
+def _effects(
+    arguments: argparse.Namespace, faults: list[Fault]
+) -> tuple[list[Mapping[str, Any]], dict[tuple[str | int, ...], str]]:
+    """The effects of all files, and where each entry of them stands, by index and path."""
+    from tacos_framework.settings.yaml_reader import read_yaml_draft
 
-    document = read_yaml(file)
-    effects = document.data.get("effects") if isinstance(document.data, dict) else document.data
-    if not isinstance(effects, list) or not all(isinstance(effect, dict) for effect in effects):
-        raise UserError(
-            Fault(
-                document.where(()),
-                "no list of effects",
-                "a list such as [{use: effect.vignetting, k1: -0.4}]",
-            )
-        )
-    return effects
+    effects: list[Mapping[str, Any]] = []
+    places: dict[tuple[str | int, ...], str] = {}
+    for file in arguments.effects:
+        try:
+            document = read_yaml_draft(Path(file))
+        except UserError as error:
+            faults += error.faults
+            continue
+        faults += document.faults
+        root = ("effects",) if isinstance(document.data, dict) else ()
+        listed = document.data.get("effects") if isinstance(document.data, dict) else document.data
+        if not isinstance(listed, list) or not all(isinstance(effect, dict) for effect in listed):
+            expected = "a list such as [{use: effect.vignetting, k1: -0.4}]"
+            faults.append(Fault(document.where(root), "no list of effects", expected))
+            continue
+        for path in document.positions:
+            match path[len(root) :]:
+                case (int(index), *below):
+                    places[len(effects) + index, *below] = document.where(path)
+        effects += listed
+    return effects, places

@@ -95,7 +95,7 @@ class Settable:
             )
             for fault, path in zip(faults, paths, strict=True):
                 own = path[:1] == (target.setting,) or (not path and only)
-                if "a valid integer" in fault.expected and isinstance(variable, Continuous):
+                if "a whole number" in fault.expected and isinstance(variable, Continuous):
                     fault = replace(fault, remedy="Add integer: true to design whole numbers.")
                 if own and fault not in self.findings.faults:
                     self.findings.faults.append(fault)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
@@ -38,6 +39,7 @@ def read_any_recipe(
     name: str | Path,
     sets: Mapping[str, Any] | None = None,
     effects: Sequence[Mapping[str, Any]] = (),
+    places: Mapping[tuple[str | int, ...], str] = MappingProxyType({}),
 ) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
     """Read the recipe of a study or of a procedure.
 
@@ -49,6 +51,8 @@ def read_any_recipe(
         Dotted keys and the values to put there (``--set``).
     effects
         Effects to add (``--with``).
+    places
+        Where their entries stand, by index and path: ``more.yaml:2:5``.
 
     Returns
     -------
@@ -62,7 +66,7 @@ def read_any_recipe(
     """
     document = read_yaml_draft(find_recipe(name))
     read = procedure_from if is_procedure(document) else recipe_from
-    return read(document, sets or {}, effects)
+    return read(document, sets or {}, effects, places)
 
 
 def load_recipe(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 from tacos_framework.errors import Fault
@@ -20,7 +21,10 @@ _OF_BOUNDS = frozenset({"min", "max", "is", "any_of", "unknown"})
 
 
 def with_overrides(
-    document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
+    document: Document,
+    sets: Mapping[str, Any],
+    effects: Sequence[Mapping[str, Any]],
+    places: Mapping[Path, str] = MappingProxyType({}),
 ) -> tuple[Document, list[Fault]]:
     """The document of a recipe with values set and effects added.
 
@@ -33,6 +37,8 @@ def with_overrides(
         plain value for a design variable, ``design.pitch_deg``, fixes it.
     effects
         Effects to add to its ``effects:``.
+    places
+        Where entries of these stand, by the number of the effect and the path below it.
 
     Returns
     -------
@@ -53,6 +59,7 @@ def with_overrides(
     if effects and isinstance(own, list):
         data["effects"] = [*own, *effects]
         elsewhere |= {("effects", len(own) + i): f"added effect {i + 1}" for i in range(len(effects))}
+        elsewhere |= {("effects", len(own) + int(i), *below): at for (i, *below), at in places.items()}
     unread = frozenset(
         path for path in document.unread if not any(path[: len(given)] == given for given in elsewhere)
     )

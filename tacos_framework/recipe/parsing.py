@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from types import MappingProxyType
+from typing import Annotated, Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.recipe.overrides import with_overrides
 from tacos_framework.recipe.recipe import FORMAT, Recipe
 from tacos_framework.recipe.sections import ExposureControl, Scenarios
-from tacos_framework.settings import check
+from tacos_framework.settings.checking import check, clash_fault
 from tacos_framework.settings.yaml_document import Document
 from tacos_framework.settings.yaml_reader import read_yaml_draft
 
@@ -23,18 +24,21 @@ _WITH_METADATA: Mapping[str, Any] = {"scenario": Scenarios, "exposure": Exposure
 
 def parse_recipe(text: str, *, name: str = "recipe") -> tuple[Recipe, list[Fault]]:
     """A recipe from text, and the faults of its form; see `read_any_recipe`."""
-    return recipe_from(read_yaml_draft(text, name=name), {}, ())
+    return recipe_from(read_yaml_draft(text, name=name))
 
 
 def recipe_from(
-    document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
+    document: Document,
+    sets: Mapping[str, Any] = MappingProxyType({}),
+    effects: Sequence[Mapping[str, Any]] = (),
+    places: Mapping[tuple[str | int, ...], str] = MappingProxyType({}),
 ) -> tuple[Recipe, list[Fault]]:
-    """As `parse_recipe`, from a YAML document."""
+    """As `parse_recipe`, from a YAML document; see `with_overrides`."""
     data = document.data
     if not isinstance(data, dict):
         form = Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
         raise UserError([*document.faults, form])
-    document, faults = with_overrides(document, sets, effects)
+    document, faults = with_overrides(document, sets, effects, places)
     faults += document.faults
     sections: dict[str, Any] = {}
     if "tacos" not in data:
@@ -52,17 +56,22 @@ def recipe_from(
                     Fault(document.where(()), f"{key!r} is missing", "", f"Add it: {field.description}")
                 )
             continue
-        annotation = _WITH_METADATA.get(key, field.annotation)
-        value, found = _section(document, key, annotation, data[key])
+        value, found = _section(document, key, _annotation(key), data[key])
         faults += found
         if value is not None:
             sections[key] = value
     recipe = _draft(sections)
+    faults += [clash_fault(clash, data, document.where) for clash in recipe.clashes()]
     if not faults:
-        _, found, _ = check(Recipe, data, lambda path: document.where(path))
-        faults += found
+        _, faults, _ = check(Recipe, data, document.where)
     recipe._document = document
     return recipe, document.without_echoes(faults)
+
+
+def _annotation(key: str) -> Any:
+    """The type of a section with its bounds, such as that of a seed, and with what it means."""
+    field = Recipe.model_fields[key]
+    return _WITH_METADATA.get(key, Annotated[field.annotation, field])
 
 
 def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[Any, list[Fault]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from pydantic import create_model
@@ -78,10 +79,13 @@ def is_procedure(document: Document) -> bool:
 
 
 def procedure_from(
-    document: Document, sets: Mapping[str, Any], effects: Sequence[Mapping[str, Any]]
+    document: Document,
+    sets: Mapping[str, Any],
+    effects: Sequence[Mapping[str, Any]],
+    places: Mapping[tuple[str | int, ...], str] = MappingProxyType({}),
 ) -> tuple[ProcedureRecipe, list[Fault]]:
     """A procedure's recipe from its document, and the faults of its form; see `parse_recipe`."""
-    document, faults = with_overrides(document, sets, effects)
+    document, faults = with_overrides(document, sets, effects, places)
     faults += document.faults
     data = dict(document.data)
     if "tacos" not in data:

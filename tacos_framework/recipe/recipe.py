@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Literal
 
 from pydantic import ConfigDict, PrivateAttr, model_validator
@@ -69,26 +70,27 @@ class Recipe(Written, Settings):
 
     _document: Document | None = PrivateAttr(None)
 
-    @model_validator(mode="after")
-    def _seeds_differ(self) -> Recipe:
+    def clashes(self) -> Iterator[str]:
+        """What in it contradicts something else, in sentences; a draft may be asked as well."""
         if self.test is not None and self.test.seed == self.seed:
-            raise ValueError(f"test.seed and seed are both {self.seed}: the test scenes would not be unseen")
+            yield f"test.seed and seed are both {self.seed}: the test scenes would not be unseen"
+        shared = [name for name, use in self.nodes.items() if use.train and use.train.weights == "shared"]
+        if self.study.race is not None and shared:
+            yield (
+                f"study.race compares candidates that start alike, but {shared[0]} trains with shared "
+                f"weights, so that each goes on where the one before stopped: set branched or frozen"
+            )
+
+    @model_validator(mode="after")
+    def _has_no_clash(self) -> Recipe:
+        if clashes := list(self.clashes()):
+            raise ValueError("; ".join(clashes))
         return self
 
     @model_validator(mode="after")
     def _notes_quote_what_is_there(self) -> Recipe:
         for note in self.notes:
             quoting(note, self.as_data())
-        return self
-
-    @model_validator(mode="after")
-    def _racers_start_alike(self) -> Recipe:
-        shared = [name for name, use in self.nodes.items() if use.train and use.train.weights == "shared"]
-        if self.study.race is not None and shared:
-            raise ValueError(
-                f"study.race compares candidates that start alike, but {shared[0]} trains with shared "
-                f"weights, so that each goes on where the one before stopped: set branched or frozen"
-            )
         return self
 
     @property

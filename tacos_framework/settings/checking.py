@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
@@ -13,6 +14,7 @@ from pydantic.fields import FieldInfo
 
 from tacos_framework.errors import Fault, did_you_mean
 from tacos_framework.settings.settings import also_called
+from tacos_framework.settings.wording import expected_by
 
 Path = tuple[str | int, ...]
 """Keys and indices from the top of a recipe to a value."""
@@ -49,36 +51,49 @@ def check(
     try:
         return adapter.validate_json(json.dumps(raw), strict=True), [], []
     except ValidationError as error:
-        faults = [_fault(details, kind, where, name) for details in error.errors(include_url=False)]
-        return None, faults, [_without_tags(details["loc"]) for details in error.errors(include_url=False)]
+        complaints: dict[Path, list[Mapping[str, Any]]] = {}
+        for details in error.errors(include_url=False):
+            complaints.setdefault(_place(kind, details).path, []).append(details)
+        paths = [path for path in complaints if not _is_told_below(path, complaints)]
+        return None, [_fault(complaints[path], kind, where, name) for path in paths], paths
 
 
-_IN_YAML = {
-    "a valid array": "a list, as in [a, b]",
-    "an object": "keys with their values, as in {key: value}",
-}
-"""What pydantic expects, in the words of whoever writes YAML and not JSON."""
+def _is_told_below(path: Path, paths: Iterable[Path]) -> bool:
+    """Whether what is wrong is an entry, and not that there are entries: another type may be allowed too."""
+    return any(len(other) > len(path) and other[: len(path)] == path for other in paths)
 
 
-def _fault(details: Mapping[str, Any], kind: Any, where: Callable[[Path], str], top: str) -> Fault:
-    path = _without_tags(details["loc"])
-    name = ".".join(map(str, (top, *path) if top else path))
-    model, field = _owner(kind, details["loc"])
+def _fault(
+    complaints: Sequence[Mapping[str, Any]], kind: Any, where: Callable[[Path], str], top: str
+) -> Fault:
+    """The fault of one value; there is a complaint for each type that it might have had."""
+    details = complaints[0]
+    place = _place(kind, details)
+    path, model, keys = place.path, place.model, (top, *place.path) if top else place.path
+    name = ".".join(map(str, keys))
     if details["type"] == "extra_forbidden":
         known = [f.alias or key for key, f in model.model_fields.items()] if model is not None else []
         called = also_called(model) if model is not None else {}
         return Fault(where(path), f"unknown key {name!r}", "", did_you_mean(str(path[-1]), known, called))
-    if details["type"] == "missing":
-        return Fault(where(path), f"{name!r} is missing", _help(field), f"Add {path[-1]!r}.")
+    if details["type"] == "missing" and not place.is_too_short:
+        return Fault(where(path), f"{name!r} is missing", _help(place.field), f"Add {path[-1]!r}.")
     if details["type"] == "value_error" and isinstance(details["input"], dict):  # settings that clash
         clash = details["msg"].removeprefix("Value error, ")
-        return Fault(where((*path, *_first_named(clash, details["input"]))), clash, "", "Change one of them.")
+        return clash_fault(clash, details["input"], lambda below: where((*path, *below)))
     given = json.dumps(details["input"], default=str)
     given = given if len(given) <= 60 else f"{given[:57]}..."
-    expected = details["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
-    expected = _IN_YAML.get(expected, expected)
-    meaning = f" ({help})" if (help := _help(field)) else ""
+    wanted = ", or ".join(dict.fromkeys(map(expected_by, complaints)))
+    if details["loc"][-1:] == ("[key]",):
+        owner = ".".join(map(str, keys[:-1])) or "it"
+        return Fault(where(path), f"{owner} has a key {given}", wanted, "Rename it.")
+    expected = f"{len(get_args(place.kind))} entries" if place.is_too_short else wanted
+    meaning = f" ({help})" if (help := _help(place.field)) else ""
     return Fault(where(path), f"{name or 'value'} is {given}", f"{expected}{meaning}", "Correct the value.")
+
+
+def clash_fault(sentence: str, given: Mapping[str, Any], where: Callable[[Path], str]) -> Fault:
+    """What is wrong with several settings at once, at the first of them that the sentence names."""
+    return Fault(where(_first_named(sentence, given)), sentence, "", "Change one of them.")
 
 
 def _first_named(sentence: str, given: Mapping[str, Any]) -> Path:
@@ -97,29 +112,52 @@ def _help(field: FieldInfo | None) -> str:
     return meaning if unit == "1" else f"{meaning} [{unit}]"
 
 
-def _without_tags(path: Path) -> Path:
-    """Pydantic puts the tag of a union's member into a path; a file has no such key."""
-    return tuple(step for step in path if not str(step).startswith("<"))
+@dataclass(frozen=True)
+class _Place:
+    """Where pydantic complains: the path in the file, the class and field it leads to, and their type."""
+
+    path: Path
+    model: type[BaseModel] | None
+    field: FieldInfo | None
+    kind: Any
+    is_too_short: bool = False
 
 
-def _owner(kind: Any, path: Path) -> tuple[type[BaseModel] | None, FieldInfo | None]:
-    """The Settings class that holds the last key of `path` and its field, as far as they can be told."""
+def _place(kind: Any, complaint: Mapping[str, Any]) -> _Place:
+    """The place of a complaint; of an entry that a list lacks it is the list."""
+    steps = complaint["loc"]
+    if complaint["type"] == "missing" and isinstance(steps[-1], int):
+        return replace(_at(kind, steps[:-1]), is_too_short=True)
+    return _at(kind, steps)
+
+
+def _at(kind: Any, steps: Path) -> _Place:
+    """What a way of pydantic's leads to; it also names members of unions, which are in no file."""
     model: type[BaseModel] | None = None
-    field: FieldInfo | None = None
-    for step in path:
+    field = next((note for note in get_args(kind)[1:] if isinstance(note, FieldInfo)), None)
+    path: list[str | int] = []
+    for step in steps:
         kind = _plain(kind)
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            model = kind
-            fields = model.model_fields
-            field = next((f for name, f in fields.items() if step in (name, f.alias)), None)
-            kind = field.annotation if field is not None else None
-        elif str(step).startswith("<"):
-            kind = next((member for member in get_args(kind) if Tag(str(step)) in get_args(member)), None)
-        else:
-            model, field = None, None
-            members = get_args(kind)
-            kind = members[-1 if get_origin(kind) is dict else 0] if members else None
-    return model, field
+        members = get_args(kind)
+        if str(step).startswith("<"):
+            kind = next((member for member in members if Tag(str(step)) in get_args(member)), None)
+        elif get_origin(kind) in (Union, UnionType):
+            kind = next((member for member in members if _name(member) == str(step).partition("[")[0]), None)
+        elif step != "[key]":
+            path.append(step)
+            if isinstance(kind, type) and issubclass(kind, BaseModel):
+                model, fields = kind, kind.model_fields
+                field = next((f for name, f in fields.items() if step in (name, f.alias)), None)
+                kind = field.annotation if field is not None else None
+            else:
+                model, field = None, None
+                kind = members[-1 if get_origin(kind) is dict else 0] if members else None
+    return _Place(tuple(path), model, field, _plain(kind))
+
+
+def _name(kind: Any) -> str:
+    """What pydantic calls a member of a union, without what stands in brackets behind it."""
+    return str(getattr(get_origin(kind) or kind, "__name__", ""))
 
 
 def _plain(kind: Any) -> Any:

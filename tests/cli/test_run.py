@@ -116,6 +116,22 @@ def test_wrong_input_ends_with_status_2_and_no_traceback(arguments, message, cap
     assert "Traceback" not in error
 
 
+def test_all_faults_of_all_files_of_effects_come_with_those_of_the_recipe(tmp_path, capsys):
+    (tmp_path / "unknown.yaml").write_text("effects:\n  - use: effect.vignetting\n    strenght: 2\n")
+    (tmp_path / "none.yaml").write_text("k1: 3\n")
+    (tmp_path / "broken.yaml").write_text("[{use: effect.jpeg\n")
+    files = [str(tmp_path / name) for name in ("unknown.yaml", "none.yaml", "broken.yaml", "not_there.yaml")]
+    options = [word for file in files for word in ("--with", file)]
+    assert run_main(["headset_quick", *options, "--set", "seed=-1", "--check"]) == 2
+    error = capsys.readouterr().err
+    assert "5 faults" in error
+    assert f"{files[0]}:3:5: unknown key 'strenght'" in error
+    assert f"{files[1]}:1:1: no list of effects" in error
+    assert f"{files[2]}:2:1: this is not valid YAML" in error
+    assert f"{files[3]}: there is no file" in error
+    assert "--set seed: seed is -1" in error
+
+
 @pytest.mark.parametrize("given", [["--captures", "mine"], ["--captures=mine"]])
 def test_a_setting_given_as_an_option_is_told_how_it_is_given(given, capsys):
     with pytest.raises(SystemExit) as ended:

@@ -94,7 +94,7 @@ WRONG = [
     ("isp.left.share", {"between": [0, 1.5]}, "isp.left.share is 1.5"),
     ("effects.1.offset_dn", {"choose": [1, "two"]}, 'effects.1.offset_dn is "two"'),
     ("isp.mode", {"choose": ["all", "blue"]}, "isp.mode is \"blue\"\n  expected: 'all' or 'red'"),
-    ("isp.steps", {"between": [1, 8]}, "isp.steps is 1.0\n  expected: a valid integer"),
+    ("isp.steps", {"between": [1, 8]}, "isp.steps is 1.0\n  expected: a whole number"),
     ("isp.steps", {"between": [1, 8]}, "to do: Add integer: true to design whole numbers."),
     ("isp.steps", {"between": [0.5, 8], "integer": True}, "a whole number, so its bounds are, not 0.5"),
     ("world.frames", {"choose": [2, 0, 3]}, "world.frames is 0"),

@@ -71,6 +71,20 @@ WRONG = [
     ("seed: 7", "seed: seven", 'r.yaml:3:1: seed is "seven"'),
     ("seed: 7", "sed: 7", "r.yaml:3:1: unknown key 'sed'\n  to do: Did you mean 'seed'?"),
     ("seed: 7", "seed: 1001", "the test scenes would not be unseen"),
+    ("seed: 7", "seed: -7", "expected: greater than or equal to 0 (Everything random follows from it)"),
+    (
+        "[1, 20]",
+        "[1]",
+        "design.focal_length_mm.between is [1]\n  expected: 2 entries (Lower and upper bound)",
+    ),
+    ("[1, 20]", "[1, 2, 3]", "expected: at most 2 entries (Lower and upper bound)"),
+    (
+        "  world: {use",
+        "  World: {use",
+        'nodes has a key "World"\n  expected: lower-case letters, digits and _',
+    ),
+    ("name: right", "name: 3", "expected: text ("),
+    ("{cameras: [oak_d_pro_wide, flea3, basler_dart],", "{cameras: [],", "expected: at least 1 entry (Names"),
     ("tacos: 1", "tacos: 2", "r.yaml:1:1: tacos is 2"),
     ("name: right\n", "", "'name' is missing"),
     ("rig: {use: rig.monocular,", "rig: {use: rig.monoculr,", "Did you mean 'rig.monocular'?"),
@@ -128,7 +142,7 @@ WRONG = [
     ("calibration: flea3_imx172", "calibration: flea4", "r.yaml:15:62: flea4: no noise"),
     ("score: features.inliers,", "score: features.inlier,", "Did you mean 'features.inliers'?"),
     ("score: features.inlier_ratio", "score: features.inliers", "stands twice"),
-    ("weight: 0.5", 'weight: "0.5"', "valid number"),
+    ("weight: 0.5", 'weight: "0.5"', "expected: a number"),
     ("population: 10", "population: ten", "r.yaml:20"),
     ("use: optimizer.genetic", "use: optimizer.genetics", "Did you mean 'optimizer.genetic'?"),
     ("use: executor.local", "use: executor.cloud", "no component 'executor.cloud'"),
@@ -172,6 +186,12 @@ def test_all_mistakes_of_a_recipe_come_at_once_in_the_order_of_the_file(toys):
     lines = [int(fault.split(":")[1]) for fault in faults]
     assert lines == sorted(lines)
     assert set(lines) == {3, 4, 7, 9, 10, 14, 15, 18, 20, 22}
+
+
+@pytest.mark.parametrize(("seed", "line"), [("seed: -7", "3"), ("seed: 1001", "23")])
+def test_a_wrong_seed_is_told_with_faults_of_other_sections(toys, seed, line):
+    text = RIGHT.replace("seed: 7", seed, 1).replace("evaluations: 30", "evaluation: 30", 1)
+    assert {fault.split(":")[1] for fault in faults_of(text, toys)} == {line, "22"}
 
 
 def test_python_recipes_get_dotted_places(toys):
