@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tacos_files.arrays import read_npy
 from tacos_files.image_headers import FORMATS
-from tacos_files.images import read_samples
+from tacos_files.images import decode_samples
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files import limits, read_bytes
 from tacos_framework.files.regular import too_large
@@ -28,6 +28,11 @@ RAW_SUFFIXES = frozenset(
     {".dng", ".cr2", ".cr3", ".nef", ".nrw", ".arw", ".raf", ".rw2", ".rwl", ".orf", ".pef", ".srw", ".3fr"}
 )
 _HEIF_SUFFIXES = frozenset({".heic", ".heif"})
+_HEIF = frozenset(
+    b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"heis", b"hevc", b"mif1", b"msf1")
+)
+"""What stands in such a file from its fifth byte on, whatever it is called."""
+
 _NO_HEIF = (
     "Let the camera save RAW or JPEG files (iPhone: Settings, Camera, Formats, Most Compatible), or convert "
     "what is there to PNG or TIFF."
@@ -63,10 +68,11 @@ def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[An
         image = read_array(path, where, within)
     elif path.suffix.lower() in RAW_SUFFIXES:
         image = _read_raw(path, where, within)
-    elif path.suffix.lower() in _HEIF_SUFFIXES:
-        raise UserError(Fault(where, f"{path.name} is HEIF, which cannot be read", FORMATS, _NO_HEIF))
     else:
-        image = read_samples(path, where=where, within=within)
+        content = read_bytes(path, "image_mb", where=where, within=within)
+        if content[4:12] in _HEIF:
+            raise UserError(Fault(where, f"{path.name} is HEIF, which cannot be read", FORMATS, _NO_HEIF))
+        image = decode_samples(content, where, path.name)
     if image.ndim == 2:
         image = image[..., None]
     if not image.size or image.ndim != 3 or image.shape[2] not in (1, 3):

@@ -24,6 +24,9 @@ _GIVEN, _EXIF, _RAW, _GUESS = "as given", "EXIF", "the RAW files", "a guess"
 
 _FEWEST_VIEWS = 3
 
+_LONGEST = 2.5
+"""Longer over shorter side beyond which a picture is doubted: films are cut to 2.39, panoramas begin at 3."""
+
 _LEVELS_AGREE = 0.005
 """Share of full scale within which a black level and darks agree: pedestals lie at 6 %."""
 
@@ -258,7 +261,13 @@ def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -
             f"No value needs more than {entry['bit_depth']} bits: if the camera has more, say so "
             f"(--bit-depth)."
         )
-    if max(entry["width_px"], entry["height_px"]) > 4000:
+    sides = entry["width_px"], entry["height_px"]
+    if max(sides) > _LONGEST * min(sides):
+        yield (
+            f"Pictures of {sides[0]} x {sides[1]} pixels are longer than sensors are. A panorama is made of "
+            f"many pictures and tells of no lens; of a window of the sensor, write its `crop`."
+        )
+    if max(sides) > 4000:
         yield "The pictures are large: a diagnosis will take its time, and four frames of each are plenty."
 
 

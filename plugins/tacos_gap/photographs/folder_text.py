@@ -45,4 +45,6 @@ def folder_text(
 
 
 def _comment(text: str, first: str = "", rest: str = "") -> str:
-    return textwrap.fill(text, 108, initial_indent=f"# {first}", subsequent_indent=f"# {rest}")
+    return textwrap.fill(
+        text, 108, initial_indent=f"# {first}", subsequent_indent=f"# {rest}", break_on_hyphens=False
+    )

@@ -20,6 +20,7 @@ from tacos_gap.photographs.grouping import Stack, stacks_of
 from tacos_gap.photographs.looking import looked_at, of_one_form
 from tacos_gap.photographs.picture import Picture
 from tacos_gap.photographs.sources import pictures_in
+from tacos_gap.report.words import first_of
 
 _UNKNOWN_MS = 30.0
 _ORDER = ("dark", "flat", "bracket", "edge", "board", "chart", "sequence", "scene")
@@ -116,11 +117,14 @@ def _not_seen(picture: Picture, board: BoardFound | None, given: Given) -> str:
 
 
 def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> Iterator[str]:
+    doubted: dict[str, list[str]] = {}
     for stack in stacks:
         for picture in stack.pictures:
             if picture.shown.doubt and picture.shown.kind == stack.kind:
-                yield f"{picture.name}: {picture.shown.doubt}"
-    untimed = [stack.first.name for stack in stacks if stack.first.facts.exposure_ms is None]
+                doubted.setdefault(picture.shown.doubt, []).append(picture.name)
+    yield from (f"{first_of(names)}: {doubt}" for doubt, names in doubted.items())
+    pictures = [picture for stack in stacks for picture in stack.pictures]
+    untimed = [picture.name for picture in pictures if picture.facts.exposure_ms is None]
     if untimed:
         yield (
             f"{_untimed_words(untimed)}: darks need it, brackets are found by it. Write exposure_ms, or put "
@@ -134,13 +138,11 @@ def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> 
             f"The squares of the chessboard are taken to be {USUAL_SQUARE_MM:g} mm (--square-mm); distances "
             f"hang on it, the lens does not."
         )
-    scenes = [stack for stack in stacks if stack.kind == "scene"]
+    scenes = [picture.name for stack in stacks if stack.kind == "scene" for picture in stack.pictures]
     if scenes:
-        names = ", ".join(stack.first.name for stack in scenes[:3])
         yield (
-            f"{len(scenes)} pictures show neither cap, wall, bracket, edge, chessboard nor ColorChecker "
-            f"({names}): nothing is known of what they should look like, so they are left unused until "
-            f"`simulated` says it."
+            f"Neither cap, wall, bracket, edge, chessboard nor ColorChecker: {first_of(scenes)}. Nothing is "
+            f"known of what is to be seen there, which is left unused until `simulated` says it."
         )
 
 

@@ -61,9 +61,9 @@ def of_one_form(pictures: Sequence[Picture]) -> tuple[list[Picture], list[str]]:
         said.extend(left_out((picture.name, why) for picture, why in reasons.items()))
         pictures = [picture for picture in pictures if picture not in reasons]
 
-    size = Counter(picture.size_px for picture in pictures).most_common(1)[0][0]
-    others = [picture for picture in pictures if picture.size_px != size]
-    leave_out(dict.fromkeys(others, f"is not {size[0]} x {size[1]} like most"))
+    counts = Counter(picture.size_px for picture in pictures)
+    size = max(counts, key=lambda each: (counts[each], each[0] * each[1]))
+    leave_out({p: _of_other_size(p.size_px, size) for p in pictures if p.size_px != size})
 
     grey, rgb = ([p for p in pictures if p.channels == channels] for channels in (1, 3))
     if grey and not all(picture.mono for picture in rgb):
@@ -83,6 +83,12 @@ def of_one_form(pictures: Sequence[Picture]) -> tuple[list[Picture], list[str]]:
 
     leave_out({copy: f"is the same, byte by byte, as {p.name}" for copy, p in _copies(pictures).items()})
     return list(pictures), said
+
+
+def _of_other_size(own_px: tuple[int, int], most_px: tuple[int, int]) -> str:
+    what = f"has {own_px[0]} x {own_px[1]} pixels, and most have {most_px[0]} x {most_px[1]}"
+    turned = " (turned by a program? Files are needed as the camera wrote them)"
+    return what + turned * (own_px == most_px[::-1])
 
 
 def _copies(pictures: Sequence[Picture]) -> dict[Picture, Picture]:

@@ -17,7 +17,7 @@ from tacos_gap.photographs.shown import Shown, shown_in
 _LATTICE = 0.03
 
 USUAL_DEPTH = 12
-"""Bits of a camera that writes 16-bit files of values that 8 bits hold: they are dark to it."""
+"""Bits of a camera that writes 16-bit files of values that 9 bits hold: they are dark to it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,15 +113,15 @@ def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Pictur
 
 
 def bits_of(largest_dn: float, sample: str) -> int:
-    """Bits of a camera by the largest value of its files and the type of their samples.
+    """Bits of a camera by the largest value of its files and the type of their samples; an even number.
 
-    >>> bits_of(200, "uint8"), bits_of(2300, "uint16"), bits_of(200, "uint16")
-    (8, 12, 12)
+    >>> bits_of(200, "uint8"), bits_of(900, "uint16"), bits_of(1100, "uint16"), bits_of(270, "uint16")
+    (8, 10, 12, 12)
     """
     if sample == "uint8":
         return 8
     needed = max(8, int(np.ceil(np.log2(largest_dn + 1))))
-    return USUAL_DEPTH if sample == "uint16" and needed == 8 else needed
+    return USUAL_DEPTH if sample == "uint16" and needed < 10 else needed + needed % 2
 
 
 def _has_lattice(plane: NDArray[np.generic]) -> bool:

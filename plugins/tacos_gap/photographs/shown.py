@@ -63,7 +63,7 @@ class Shown:
     corners
         Inner corners (columns, rows) that OpenCV counted on a chessboard; more or fewer where it is cut off.
     doubt
-        In a sentence what is uncertain of it; empty if nothing is.
+        What is uncertain of it, to stand behind its name; empty if nothing is.
     """
 
     kind: str
@@ -103,10 +103,10 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> S
     if find_edge(grey) is not None:
         return replace(seen, kind="edge")
     if _two_levels(grey):
-        return replace(seen, kind="edge", doubt="it is taken for sharp edges of a print.")
+        return replace(seen, kind="edge", doubt="taken for sharp edges of a print.")
     if find_print(darkness(grey, paper_level(grey))) is not None:
-        return replace(seen, kind="edge", doubt="it is taken for print, blurred.")
-    doubt = "it may be a wall with marks on it, and is taken for a scene." if unevenness < 2 * _EVEN else ""
+        return replace(seen, kind="edge", doubt="taken for print, blurred.")
+    doubt = "taken for a scene; it may be a wall with marks on it." if unevenness < 2 * _EVEN else ""
     return replace(seen, doubt=doubt)
 
 

@@ -34,7 +34,9 @@ def summary(imported: Imported) -> Iterator[str]:
         yield ""
         yield "Unsure of"
         for doubt in imported.doubts:
-            yield from textwrap.wrap(doubt, 100, initial_indent="  - ", subsequent_indent="    ")
+            yield from textwrap.wrap(
+                doubt, 100, initial_indent="  - ", subsequent_indent="    ", break_on_hyphens=False
+            )
     yield ""
     check, diagnose = shlex.quote(str(folder)), shlex.quote(f"captures={folder}")
     yield f"Next: tacos captures check {check}, then tacos-run diagnose --set {diagnose} --out out"

@@ -86,15 +86,16 @@ def test_files_that_cannot_be_read_are_named_and_the_others_imported(tmp_path, c
         ("empty.jpg", b""),
         ("half.png", photo.read_bytes()[:300]),
         ("gr\udcfcn.png", b"no picture"),
+        ("sent.jpg", b"\0\0\0 ftypheic"),
     ):
         (tmp_path / "in" / name).write_bytes(content)
     np.save(tmp_path / "in/shares.npy", np.random.default_rng(0).uniform(0.4, 0.5, SHAPE))
     assert tacos_main(["captures", "import", str(tmp_path / "in"), "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert (
-        "IMG_1.HEIC and IMG_2.HEIC are left out: each is HEIF, which cannot be read. Let the camera save RAW "
-        "or JPEG files (iPhone: Settings, Camera, Formats, Most Compatible), or convert what is there to PNG "
-        "or TIFF."
+        "IMG_1.HEIC, IMG_2.HEIC and sent.jpg are left out: each is HEIF, which cannot be read. Let the "
+        "camera save RAW or JPEG files (iPhone: Settings, Camera, Formats, Most Compatible), or convert what "
+        "is there to PNG or TIFF."
     ) in said
     assert (
         "empty.jpg is left out: it is no image that can be read: it is empty. Copy or save it anew." in said
@@ -114,9 +115,7 @@ def test_a_picture_of_one_pixel_warns_of_nothing(tmp_path):
     for size in ((1, 1), (1, 9), (9, 1)):
         Image.fromarray(np.full(size, 90, np.uint8)).save(tmp_path / f"in/{size[0]} by {size[1]}.png")
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
-    assert (
-        "1 by 1.png, 1 by 9.png and 9 by 1.png are left out: each is not 160 x 120 like most." in found.doubts
-    )
+    assert "1 by 1.png is left out: it has 1 x 1 pixels, and most have 160 x 120." in found.doubts
 
 
 def deep(path: Path, level_dn: float, sigma_dn: float, seed: int = 0) -> Path:
@@ -136,6 +135,14 @@ def test_the_dark_of_a_deep_camera_is_dark_to_its_full_scale(tmp_path, with_wall
     assert [entry["kind"] for entry in found.entries] == ["dark", "flat"][: 1 + with_wall]
     assert found.camera.entry["bit_depth"] == 12
     assert found.camera.entry["black_level_dn"] == 168
+
+
+def test_darks_alone_are_dark_to_a_camera_that_there_is(tmp_path):
+    """A pedestal of 256 DN is half of 9 bits, which no camera has."""
+    deep(tmp_path / "in/a_10ms.png", 256, 5)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert [entry["kind"] for entry in found.entries] == ["dark"]
+    assert found.camera.entry["bit_depth"] == 12
 
 
 def test_a_camera_of_ten_bits_keeps_its_ten(tmp_path):
@@ -164,6 +171,50 @@ def test_eight_bits_beside_twelve_are_left_out(tmp_path):
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
     assert "preview.jpg is left out: it has 8 bits a sample, and most have more." in found.doubts
     assert read_captures(tmp_path / "out").captures[0].frames == 2
+
+
+def test_pictures_turned_by_a_program_and_thumbnails_are_left_out_for_the_larger_ones(tmp_path):
+    for seed in range(2):
+        wall = Image.open(taken(tmp_path / f"in/wall_{seed}.png", 120, seed=seed))
+        wall.resize((80, 60)).save(tmp_path / f"in/small_{seed}.png")
+    wall.transpose(Image.Transpose.ROTATE_90).save(tmp_path / "in/turned.png")
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert [entry["real"] for entry in found.entries] == [["flat_1/wall_0.png", "flat_1/wall_1.png"]]
+    assert found.doubts[:2] == (
+        "small_0.png and small_1.png are left out: each has 80 x 60 pixels, and most have 160 x 120.",
+        "turned.png is left out: it has 120 x 160 pixels, and most have 160 x 120 (turned by a program? "
+        "Files are needed as the camera wrote them).",
+    )
+
+
+def test_a_panorama_is_doubted(tmp_path):
+    (tmp_path / "in").mkdir()
+    wall = np.random.default_rng(0).normal(120, 2, (100, 400))
+    Image.fromarray(wall.astype(np.uint8)).save(tmp_path / "in/wide.png")
+    doubts = import_photographs([tmp_path / "in"], tmp_path / "out").doubts
+    assert any(
+        doubt.startswith("Pictures of 400 x 100 pixels are longer than sensors are.") for doubt in doubts
+    )
+
+
+def test_options_and_repeated_doubts_can_be_read(tmp_path, capsys):
+    """Options are not cut at their hyphens, and frames of one capture are counted each."""
+    (tmp_path / "in").mkdir()
+    page = np.full((100, 160, 3), 240, np.uint8)
+    cv2.rectangle(page, (20, 20), (90, 60), (30, 30, 30), -1)
+    cv2.circle(page, (120, 70), 20, (30, 30, 30), -1)
+    for name in "abc":
+        page[0, 0, 0] += 1  # else they were copies
+        Image.fromarray(page).save(tmp_path / f"in/Bildschirmfoto {name}.png")
+    out = tmp_path / "out"
+    assert tacos_main(["captures", "import", str(tmp_path / "in"), "--out", str(out)]) == 0
+    printed = capsys.readouterr().out
+    for text in (printed, (out / "captures.yaml").read_text()):
+        assert "--focal-length-mm" in text
+    said = " ".join(printed.split())
+    names = "Bildschirmfoto a.png, Bildschirmfoto b.png and Bildschirmfoto c.png"
+    assert f"- {names}: taken for sharp edges of a print." in said
+    assert "3 pictures do not say how long they were exposed (Bildschirmfoto a.png, ...)" in said
 
 
 def test_a_copy_is_no_second_frame(tmp_path):

@@ -179,7 +179,7 @@ def test_blurred_print_is_taken_for_edges_and_that_is_said(tmp_path):
     save(tmp_path / "page.png", np.repeat(print_photographed(blurred)[..., None], 3, axis=-1))
     found = import_photographs([tmp_path], tmp_path / "out")
     assert [entry["kind"] for entry in found.entries] == ["edge"]
-    assert any("page.png: it is taken for print, blurred." in text for text in found.doubts)
+    assert any("page.png: taken for print, blurred." in text for text in found.doubts)
     folder = read_captures(found.path.parent)
     assert folder.captures[0].own_edges
 
