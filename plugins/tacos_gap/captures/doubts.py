@@ -40,6 +40,7 @@ def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
         All captures of a folder that were read without a fault.
     """
     for capture in captures:
+        yield from _of_frames(capture)
         yield from _of_zeros(capture)
         yield from _of_colours(capture)
         yield from _of_motion(capture)
@@ -56,6 +57,22 @@ def doubt_of_files(name: str, suffixes: Sequence[str]) -> Iterator[str]:
         yield (
             f"{name}: its files are lossy ({', '.join(lossy)}), so that noise and detail are as much "
             f"the codec's as the camera's; take PNG, TIFF or RAW if the camera has them."
+        )
+
+
+def _of_frames(capture: RealCapture) -> Iterator[str]:
+    """That frames of one still differ as pictures of two things do; what moves or adapts is a sequence."""
+    told_apart = capture.expected_dn is not None and len(capture.expected_dn) > 1
+    if capture.kind in ("board", "sequence") or capture.frames < 2 or told_apart:
+        return
+    black_dn = capture.context.black_level_dn
+    levels = [float(np.median(thinned(frame))) - black_dn for frame in capture.real_dn]
+    dimmest, brightest = int(np.argmin(levels)), int(np.argmax(levels))
+    if levels[brightest] > CONTRADICTION * max(levels[dimmest], _DIM_DN):
+        yield (
+            f"{capture.id}: frame {brightest + 1} is brighter ({levels[brightest]:.3g} DN above the black "
+            f"level) than frame {dimmest + 1} ({levels[dimmest]:.3g} DN); make sure that they are of one "
+            f"thing and of one light, and that exposure was not automatic."
         )
 
 

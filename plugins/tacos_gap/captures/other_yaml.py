@@ -23,13 +23,15 @@ def something_else(path: Path, data: Any) -> Fault | None:
     data
         What it holds.
     """
+    expected = f"a folder of captures, whose {FILE} begins with {_MARK}: 1"
+    if data is None:
+        return Fault(str(path), "this file is empty", expected, BEGIN)
     if (isinstance(data, dict) and _MARK in data) or not (looks := _looks_like(data)):
         return None
     beside = path.parent / FILE
     remedy = f"Name the folder {path.parent}." if beside != path and beside.is_file() else BEGIN
     if looks.startswith("a recipe"):
         remedy = f"{remedy} A recipe is run by `tacos-run {shlex.quote(str(path))}`."
-    expected = f"a folder of captures, whose {FILE} begins with {_MARK}: 1"
     return Fault(str(path), f"this is no captures file: it looks like {looks}", expected, remedy)
 
 
@@ -38,7 +40,9 @@ def _looks_like(data: Any) -> str:
     if isinstance(data, list):
         effects = data and all(isinstance(each, dict) and "use" in each for each in data)
         return "a list of effects, as --with takes" if effects else "a list"
-    if not isinstance(data, dict) or not data:
+    if not isinstance(data, dict):
+        return "text without keys"
+    if not data:
         return ""
     if "tacos" in data:
         return f"a recipe, of {data['use']}" if "use" in data else "a recipe, of a study"

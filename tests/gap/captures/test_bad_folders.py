@@ -45,6 +45,7 @@ def test_a_folder_without_captures_says_so(tmp_path):
         ("effects: [{use: effect.vignetting}]", "a list of effects, as --with takes"),
         ("title: Lenses\nparts: {}", "a catalog of parts"),
         ("photon_dn: [1]\nthermal_dn2: [1]", "a calibration of noise"),
+        ("hello", "text without keys"),
         ("a: 1\nb: 2\nc: 3\nd: 4\ne: 5", "something with the keys a, b, c, d, ..."),
     ],
 )
@@ -59,6 +60,14 @@ def test_a_file_that_is_not_of_captures_is_called_what_it_looks_like(tmp_path, t
     assert (f"`tacos-run '{path}'`" in said) == ("tacos: 1" in text)
     flat_folder(tmp_path)
     assert f"Name the folder {tmp_path}." in only(faults(path))
+
+
+@pytest.mark.parametrize("text", ["", "# nothing yet\n"])
+def test_an_empty_captures_file_is_called_empty(tmp_path, text):
+    (tmp_path / "captures.yaml").write_text(text)
+    said = only(faults(tmp_path))
+    assert "captures.yaml: this file is empty\n  expected: a folder of captures" in said
+    assert "`tacos captures guide`" in said
 
 
 def test_a_captures_file_without_its_mark_is_still_one(tmp_path):

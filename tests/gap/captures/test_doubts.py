@@ -63,6 +63,17 @@ def test_mono_stored_as_colour(tmp_path):
     assert "set camera.channels to 1" in said(colour_folder(tmp_path, colourful()[..., :1].repeat(3, axis=2)))
 
 
+def test_frames_of_two_lights_in_one_capture(tmp_path):
+    frames = np.concatenate([noisy(100, frames=2), noisy(180, frames=1)])
+    entry = {"id": "flat", "kind": "flat", "real": save_frames(tmp_path, "flat", frames), "simulated": 100}
+    assert "flat: frame 3 is brighter (180 DN above the black level) than frame " in said(
+        describe(tmp_path, entry)
+    )
+    assert "is brighter" not in said(describe(tmp_path, {**entry, "kind": "sequence"}))
+    expected = save_frames(tmp_path, "expected", frames.astype(np.float32), ".npy")
+    assert "is brighter" not in said(describe(tmp_path, {**entry, "simulated": expected}))
+
+
 def moving_folder(folder: Path, **changes) -> Path:
     return flat_folder(folder, kind="sequence", exposure_ms=20, velocity_px_s=[90, 120], **changes)
 
