@@ -15,7 +15,7 @@ import numpy as np
 
 from tacos_framework.errors import Fault, UserError
 from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left
-from tacos_gap.photographs.picture import Picture, bits_of
+from tacos_gap.photographs.picture import Picture
 
 USUAL_PIXEL_UM = 3.0
 
@@ -180,7 +180,7 @@ def _settle_white(camera: _Answers, pictures: Sequence[Picture], given: Given) -
     if white_dn is None:
         if highest.largest_dn > 2**bits - 1:
             what = f"is {bits}, and values of {highest.name} reach {highest.largest_dn:g}"
-            needed = f"{bits_of(highest.largest_dn, highest.sample)} or more"
+            needed = f"{int(highest.largest_dn).bit_length()} or more"
             raise UserError(Fault("--bit-depth", what, needed))
         return
     camera.settle(

@@ -267,6 +267,9 @@ def test_more_than_the_bits_that_were_given_is_refused(tmp_path):
     deep(tmp_path / "in/a.png", 2300, 30)
     with pytest.raises(UserError, match=r"--bit-depth: is 10, and values of a.png reach .*\n.*12 or more"):
         import_photographs([tmp_path / "in"], tmp_path / "out", Given(bit_depth=10))
+    deep(tmp_path / "in/a.png", 300, 5)
+    with pytest.raises(UserError, match=r"--bit-depth: is 8, and values of a.png reach .*\n.*9 or more"):
+        import_photographs([tmp_path / "in"], tmp_path / "out", Given(bit_depth=8))
 
 
 def raw(path: Path, level_dn: float, seed: int, **more: int) -> None:
