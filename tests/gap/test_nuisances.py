@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -20,6 +21,7 @@ from tacos_gap.evidence import ImageEvidence
 from tacos_gap.findings import Diagnosis
 from tacos_gap.formation import lit_by, simulate
 from tacos_gap.nuisances import (
+    POSE_TERMS,
     Freedom,
     Marginal,
     disturbed,
@@ -37,7 +39,7 @@ FEW = ("vignetting", "exposure-error", "defocus", "illumination-gradient", "foca
 @pytest.fixture(scope="module")
 def effects() -> dict[str, type[Any]]:
     plugins = Plugins.discover()
-    return {name: plugins.resolve(f"effect.{name}") for name in FEW}
+    return {name: plugins.resolve(f"effect.{name}") for name in (*FEW, "lens-distortion")}
 
 
 def flats(uncertainty: float = 0.0) -> list[RealCapture]:
@@ -177,6 +179,40 @@ def test_a_misregistered_scene_is_as_good_as_a_registered_one():
     assert after.nuisances(())["shift_px"] == pytest.approx([0.6, 0.3], abs=0.05)
 
 
+def tilted(each: RealCapture, degrees: float) -> RealCapture:
+    """What is seen, hung at an angle about a vertical axis: by OpenCV, from four corners of a pinhole's view."""
+    assert each.expected_dn is not None
+    f, (cx, cy) = each.geometry.focal_length_px, each.geometry.centre_px
+    corners = np.array([[0, 0], [WIDTH - 1, 0], [WIDTH - 1, HEIGHT - 1], [0, HEIGHT - 1]], np.float32)
+    x, y = corners[:, 0] - cx, corners[:, 1] - cy
+    depth = f + x * np.sin(np.radians(degrees))
+    seen = np.column_stack([f * x * np.cos(np.radians(degrees)) / depth + cx, f * y / depth + cy])
+    matrix = cv2.getPerspectiveTransform(corners, seen.astype(np.float32))
+    image = cv2.warpPerspective(
+        each.expected_dn[0, ..., 0],
+        matrix,
+        (WIDTH, HEIGHT),
+        flags=cv2.INTER_LANCZOS4,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return replace(each, expected_dn=image[None, :, :, None])
+
+
+def test_a_target_that_hangs_askew_is_read_off_the_pictures():
+    scene = scenes()[0]
+    (seen,) = taken([scene], [tilted(scene, 0.5)])
+    found = ImageEvidence(seen, seed=1, replicates=6).renuisanced(())
+    assert found.nuisances(())["tilt_deg"] == pytest.approx([0.5, 0.0], abs=0.15)
+    assert np.sqrt(np.mean(found._difference(()) ** 2)) < 1.3
+
+
+def test_targets_that_each_hang_a_little_askew_are_no_gap(effects):
+    of = scenes()
+    angles = np.linspace(-0.3, 0.3, len(of))
+    found = run(taken(of, [tilted(each, a) for each, a in zip(of, angles, strict=True)]), effects)
+    assert found.verdict == "no_gap"
+
+
 def test_every_draw_of_a_noisy_colour_expectation_gives_the_same_list():
     image = np.repeat((patchwork() + BLACK_DN)[None, :, :, None], 3, axis=3).astype(np.float32)
     base = capture("chart", "chart", BLACK_DN)
@@ -293,6 +329,7 @@ def test_an_uncertain_lamp_biases_no_vignetting(effects):
         ("exposure-error", {"scale": 1.2}, flats(0.02)),
         ("illumination-gradient", {"gx": 0.3}, flats(0.02)),
         ("focal-length-error", {"scale": 1.02}, scenes()),
+        ("lens-distortion", {"p2": 0.02}, scenes()),
         ("defocus", {"radius_px": 1.6}, scenes()),
     ],
 )
@@ -328,8 +365,8 @@ def test_the_pose_of_a_mosaic_is_read_off_what_it_shows():
 def test_a_mosaic_moves_colour_by_colour():
     dx_px, dy_px = 0.63, -0.44
     still, gone = mosaic_capture(), mosaic_capture(dx_px, dy_px)
-    names = ("shift_x_px", "shift_y_px", "rotation_deg", "scale")
-    found = disturbed(still, [Freedom(name, 1.0) for name in names], np.array([dx_px, dy_px, 0.0, 0.0]))
+    nu = np.array([dx_px, dy_px, 0.0, 0.0, 0.0, 0.0])
+    found = disturbed(still, [Freedom(name, 1.0) for name in POSE_TERMS], nu)
     assert found.expected_dn is not None
     assert gone.expected_dn is not None
     inside = (0, slice(8, -8), slice(8, -8))

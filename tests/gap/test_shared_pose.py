@@ -45,10 +45,10 @@ def poses(values: np.ndarray) -> list[dict[str, float]]:
 # how far captures disagree --------------------------------------------------------------------------------
 
 
-@given(st.integers(0, 100), st.lists(st.floats(-5, 5), min_size=4, max_size=4))
+@given(st.integers(0, 100), st.lists(st.floats(-5, 5), min_size=6, max_size=6))
 @settings(max_examples=30, deadline=None)
 def test_what_captures_share_narrows_no_prior(seed, shared):
-    own = np.random.default_rng(seed).normal(size=(5, 4)) * 0.1
+    own = np.random.default_rng(seed).normal(size=(5, 6)) * 0.1
     groups = ["a", "b", "c", "d", "e"]
     alone, beside = (shares_of_priors(poses(own + offset), groups) for offset in (0, np.array(shared)))
     assert beside == pytest.approx(alone)
@@ -58,7 +58,7 @@ def test_what_captures_share_narrows_no_prior(seed, shared):
 def test_captures_that_scatter_as_their_priors_say_seldom_narrow_them(count):
     rng = np.random.default_rng(count)
     groups = [str(k) for k in range(count)]
-    narrowed = [bool(shares_of_priors(poses(rng.normal(size=(count, 4))), groups)) for _ in range(400)]
+    narrowed = [bool(shares_of_priors(poses(rng.normal(size=(count, 6))), groups)) for _ in range(400)]
     assert np.mean(narrowed) < 0.08
 
 
@@ -66,14 +66,14 @@ def test_true_scatter_is_within_what_is_said_nineteen_times_in_twenty():
     rng = np.random.default_rng(1)
     sigma = 0.2
     said = [
-        shares_of_priors(poses(sigma * rng.normal(size=(6, 4))), list("abcdef")).get("rotation_deg", 1.0)
+        shares_of_priors(poses(sigma * rng.normal(size=(6, 6))), list("abcdef")).get("rotation_deg", 1.0)
         for _ in range(1000)
     ]
     assert np.mean(np.array(said) >= sigma) == pytest.approx(0.95, abs=0.025)
 
 
 def test_captures_set_up_together_count_once():
-    alike = poses(np.full((4, 4), 0.4))
+    alike = poses(np.full((4, 6), 0.4))
     assert shares_of_priors(alike, ["series"] * 4) == {}
     assert set(shares_of_priors(alike, list("abcd"))) == set(POSE_TERMS)
 
@@ -84,7 +84,7 @@ def test_captures_set_up_together_count_once():
 def test_an_effect_that_undoes_a_nuisance_leaves_the_very_picture(effects):
     """What is moved at once keeps its detail: moved one after another, edges would be off by many codes."""
     still = scenes()[0]
-    nuisance = disturbed(still, FREEDOMS, np.array([0.5, -0.3, 0.0, 0.0]))
+    nuisance = disturbed(still, FREEDOMS, np.array([0.5, -0.3, 0.0, 0.0, 0.0, 0.0]))
     undone = [placed("focal-length-error", effects["focal-length-error"], dx_px=-0.5, dy_px=0.3)]
     draws = EpisodeDraws(1, ("same",))
     inside = (slice(None), slice(2, -2), slice(2, -2))
@@ -94,7 +94,7 @@ def test_an_effect_that_undoes_a_nuisance_leaves_the_very_picture(effects):
 
 def test_effects_and_nuisances_move_alike(effects):
     still = scenes()[0]
-    nuisance = disturbed(still, FREEDOMS, np.array([0.31, -0.17, 0.0, 0.01]))
+    nuisance = disturbed(still, FREEDOMS, np.array([0.31, -0.17, 0.0, 0.01, 0.0, 0.0]))
     effect = placed("focal-length-error", effects["focal-length-error"], dx_px=0.31, dy_px=-0.17, scale=1.01)
     draws = EpisodeDraws(1, ("same",))
     difference = simulate(nuisance, [], draws) - simulate(still, [effect], draws)
@@ -179,7 +179,7 @@ def test_shifts_of_each_capture_are_nobodys_error(effects):
     own = np.array([[0.3, -0.2], [-0.35, 0.1], [0.1, 0.4], [-0.2, -0.3]])
     real = []
     for i, (each, (dx, dy)) in enumerate(zip(scenes(), own, strict=True)):
-        moved = disturbed(each, FREEDOMS, np.array([dx, dy, 0, 0]))
+        moved = disturbed(each, FREEDOMS, np.array([dx, dy, 0, 0, 0, 0]))
         real.append(replace(each, real_dn=simulate(moved, [], EpisodeDraws(4, ("taken", i)))))
     found = diagnosed(real, effects, seed=0)
     assert found.verdict == "no_gap"

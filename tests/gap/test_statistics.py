@@ -8,6 +8,8 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.statistics import Sample, StatisticBlock, measure
@@ -83,6 +85,70 @@ def test_what_repeats_is_a_fixed_pattern_and_noise_is_not():
     assert with_it - without == pytest.approx(1.2**2 * high_pass, rel=0.15)
 
 
+def test_a_lamp_that_wavers_from_frame_to_frame_is_no_noise():
+    """A part in five hundred is more than the variance that a thousand pixels share."""
+    still = flat_frames()
+    wavers = np.array([0.998, 1.003, 1.001, 0.998], np.float32)[:, None, None, None]
+    wavering = BLACK_DN + (still - BLACK_DN) * wavers
+    one, other = blocks(flat(), still), blocks(flat(), wavering)
+    for name in ("photon_transfer", "noise_autocorrelation", "row_noise", "column_noise", "row_waves"):
+        assert other[name].values == pytest.approx(one[name].values, abs=2e-3), name
+    assert other["frame_to_frame"].values == pytest.approx([np.std(wavers)], rel=0.1)
+
+
+@given(st.floats(0.5, 2.0))
+@settings(max_examples=10, deadline=None)
+def test_light_of_frames_is_taken_out_above_the_pedestal(factor):
+    scene = capture("scene", "scene", squares(), frames=2)
+    assert scene.expected_dn is not None
+    signal = scene.expected_dn[0] - BLACK_DN
+    frames = np.stack([BLACK_DN + signal, BLACK_DN + factor * signal])
+    steady = Sample(scene, frames, scene.expected_dn).in_steady_light(frames)
+    assert steady[0] == pytest.approx(steady[1], rel=1e-4)
+    assert steady.mean() == pytest.approx(frames.mean(), rel=1e-4)
+
+
+def blemishes(of: RealCapture, light: Any) -> dict[str, tuple[float, float]]:
+    """Value and margin by size and place, where light is what it is times so much."""
+    assert of.expected_dn is not None
+    noise = flat_frames() - BLACK_DN - LEVEL
+    frames = (of.expected_dn - BLACK_DN) * np.asarray(light)[..., None] + BLACK_DN + noise
+    return {
+        f"{place['size_px']} {place['of']}": (float(value), float(margin))
+        for block in measure(Sample(of, frames.astype(np.float32), of.expected_dn))
+        if block.statistic == "blemishes"
+        for value, place, margin in zip(block.values, block.at, np.asarray(block.margin), strict=True)
+    }
+
+
+def stronger(found: dict[str, tuple[float, float]], than: dict[str, tuple[float, float]]) -> dict[str, float]:
+    """By how many margins."""
+    return {key: (value - than[key][0]) / margin for key, (value, margin) in found.items()}
+
+
+@pytest.mark.parametrize(("radius_px", "size_px"), [(4, [4, 20]), (8, [4, 20]), (14, [20, 60])])
+def test_dust_is_a_blemish_and_falling_light_is_none(radius_px, size_px):
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    speck = 1 - 0.1 / (1 + np.exp(np.hypot(rows - 55, columns - 70) - radius_px))
+    of = flat()
+    plain, dusty, dim = (
+        blemishes(of, light) for light in (np.ones_like(speck), speck, 1 - 0.4 * of.geometry.radius**2)
+    )
+    strength = stronger(dusty, plain)
+    assert max(strength[f"{size_px} {of}"] for of in ("all", "strongest")) > 2
+    assert max(np.abs(list(stronger(dim, plain).values()))) < 0.1
+
+
+def test_blemishes_behind_a_mosaic_are_those_of_the_light():
+    """Cells hold whole groups of four colours, so that these are no pattern of their own."""
+    colours = np.tile([[0.5, 1.0], [0.3, 0.5]], (HEIGHT // 2, WIDTH // 2))
+    mosaic = capture("flat", "flat", BLACK_DN + LEVEL * colours, frames=4)
+    mosaic = replace(mosaic, context=replace(mosaic.context, cfa="GRBG"))
+    found = stronger(blemishes(mosaic, np.full((HEIGHT, WIDTH), 1.2)), blemishes(mosaic, 1.0))
+    assert len(found) == 4
+    assert max(np.abs(list(found.values()))) < 0.1
+
+
 def test_hot_pixels_of_the_dark_are_counted_and_kept_out_of_the_rest():
     rng = np.random.default_rng(5)
     dark = capture("dark", "dark", BLACK_DN, 3)
@@ -133,6 +199,23 @@ def test_falling_light_shows_in_the_level_of_tiles_but_not_in_noise_over_the_fie
     inner = [v for v, place in zip(fallen.values, fallen.at, strict=True) if place["radius"][1] < 0.35]
     assert np.mean(inner) - np.mean(outer) == pytest.approx(0.3 * (0.8 - 0.05), abs=0.06)
     assert np.abs(found["noise_over_field"].values).max() < 0.03
+
+
+def test_along_an_edge_nothing_is_displaced():
+    """Of an edge only the way across it is seen: flow that runs along it by chance is no displacement."""
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+
+    def edge(dx_px: float, dy_px: float) -> np.ndarray:
+        across = (columns - 78 - dx_px) * np.cos(0.1) + (rows - 60 - dy_px) * np.sin(0.1)
+        return np.asarray(BLACK_DN + 15 + 180 / (1 + np.exp(-across / 0.5)))
+
+    of = capture("edge", "edge", edge(0, 0), frames=2)
+    noise = flat_frames(2) - BLACK_DN - LEVEL
+    found = blocks(of, (edge(0.9, 3.0)[None, :, :, None] + noise).astype(np.float32))["displacement"]
+    across_px = 0.9 * np.cos(0.1) + 3.0 * np.sin(0.1)
+    for value, place in zip(found.values, found.at, strict=True):
+        along_axis = np.cos(0.1) if place["axis"] == "x" else np.sin(0.1)
+        assert value == pytest.approx(across_px * along_axis, abs=0.08), place
 
 
 def test_every_second_code_missing_is_a_comb():

@@ -13,14 +13,14 @@ CONFIDENCE = 0.95
 """Probability with which poses are off by no more than said: of two captures that agree by chance little is
 said, of ten much."""
 
-LEAST_SHARE = {"shift_x_px": 0.06, "shift_y_px": 0.06, "rotation_deg": 0.17, "scale": 0.6}
+LEAST_SHARE = dict(zip(POSE_TERMS, (0.06, 0.06, 0.17, 0.6, 0.2, 0.2), strict=True))
 """Of a prior's deviation at least: what moves pixels of a small image by 0.03 px, the equivalence margin of
 displacements."""
 
 WORTH_IT = 0.5
 """Share above which a prior stays what it is."""
 
-_ALIKE = (POSE_TERMS[:2], POSE_TERMS[2:3], POSE_TERMS[3:])  # shifts along both axes are of one size
+_ALIKE = (POSE_TERMS[:2], POSE_TERMS[2:3], POSE_TERMS[3:4], POSE_TERMS[4:])  # x and y are of one size
 
 
 def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]) -> dict[str, float]:
@@ -47,7 +47,7 @@ def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]
     --------
     >>> turned = [dict.fromkeys(POSE_TERMS, 0.6 + off) for off in (0.01, 0, 0.02, 0)]
     >>> sorted(shares_of_priors(turned, ["a", "b", "c", "d"]))
-    ['rotation_deg', 'scale', 'shift_x_px', 'shift_y_px']
+    ['rotation_deg', 'scale', 'shift_x_px', 'shift_y_px', 'tilt_x_deg', 'tilt_y_deg']
     >>> shares_of_priors(turned, ["a"] * 4)
     {}
     """

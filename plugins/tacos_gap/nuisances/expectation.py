@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.values import ImageGeometry
 from tacos_framework.camera.motion import Places
 from tacos_framework.camera.resampling import resample
 from tacos_gap.captures import RealCapture
@@ -43,29 +44,57 @@ def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.
     still = np.asarray(signal + black, np.float32)
     if not any(value.get((name, None)) for name in POSE_TERMS):
         return replace(capture, expected_dn=still, unmoved=None)
-    dx, dy, rotation_deg, scale = (value[name, None] for name in POSE_TERMS)
-    source = looks_at(similarity(capture.geometry.centre_px, dx, dy, rotation_deg, scale), still.shape[1:3])
+    dx_px, dy_px, *turned = (value[name, None] for name in POSE_TERMS)
+    source = looks_at(homography(capture.geometry, (dx_px, dy_px), *turned), still.shape[1:3])
     if mosaic:
         return replace(capture, expected_dn=resampled_mosaic(still, source))
     return replace(capture, expected_dn=resample(still, *source), unmoved=Unmoved(still, source))
 
 
-def similarity(
-    centre_px: tuple[float, float], dx_px: float, dy_px: float, rotation_deg: float, scale: float
+def homography(
+    geometry: ImageGeometry,
+    shift_px: tuple[float, float],
+    rotation_deg: float,
+    scale: float,
+    tilt_x_deg: float,
+    tilt_y_deg: float,
 ) -> NDArray[np.float64]:
-    """(2, 3) map of points of the expectation to those of the picture, about a centre; `scale` is 0 for 1."""
+    """(3, 3) map of points of the expectation to those of the picture, of a plane that hangs otherwise.
+
+    A plane that is tilted by an angle shows a point at (x, y) about the principal point at (x, y) / (1 + x
+    tan(tilt) / f), for a tilt along x (Hartley and Zisserman 2004, 8.1).
+
+    Parameters
+    ----------
+    geometry
+        Focal length and principal point, about which the plane turns.
+    shift_px
+        Along x and y.
+    rotation_deg
+        About the optical axis.
+    scale
+        Magnification less 1.
+    tilt_x_deg, tilt_y_deg
+        By which the plane recedes along x and y.
+    """
     turn = np.radians(rotation_deg)
-    linear = (1 + scale) * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    centre = np.asarray(centre_px, float)
-    return np.column_stack([linear, centre - linear @ centre + (dx_px, dy_px)])
+    cos, sin = (1 + scale) * np.cos(turn), (1 + scale) * np.sin(turn)
+    kx, ky = np.tan(np.radians([tilt_x_deg, tilt_y_deg])) / geometry.focal_length_px
+    (cx, cy), (dx, dy) = geometry.centre_px, shift_px
+    about_centre = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [kx, ky, 1.0]])
+    return _moved(cx + dx, cy + dy) @ about_centre @ _moved(-cx, -cy)
+
+
+def _moved(x: float, y: float) -> NDArray[np.float64]:
+    return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
 
 
 def looks_at(matrix: NDArray[np.float64], shape: tuple[int, ...]) -> Places:
-    """(H, W) columns and rows that a (2, 3) affine map takes to the pixels of a picture [px]."""
-    x, y = np.broadcast_arrays(np.arange(shape[1], dtype=float), np.arange(shape[0], dtype=float)[:, None])
-    (xx, xy), (yx, yy) = np.linalg.inv(matrix[:, :2])
-    x, y = x - matrix[0, 2], y - matrix[1, 2]
-    return xx * x + xy * y, yx * x + yy * y
+    """(H, W) columns and rows that a (3, 3) homography takes to the pixels of a picture [px]."""
+    x, y = np.arange(shape[1], dtype=float), np.arange(shape[0], dtype=float)[:, None]
+    inverse = np.linalg.inv(matrix)
+    column, row, depth = (a * x + b * y + c for a, b, c in inverse / inverse[2, 2])
+    return column / depth, row / depth
 
 
 def _defocused(frame: NDArray[np.float32], variance_px2: float, mosaic: bool) -> NDArray[np.float32]:

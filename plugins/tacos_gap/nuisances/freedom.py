@@ -25,6 +25,9 @@ ROTATION_DEG = 0.1
 SCALE = 0.0005
 """Of a magnification: two millimetres at four metres."""
 
+TILT_DEG = 0.2
+"""Of a tilt of what is seen against the picture's plane: nobody hangs a target straighter [deg]."""
+
 BLUR_PX2 = 0.03
 """Of the variance of a blur: a disc of a third of a pixel [px^2]."""
 
@@ -51,7 +54,7 @@ class Freedom:
     ----------
     name
         ``gain``, a term of the light (`LIGHT_TERMS`), ``shift_x_px``, ``shift_y_px``, ``rotation_deg``,
-        ``scale``, ``blur_px2`` or ``noise_share``.
+        ``scale``, ``tilt_x_deg``, ``tilt_y_deg``, ``blur_px2`` or ``noise_share``.
     sigma
         Standard deviation of its prior, which is Gaussian around 0, in the unit of the name.
     channel
@@ -79,7 +82,8 @@ LIGHT_TERMS = ("light_x", "light_y", "light_xy", "light_saddle")
 """Smooth light, relative: x, y, xy and x^2 - y^2 over half the image. Not r^2: a lamp that falls off around
 the optical axis in every flat is vignetting, until the camera is turned."""
 
-POSE_TERMS = ("shift_x_px", "shift_y_px", "rotation_deg", "scale")
+POSE_TERMS = ("shift_x_px", "shift_y_px", "rotation_deg", "scale", "tilt_x_deg", "tilt_y_deg")
+_POSE_SIGMAS = (SHIFT_PX, SHIFT_PX, ROTATION_DEG, SCALE, TILT_DEG, TILT_DEG)
 
 
 def freedoms_of(capture: RealCapture) -> tuple[Freedom, ...]:
@@ -94,8 +98,7 @@ def freedoms_of(capture: RealCapture) -> tuple[Freedom, ...]:
         found += [Freedom(name, UNEVENNESS * capture.level_uncertainty) for name in LIGHT_TERMS]
     if _is_registrable(capture):
         if not capture.own_edges:  # those stand where the picture has them
-            found += [Freedom(name, SHIFT_PX) for name in POSE_TERMS[:2]]
-            found += [Freedom("rotation_deg", ROTATION_DEG), Freedom("scale", SCALE)]
+            found += [Freedom(name, sigma) for name, sigma in zip(POSE_TERMS, _POSE_SIGMAS, strict=True)]
         found += [Freedom("blur_px2", BLUR_PX2)]
         if not capture.expected_frames:
             share = NOISE_SHARE_OF_BRACKET if capture.kind == "bracket" else NOISE_SHARE
@@ -137,6 +140,7 @@ def stated(freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> dict[str, An
         plain["shift_px"] = [round(value[name, None], 3) for name in POSE_TERMS[:2]]
         plain["rotation_deg"] = round(value["rotation_deg", None], 4)
         plain["scale"] = round(1 + value["scale", None], 6)
+        plain["tilt_deg"] = [round(value[name, None], 4) for name in POSE_TERMS[4:]]
     if "blur_px2" in names:
         plain["blur_px2"] = round(value["blur_px2", None], 4)
     if "noise_share" in names:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from tacos_gap.statistics.blemishes import blemish_statistics
 from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.codes import code_statistics
 from tacos_gap.statistics.colour import colour_statistics
@@ -28,6 +29,7 @@ FAMILIES: tuple[Family, ...] = (
     field_statistics,
     noise_statistics,
     fixed_pattern_statistics,
+    blemish_statistics,
     hot_pixel_statistics,
     row_statistics,
     line_statistics,

@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
-from tacos_gap.statistics.line_means import over_frames
+from tacos_gap.statistics.line_means import line_means_of_frames, over_frames
 from tacos_gap.statistics.sampled import noise_bands, sampled
 from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
 
 ROUNDING_DN2 = 1 / 12
 """Variance of rounding: noise far below it shows by the accident of which pixels stand between two codes."""
+
+
+LEAST_LIGHT_DN = 1.0
+"""Signal below which the light of a frame is not told from its pedestal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,15 +128,46 @@ class Sample:
         return noise_bands(self.frames.shape)
 
     @cached_property
+    def light_of_frames(self) -> NDArray[np.float32]:
+        """(N, C) level of each frame above the pedestal over that of their mean; 1 in the dark."""
+        count, channels = len(self.frames), self.frames.shape[-1]
+        if self.capture.kind == "dark":
+            return np.ones((count, channels), np.float32)
+        counted = self.frames if self.valid.all() else self.frames * self.valid[..., None]
+        sums = line_means_of_frames(counted, 1).mean(axis=1, dtype=np.float64)
+        signal = sums - self.capture.context.black_level_dn * self.valid.mean()
+        least = LEAST_LIGHT_DN * self.valid.mean()
+        return np.asarray(1 + (signal - signal.mean(axis=0)) / np.maximum(signal.mean(axis=0), least), "f4")
+
+    def in_steady_light(self, values_dn: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Values of each frame as if no lamp had wavered from frame to frame, in levels above the pedestal.
+
+        A waver of a part in five hundred is seen in no picture, and is ten times the variance that all of the
+        pixels share; how much it is, `frame_to_frame` tells.
+
+        Parameters
+        ----------
+        values_dn
+            (N, ..., C) pixels of the frames, or means of them [DN].
+        """
+        black = np.float32(self.capture.context.black_level_dn)
+        inverse = 1 / self.light_of_frames
+        inverse = inverse.reshape(len(inverse), *(1,) * (values_dn.ndim - 2), -1)
+        return np.asarray(values_dn * inverse + black * (1 - inverse), np.float32)
+
+    @cached_property
     def temporal(self) -> NDArray[np.float32]:
-        """(N, B R, W, C) frames less their mean, scaled so that its mean square is the variance, in `bands`.
+        """(N, B R, W, C) frames less their mean in steady light, in `bands`; its mean square is the variance.
 
         [DN]
         """
         count, rows = len(self.frames), self.bands.ravel()
         whole = len(rows) == self.frames.shape[1]
         frames, mean = (self.frames, self.mean) if whole else (self.frames[:, rows], self.mean[rows])
-        return (frames - mean) * np.float32(np.sqrt(count / (count - 1)))
+        noise = self.in_steady_light(frames)
+        noise -= mean
+        noise *= np.float32(np.sqrt(count / (count - 1)))
+        return noise
 
     @cached_property
     def planes(self) -> NDArray[np.float32]:

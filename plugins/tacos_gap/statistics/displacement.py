@@ -123,7 +123,26 @@ def _displacements(
         moved = whole + _moved(textured, frame, there)[0]
         if np.abs(moved - whole).max(initial=0.0) < _NEAR_PX:
             break
-    return moved
+    return _as_far_as_seen(textured, moved, expected.pixels[1:])
+
+
+def _as_far_as_seen(
+    textured: TexturedTiles, moves: NDArray[np.float64], slopes: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(2, T) moves less what leads along an edge, where any is as good as none [px].
+
+    Parameters
+    ----------
+    moves
+        (2, T) moves [px].
+    slopes
+        (2, P) slopes in x and y of what is expected; their squares say along which axes moves are seen.
+    """
+    squares = np.array([[textured.sums(a * b) for b in slopes] for a in slopes])
+    squares = np.moveaxis(squares, -1, 0) / np.maximum(squares[0, 0] + squares[1, 1], 1e-9)[:, None, None]
+    squared = squares @ squares
+    seen = np.linalg.solve(squared + _DAMPED**2 * np.eye(2), squared @ moves.T[..., None])
+    return np.asarray(seen[..., 0].T)
 
 
 def _moved(

@@ -19,6 +19,9 @@ FEWEST_IN_A_ROW = 3
 OVER_TIME = 0.003
 """Equivalence margin of a frame's level against the mean of its sequence, relative."""
 
+FRAME_TO_FRAME = 0.003
+"""The same of the standard deviation of frames of one setting, beside what the level is uncertain by."""
+
 
 def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Mean of real less expected in bins of the expected level, per channel [DN]."""
@@ -41,7 +44,8 @@ def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     if sample.repeats or len(sample.frames) > 1:
         overall = sample.frames.mean(axis=(1, 2, 3))
         scale = max(float(mean_signal(sample.capture).mean()), 1.0)
-        yield StatisticBlock("frame_to_frame", "exposure", np.array([np.std(overall) / scale]), [{}], 0.003)
+        margin = float(np.hypot(FRAME_TO_FRAME, sample.capture.level_uncertainty))
+        yield StatisticBlock("frame_to_frame", "exposure", np.array([np.std(overall) / scale]), [{}], margin)
 
 
 def _over_time(sample: Sample) -> Iterator[StatisticBlock]:

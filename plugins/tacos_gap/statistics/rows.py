@@ -23,21 +23,30 @@ def row_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     waves = sample.capture.kind != "dark" and (even or len(sample.frames) > 1)
     if not (even or waves):
         return
-    row_means = _of_noise(sample, sample.frames, 1)
+    row_means = _of_noise(sample, 1)
     if even:
         height, width = sample.valid.shape
         variance = max(_mean_square(sample) - float(np.mean(row_means.mean(axis=1) ** 2)), ROUNDING_DN2)
         yield _shared(row_means, variance / width, "row_noise")
-        yield _shared(_of_noise(sample, sample.frames, 0), variance / height, "column_noise")
+        yield _shared(_of_noise(sample, 0), variance / height, "column_noise")
     if waves:
         yield _waves(sample, row_means)
 
 
-def _of_noise(sample: Sample, frames: NDArray[np.float32], axis: int) -> NDArray[np.float32]:
-    """(N, H or W, C) means of the lines of the noise: of frames less their mean, or less the expectation."""
-    means = line_means_of_frames(frames, axis)
+def _of_noise(sample: Sample, axis: int, counted: NDArray[np.bool_] | None = None) -> NDArray[np.float32]:
+    """(N, H or W, C) means of the lines of the noise: of frames less their mean, or less the expectation.
+
+    Where (H, W, 1) `counted` is given, other pixels are 0.
+    """
     if not sample.repeats:
-        return means - line_means_of_frames(sample.expected, axis)
+        frames, expected = (
+            each if counted is None else each * counted for each in (sample.frames, sample.expected)
+        )
+        return line_means_of_frames(frames, axis) - line_means_of_frames(expected, axis)
+    if counted is None:
+        means = sample.in_steady_light(line_means_of_frames(sample.frames, axis))
+    else:
+        means = line_means_of_frames(sample.in_steady_light(sample.frames) * counted, axis)
     return (means - means.mean(axis=0)) * np.float32(np.sqrt(len(means) / (len(means) - 1)))
 
 
@@ -59,10 +68,7 @@ def _waves(sample: Sample, row_means: NDArray[np.float32]) -> StatisticBlock:
     level = row_means.mean(axis=1, keepdims=True)
     profile = row_means - level
     if not sample.valid.all():
-        counted = sample.valid[..., None]
-        of_valid = _of_noise(sample, sample.frames * counted, 1)
-        if not sample.repeats:  # what is expected of pixels that do not count
-            of_valid += line_means_of_frames(sample.expected * ~counted, 1)
+        of_valid = _of_noise(sample, 1, sample.valid[..., None])
         profile = of_valid - level * sample.valid.mean(axis=1)[:, None]
     weight = np.maximum((over_channels(sample.signal) * sample.valid).sum(axis=1), 1.0)
     profile = profile.mean(axis=-1) * sample.valid.shape[1] / weight[None, :]

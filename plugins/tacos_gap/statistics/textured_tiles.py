@@ -111,8 +111,12 @@ def textured_tiles(capture: RealCapture) -> TexturedTiles:
 
 
 def _well_inside(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(H, W) whether all pixels that a slope is made of are valid; beyond the picture's border they are."""
+    """(H, W) whether all pixels that a slope is made of are valid, and in the picture.
+
+    An edge that is mirrored at the border bends there, and seems to say how far it moved along itself.
+    """
     import cv2
 
     around = np.ones((2 * _REACH_PX + 1,) * 2, np.uint8)
-    return np.asarray(cv2.erode(valid.astype(np.uint8), around), bool)
+    eroded = cv2.erode(valid.astype(np.uint8), around, borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    return np.asarray(eroded, bool)

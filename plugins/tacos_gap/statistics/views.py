@@ -89,6 +89,11 @@ _VIEWS = {
         "its variance [DN²]",
         explained="Covariance of independent halves of the frames.",
     ),
+    "blemishes": StatisticView(
+        "Blemishes: patterns wider than pixels",
+        "their variance [DN²]",
+        explained="Dust on the sensor's cover glass, say, or a stain.",
+    ),
     "detail": StatisticView(
         "Contrast of detail over spatial frequency",
         "contrast over that expected [1]",

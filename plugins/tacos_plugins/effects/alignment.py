@@ -19,6 +19,9 @@ PRECISION = 1e-6
 LEAST_CORRELATION = 0.5
 """Correlation of the aligned pictures below which they do not show the same."""
 
+FARTHEST_SCALE = 1.5
+"""Magnification along any direction up to which a map is taken for another view of the same."""
+
 LEAST_SIDE_PX = 32
 """Shorter side of a picture that can be aligned [px]."""
 
@@ -97,8 +100,14 @@ def aligned(
             continue
         if np.isfinite(found).all():
             matrix = np.asarray(found, np.float32)
-    found_any = np.isfinite(correlation) and correlation > LEAST_CORRELATION
-    return np.asarray(matrix, np.float64) if found_any else None
+    correlates = np.isfinite(correlation) and correlation > LEAST_CORRELATION
+    return np.asarray(matrix, np.float64) if correlates and _is_a_view(matrix) else None
+
+
+def _is_a_view(matrix: Picture) -> bool:
+    """Whether an affine map squeezes no direction away: along a single edge any map correlates."""
+    squeezed = np.linalg.svd(matrix[:, :2], compute_uv=False)
+    return bool(squeezed.max() < FARTHEST_SCALE and squeezed.min() > 1 / FARTHEST_SCALE)
 
 
 def _pyramid(

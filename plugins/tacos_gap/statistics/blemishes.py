@@ -1,0 +1,123 @@
+"""Blemishes: what repeats from frame to frame, wider than a few pixels and narrower than a tile.
+
+Dust on the cover glass, fingerprints and stains of a sensor are of this size: too wide for the high-pass that
+fixed patterns are measured behind, and lost in the mean of a tile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.grid import has_even_areas, smooth_areas
+
+CELL_PX = 4
+"""Pixels are averaged over squares of this side first: a whole number of cells of a colour mosaic."""
+
+SIZES_PX = ((4, 20), (20, 60))
+"""Sizes of blemishes: what is wider than the one and narrower than the other."""
+
+RELATIVE = 0.003
+OFFSET_DN = 0.06
+"""Equivalence margins of a blemish that is everywhere: of its rms over the level, and in the dark."""
+
+AT_ITS_STRONGEST = 3.0
+"""A single one may be so many times stronger than one that is everywhere."""
+
+LUCK = 0.3
+"""Share of a pattern's own strength by which two that are drawn alike differ in so few places."""
+
+SMOOTH_DEGREE = 4
+"""Degree of the surface that is taken for smooth light."""
+
+_FITTED_EACH = 3  # every so manieth cell along both axes says what the smooth light is
+_LEAST_COUNTED = 0.5  # share of a window that is even, for a place to count
+
+
+def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
+    """Covariance of independent halves of the frames within bands of size: over the image, and at its largest."""
+    capture = sample.capture
+    if not sample.repeats or capture.kind not in ("dark", "flat", "bracket") or not has_even_areas(capture):
+        return
+    even = smooth_areas(capture) & sample.valid
+    whole = np.floor(_in_cells(even.astype(np.float32)[..., None]) + 1e-3)
+    one, other = (_without_smooth(_in_cells(half) * whole, whole) for half in sample.halves)
+    for size_px in SIZES_PX:
+        counted = _counted(whole, size_px[1])
+        if not counted.any():
+            continue
+        product = _band(one, whole, size_px) * _band(other, whole, size_px)
+        nearby = _mean_around(product * counted[..., None], sum(size_px) // 2)
+        for channel, name in enumerate(sample.channels):
+            values = np.array([product[counted, channel].mean(), nearby[counted, channel].max()], np.float64)
+            level = float(sample.signal[even, channel].mean())
+            amplitude = np.hypot(RELATIVE * level, OFFSET_DN) * np.array([1.0, AT_ITS_STRONGEST])
+            margin = np.hypot(amplitude**2, LUCK * np.abs(values))
+            at = [{"size_px": list(size_px), "of": of, "channel": name} for of in ("all", "strongest")]
+            yield StatisticBlock("blemishes", "pixel", values, at, margin)
+
+
+def _in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(H / CELL_PX, W / CELL_PX, C) means of cells of an (H, W, C) image; what fills no cell is left out."""
+    import cv2
+
+    height, width, channels = image.shape
+    rows, columns = height // CELL_PX, width // CELL_PX
+    whole = image[: rows * CELL_PX, : columns * CELL_PX]
+    small = cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA)
+    return np.asarray(small, np.float32).reshape(rows, columns, channels)
+
+
+def _without_smooth(cells: NDArray[np.float32], whole: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Cells less the smooth light in them: what falls off with the radius is no blemish, however steep.
+
+    Parameters
+    ----------
+    cells
+        (h, w, C) means of cells, 0 of those that are not whole.
+    whole
+        (h, w, 1) 1 of cells that are even as a whole.
+    """
+    rows, columns = (np.linspace(-1, 1, size, dtype=np.float32) for size in cells.shape[:2])
+    terms = np.stack(
+        [
+            np.multiply.outer(rows**i, columns**j)
+            for i in range(SMOOTH_DEGREE + 1)
+            for j in range(SMOOTH_DEGREE + 1 - i)
+        ],
+        axis=-1,
+    )
+    terms *= whole
+    few = (slice(None, None, _FITTED_EACH),) * 2
+    fitted, known = terms[few].reshape(-1, terms.shape[-1]), cells[few].reshape(-1, cells.shape[-1])
+    return np.asarray(cells - terms @ np.linalg.lstsq(fitted, known, rcond=1e-5)[0], np.float32)
+
+
+def _mean_around(cells: NDArray[np.float32], size_px: int) -> NDArray[np.float32]:
+    """Mean of a square of this side around each cell; the cell itself where that is its own."""
+    import cv2
+
+    side = size_px // CELL_PX
+    return cells if side == 1 else np.asarray(cv2.blur(cells, (side, side)), np.float32).reshape(cells.shape)
+
+
+def _band(
+    cells: NDArray[np.float32], whole: NDArray[np.float32], size_px: tuple[int, int]
+) -> NDArray[np.float32]:
+    """What is wider than one size and narrower than the other, of cells that are whole."""
+    finer, coarser = (
+        _mean_around(cells, size) / np.maximum(_mean_around(whole, size), 1e-6) for size in size_px
+    )
+    return np.asarray(finer - coarser, np.float32)
+
+
+def _counted(whole: NDArray[np.float32], widest_px: int) -> NDArray[np.bool_]:
+    """(h, w) whole cells whose widest square lies in the picture, and mostly in areas that are even."""
+    border = widest_px // CELL_PX // 2
+    counted = (_mean_around(whole, widest_px) >= _LEAST_COUNTED) & (whole > 0)
+    inside = np.zeros(counted.shape[:2], bool)
+    inside[border : inside.shape[0] - border, border : inside.shape[1] - border] = True
+    return np.asarray(counted[..., 0] & inside)
