@@ -180,7 +180,7 @@ def test_a_misregistered_scene_is_as_good_as_a_registered_one():
 
 
 def tilted(each: RealCapture, degrees: float) -> RealCapture:
-    """What is seen, hung at an angle about a vertical axis: by OpenCV, from four corners of a pinhole's view."""
+    """What is seen, hung at an angle about a vertical axis: by OpenCV, from corners in a pinhole's view."""
     assert each.expected_dn is not None
     f, (cx, cy) = each.geometry.focal_length_px, each.geometry.centre_px
     corners = np.array([[0, 0], [WIDTH - 1, 0], [WIDTH - 1, HEIGHT - 1], [0, HEIGHT - 1]], np.float32)

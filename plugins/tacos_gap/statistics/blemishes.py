@@ -38,7 +38,7 @@ _LEAST_COUNTED = 0.5  # share of a window that is even, for a place to count
 
 
 def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
-    """Covariance of independent halves of the frames within bands of size: over the image, and at its largest."""
+    """Covariance of independent halves of the frames in bands of size, over the image and at its largest."""
     capture = sample.capture
     if not sample.repeats or capture.kind not in ("dark", "flat", "bracket") or not has_even_areas(capture):
         return
@@ -117,7 +117,8 @@ def _band(
 def _counted(whole: NDArray[np.float32], widest_px: int) -> NDArray[np.bool_]:
     """(h, w) whole cells whose widest square lies in the picture, and mostly in areas that are even."""
     border = widest_px // CELL_PX // 2
-    counted = (_mean_around(whole, widest_px) >= _LEAST_COUNTED) & (whole > 0)
-    inside = np.zeros(counted.shape[:2], bool)
-    inside[border : inside.shape[0] - border, border : inside.shape[1] - border] = True
-    return np.asarray(counted[..., 0] & inside)
+    counted = (_mean_around(whole, widest_px)[..., 0] >= _LEAST_COUNTED) & (whole[..., 0] > 0)
+    rows, columns = counted.shape
+    inside = np.zeros((rows, columns), bool)
+    inside[border : rows - border, border : columns - border] = True
+    return np.asarray(counted & inside)
