@@ -36,6 +36,22 @@ class EnvironmentFinding:
     remedy: str = ""
 
 
+@dataclass(frozen=True)
+class Gpu:
+    """A GPU of this machine.
+
+    Parameters
+    ----------
+    number
+        What ``--device`` calls it.
+    name
+        What its maker calls it.
+    """
+
+    number: int
+    name: str
+
+
 def usable_cores() -> int:
     """Processor cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -14,7 +14,7 @@ from typing import Any
 import pluggy
 
 from tacos_framework.components import Command, Component, ReferencePage
-from tacos_framework.environment import EnvironmentFinding
+from tacos_framework.environment import EnvironmentFinding, Gpu
 
 hookspec = pluggy.HookspecMarker("tacos")
 hookimpl = pluggy.HookimplMarker("tacos")
@@ -28,6 +28,11 @@ def tacos_components() -> Sequence[Component]:  # type: ignore[empty-body]
 @hookspec
 def tacos_doctor() -> Sequence[EnvironmentFinding]:  # type: ignore[empty-body]
     """Look at what the plugin's components need on this machine; for ``tacos doctor`` and for results."""
+
+
+@hookspec
+def tacos_gpus() -> Sequence[Gpu]:  # type: ignore[empty-body]
+    """Say which GPUs components may use; asked only where ``--device`` names one, which then must exist."""
 
 
 @hookspec

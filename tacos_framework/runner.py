@@ -18,7 +18,7 @@ from tacos_framework.plugins import Plugins, calling
 from tacos_framework.plugins.executing import executor_of_run
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
-from tacos_framework.results import Results
+from tacos_framework.results import RESULT, Results
 from tacos_framework.results.dependencies import manifest_of_procedure
 from tacos_framework.results.manifest import settle_manifest
 from tacos_framework.study import run_study
@@ -161,5 +161,5 @@ def _run_procedure(
             **({"accepted": manifest.accepted} if manifest.accepted else {}),
             **found,
         }
-        results.write_json("result.json", result)
+        results.write_json(RESULT, result)
     return result

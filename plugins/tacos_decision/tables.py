@@ -141,15 +141,11 @@ def read_result(folder: str | Path) -> StudyResult:
     UserError
         When there is no readable ``result.json`` of a study.
     """
-    from tacos_framework.results import read_run_json  # with numpy, which listing the plugins does without
+    from tacos_framework.results import read_result as read  # with numpy, which listing plugins does without
 
-    path = Path(folder) / "result.json"
-    if not path.exists():
-        remedy = "Name the folder that tacos-run wrote with --out."
-        raise UserError(Fault(str(folder), "there is no result.json here", "", remedy))
-    data = read_run_json(path)
+    data = read(Path(folder))
     if not isinstance(data.get("cameras"), dict):
-        fault = Fault(str(path), "it is not the result of a study", "a result.json with cameras", "")
+        fault = Fault(str(folder), "it is not the result of a study", "a result.json with cameras", "")
         raise UserError(fault)
     return StudyResult(data)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
+from contextlib import suppress
 from typing import Literal
 
-from tacos_framework.environment import DEVICE_VARIABLE
+from tacos_framework.environment import DEVICE_VARIABLE, Gpu
 from tacos_framework.errors import Fault, UserError
 
 
@@ -33,3 +35,28 @@ def chosen_device() -> int | Literal["cpu"] | None:
             "See nvidia-smi -L.",
         )
     )
+
+
+_MOST_LETTERS = 128
+"""Of a GPU's name."""
+
+
+def gpus() -> list[Gpu]:
+    """The GPUs as CUDA's driver counts them, which networks and pictures go by; none without the driver."""
+    for library in ("libcuda.so.1", "libcuda.so", "nvcuda.dll"):
+        with suppress(OSError):
+            return _counted_by(ctypes.CDLL(library))
+    return []
+
+
+def _counted_by(driver: ctypes.CDLL) -> list[Gpu]:
+    count, name = ctypes.c_int(), ctypes.create_string_buffer(_MOST_LETTERS)
+    if driver.cuInit(0) != 0 or driver.cuDeviceGetCount(ctypes.byref(count)) != 0:
+        return []
+    found = []
+    for number in range(count.value):
+        device = ctypes.c_int()
+        known = driver.cuDeviceGet(ctypes.byref(device), number) == 0
+        known = known and driver.cuDeviceGetName(name, _MOST_LETTERS, device) == 0
+        found.append(Gpu(number, name.value.decode(errors="replace") if known else "of unknown name"))
+    return found

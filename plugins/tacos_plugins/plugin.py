@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tacos_framework.components import Command, Component
-from tacos_framework.environment import EnvironmentFinding
+from tacos_framework.environment import EnvironmentFinding, Gpu
 from tacos_framework.hookspecs import hookimpl
 from tacos_plugins.authoring import commands as authoring
 from tacos_plugins.kept_worlds import commands as kept_worlds
@@ -273,6 +273,14 @@ def _components() -> Iterator[Component]:
 def tacos_commands() -> list[Command]:
     """``tacos catalog``, ``tacos schema``, ``tacos completion``, ``tacos new-plugin``, ``tacos cache``."""
     return [*authoring.commands(), *kept_worlds.commands()]
+
+
+@hookimpl
+def tacos_gpus() -> list[Gpu]:
+    """The GPUs that CUDA knows, on which pictures are rendered and networks run."""
+    from tacos_plugins.chosen_device import gpus
+
+    return gpus()
 
 
 @hookimpl

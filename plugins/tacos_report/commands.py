@@ -25,10 +25,10 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
 def _report(arguments: argparse.Namespace) -> int:
     """Have all plugins report on a results folder."""
     from tacos_framework.plugins import Plugins
+    from tacos_framework.results import read_result
 
     folder = arguments.folder
-    if not (folder / "result.json").is_file():
-        raise UserError(Fault(str(folder), "there is no result.json", "the results folder of a run"))
+    read_result(folder)
     written, failures = Plugins.discover().offers.write_reports(folder)
     for path in written:
         print(path)

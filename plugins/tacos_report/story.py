@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tacos_framework.results import DESIGNED
 from tacos_report import verdicts
 from tacos_report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_report.plain_values import mapping, showable, text
@@ -22,7 +23,7 @@ from tacos_report.quantities import (
     unit_of,
     words,
 )
-from tacos_report.study_data import DESIGNED, CameraResult, StudyData, Tried
+from tacos_report.study_data import CameraResult, StudyData, Tried
 from tacos_report.view_geometry import floor_range_m
 
 _SCHEMES = {

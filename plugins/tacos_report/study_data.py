@@ -7,16 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework.errors import UserError
 from tacos_framework.files import read_bytes
-from tacos_framework.results import read_run_json, read_run_lines
+from tacos_framework.results import DESIGNED, read_result, read_run_lines
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_report.analysis import Analysis, RankedPart, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
 from tacos_report.plain_values import rows as plain_rows
-
-DESIGNED = "designed"
-"""The name under which the winner of the search appears among the cameras."""
 
 
 @dataclass(frozen=True)
@@ -183,7 +180,7 @@ def read_study(folder: Path) -> StudyData:
     UserError
         Where ``result.json`` is missing or is not a JSON object.
     """
-    result = _read_result(folder)
+    result = read_result(folder)
     generations, torn = read_generations(folder / "generations.jsonl")
     recipe = _text(folder / "recipe.yaml")
     document = document_of(recipe)
@@ -204,14 +201,6 @@ def read_study(folder: Path) -> StudyData:
         asks_for_test=not document or document.get("test") is not None,
         f_number=finite(mapping(document.get("scenario")).get("f_number")),
     )
-
-
-def _read_result(folder: Path) -> dict[str, Any]:
-    path = folder / "result.json"
-    remedy = "Name the folder that tacos-run wrote with --out."
-    if not path.exists():
-        raise UserError(Fault(str(folder), "there is no result.json here", remedy=remedy))
-    return read_run_json(path)
 
 
 def read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:

@@ -12,13 +12,10 @@ from pydantic import ValidationError
 from tacos_framework.catalog import OffTheShelf, camera_names, load_cameras
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plan import Plan
-from tacos_framework.results import read_run_json
+from tacos_framework.results import DESIGNED, read_result
 from tacos_framework.settings import also_called
 from tacos_framework.values import Rig
 from tacos_framework.variables import CatalogChoice
-
-DESIGNED = "designed"
-"""What a results folder calls the camera that its study found."""
 
 CameraName = str | Mapping[str, Any] | None
 """A product or a camera of a run by name, values of design variables by theirs, or None for the default."""
@@ -82,16 +79,13 @@ def built_rig(plan: Plan, camera: CameraChoice) -> Rig:
 
 
 def _of_run(run: Path, name: str) -> CameraChoice:
-    path = run / "result.json"
-    if not path.exists():
-        raise UserError(Fault(str(path), "there is no result", "a study that has ended"))
-    cameras = read_run_json(path).get("cameras")
+    cameras = read_result(run).get("cameras")
     if not isinstance(cameras, dict):
-        raise UserError(Fault(str(path), "it is not the result of a study", "a study that has ended"))
+        raise UserError(Fault(str(run), "it is not the result of a study", "a study that has ended"))
     if name not in cameras:
         raise UserError(Fault(name, f"the run {run} has no such camera", "", did_you_mean(name, cameras)))
     if not isinstance(cameras[name], dict) or not isinstance(cameras[name].get("camera"), dict):
-        raise UserError(Fault(str(path), f"the camera {name} has no values", "a study that has ended"))
+        raise UserError(Fault(str(run), f"the camera {name} has no values", "a study that has ended"))
     return CameraChoice(str(cameras[name].get("title", name)), cameras[name]["camera"])
 
 

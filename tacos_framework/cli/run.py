@@ -7,7 +7,7 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -214,7 +214,7 @@ def _plan_procedure(
 def _read(arguments: argparse.Namespace, plugins: Plugins) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
     from tacos_framework.recipe.loading import read_any_recipe
 
-    faults: list[Fault] = []
+    faults = [*_device_faults(os.environ.get(DEVICE_VARIABLE, ""), plugins)]
     sets = _sets(arguments, plugins, faults)
     effects, places = _effects(arguments, faults)
     try:
@@ -222,6 +222,18 @@ def _read(arguments: argparse.Namespace, plugins: Plugins) -> tuple[Recipe | Pro
     except UserError as error:
         raise UserError([*faults, *error.faults]) from error
     return recipe, [*faults, *found]
+
+
+def _device_faults(device: str, plugins: Plugins) -> Iterator[Fault]:
+    """What is wrong with the device that was chosen: a GPU that this machine does not have."""
+    number = device.removeprefix("cuda:")
+    if not (number.isascii() and number.isdecimal()) or (gpus := plugins.offers.gpus()) is None:
+        return
+    if int(number) not in [gpu.number for gpu in gpus]:
+        known = ", or ".join(["cpu", *(f"{gpu.number} ({gpu.name})" for gpu in gpus)])
+        found = "this machine has no GPU that can be used" if not gpus else f"there is no GPU {number}"
+        remedy = "Name one of these, or leave it out: the best there is is then used."
+        yield Fault(f"--device {device}", found, known, remedy)
 
 
 def _sets(arguments: argparse.Namespace, plugins: Plugins, faults: list[Fault]) -> dict[str, Any]:

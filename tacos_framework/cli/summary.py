@@ -9,6 +9,8 @@ from typing import Any
 
 def summary(result: Mapping[str, Any], out: Path) -> str:
     """What a run found, in a few lines."""
+    from tacos_framework.results import DESIGNED  # with numpy, which a faulty command does without
+
     if "procedure" in result:
         lines = [str(result.get("summary", "")), f"{result['seconds']:.0f} s. Results: {out}"]
         if (out / "report.html").exists():
@@ -27,7 +29,7 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
             f"  {name:<20} fitness on unseen scenes {'failed' if fitness is None else f'{fitness:.3f}'}"
         )
     if not best:
-        reason = result.get("failed", {}).get("designed", "log.txt says why")
+        reason = result.get("failed", {}).get(DESIGNED, "log.txt says why")
         lines.append(f"No candidate could be scored: {reason}.")
     decision = result.get("decision")
     if isinstance(decision, Mapping) and (sentence := decision.get("sentence")) and not degenerate:

@@ -12,7 +12,7 @@ import pluggy
 
 from tacos_framework import hookspecs
 from tacos_framework.components import Command, ReferencePage
-from tacos_framework.environment import EnvironmentFinding
+from tacos_framework.environment import EnvironmentFinding, Gpu
 from tacos_framework.plugins.failures import PluginFailure, PluginFailures, in_words, tried
 from tacos_framework.plugins.observers import Observer, Observers
 
@@ -109,6 +109,17 @@ class Offers:
                     EnvironmentFinding(f"plugin {plugin.source}", said, ok=False, remedy="Update it.")
                 )
         return found
+
+    def gpus(self) -> list[Gpu] | None:
+        """The GPUs that plugins know of, each once; None where no plugin looks for any."""
+        looking = [plugin for plugin in self._plugins if self._implements(plugin, "tacos_gpus")]
+        found = [gpu for plugin in looking for gpu in self.of(plugin, "tacos_gpus", Gpu)]
+        by_number = {gpu.number: gpu for gpu in reversed(found)}
+        return [by_number[number] for number in sorted(by_number)] if looking else None
+
+    def _implements(self, plugin: HookedPlugin, hook: str) -> bool:
+        callers = self._manager.get_hookcallers(plugin.hooks) or []
+        return hook in (caller.name for caller in callers)
 
     def commands(self, taken: tuple[str, ...] = ()) -> list[Command]:
         """The commands of ``tacos`` of plugins, by name, without those whose name is not theirs alone.

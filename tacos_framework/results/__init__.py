@@ -7,6 +7,7 @@
 ``writing``       files that are there whole or not at all
 ``log``           who hears what a run notes, and the file it is kept in
 ``reading``       files as the run left them, or a sentence on what is wrong
+``differences``   where the recipe it is to go on with is another one
 ``manifest``      what a run was started with, held against what is there when it goes on
 ``dependencies``  what that is, of a study and of a procedure
 ================  ===========================================================================================
@@ -14,7 +15,23 @@
 
 from __future__ import annotations
 
-from tacos_framework.results.reading import read_run_json, read_run_lines, read_run_text
+from tacos_framework.results.reading import (
+    DESIGNED,
+    RESULT,
+    read_result,
+    read_run_json,
+    read_run_lines,
+    read_run_text,
+)
 from tacos_framework.results.results import Results, read_recipe
 
-__all__ = ["Results", "read_recipe", "read_run_json", "read_run_lines", "read_run_text"]
+__all__ = [
+    "DESIGNED",
+    "RESULT",
+    "Results",
+    "read_recipe",
+    "read_result",
+    "read_run_json",
+    "read_run_lines",
+    "read_run_text",
+]

@@ -23,6 +23,12 @@ from tacos_framework.results.checksums import (
 
 Content = TypeVar("Content")
 
+RESULT = "result.json"
+"""The file that says what came out of a run."""
+
+DESIGNED = "designed"
+"""What the results of a study call the camera that was designed, among the products."""
+
 MANIFEST = "manifest.json"
 """The file that says what a run was started with; runs of versions that wrote no checksums have none."""
 
@@ -94,6 +100,21 @@ def read_run_json(path: Path) -> dict[str, Any]:
         When it cannot be read, or is not as the run left it.
     """
     return _read_run_file(path, b'\n "checksum": "', checked_json, json_object)
+
+
+def read_result(folder: Path) -> dict[str, Any]:
+    """What came out of a run, ``result.json``, of earlier versions as well.
+
+    Raises
+    ------
+    UserError
+        When the folder has none, it cannot be read, or is not as the run left it.
+    """
+    path = folder / RESULT
+    if not path.exists():
+        remedy = "Name the folder that tacos-run wrote with --out; a run that has not ended has none yet."
+        raise UserError(Fault(str(folder), f"there is no {RESULT} here", "the results of a run", remedy))
+    return read_run_json(path)
 
 
 def read_run_lines(path: Path) -> Lines:

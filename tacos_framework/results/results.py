@@ -14,9 +14,11 @@ from tacos_framework.results.checksums import (
     checked_text,
     text_with_checksum,
 )
+from tacos_framework.results.differences import differences
 from tacos_framework.results.folder import RunFolder
 from tacos_framework.results.reading import (
     MANIFEST,
+    RESULT,
     damage,
     file_of_run,
     read_run_json,
@@ -29,7 +31,7 @@ from tacos_framework.settings.yaml_writer import to_yaml
 FORMAT = 4
 """Format of ``checkpoint.json``; another one cannot be resumed."""
 
-RECIPE, CHECKPOINT, RESULT, LOG = "recipe.yaml", "checkpoint.json", "result.json", "log.txt"
+RECIPE, CHECKPOINT, LOG = "recipe.yaml", "checkpoint.json", "log.txt"
 
 _ANOTHER = "Name another folder with --out."
 
@@ -137,17 +139,17 @@ class Results(RunFolder):
                 return None
         earlier = read_recipe(folder)
         kept, wanted = (comparable(each) for each in (earlier, recipe))
-        differing = [key for key in {*kept, *wanted} if kept.get(key) != wanted.get(key)]
-        differing = sorted({*differing} - {"executor"})
+        elsewhere = {"executor": None}  # where it runs may change
+        differing = list(differences({**kept, **elsewhere}, {**wanted, **elsewhere}))
         if differing:
             raise UserError(
                 Fault(
                     str(folder),
-                    f"it holds a run of another recipe: {', '.join(differing)} "
-                    f"differ{'s' if len(differing) == 1 else ''}",
+                    f"it holds a run of another recipe: {difference}",
                     "the recipe and --set it was started with",
                     "Resume with those, or name another --out.",
                 )
+                for difference in differing
             )
         state = self._read_checkpoint()
         if any(earlier.get(key) != recipe.get(key) for key in {*earlier, *recipe} - {"executor"}):

@@ -12,7 +12,7 @@ from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
 from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.results import Results
+from tacos_framework.results import DESIGNED, RESULT, Results
 from tacos_framework.results.manifest import Manifest
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.account import Account
@@ -33,9 +33,6 @@ from tacos_framework.study.shards import score_sharded
 from tacos_framework.study.unseen_test import UnseenTest
 
 log = logging.getLogger(__name__)
-
-DESIGNED = "designed"
-"""Name of the designed camera in results."""
 
 BROKEN_OFF = "interrupted by the user"
 """Why a study stopped that was broken off with Ctrl-C, as its result says."""
@@ -292,7 +289,7 @@ class Study:
                 f"Of an analysis, {', '.join(taken)} is left out: the study says it itself."
             )
         result = {**self._analysis, **result}
-        self.results.write_json("result.json", result)
+        self.results.write_json(RESULT, result)
         self._observers.tell("tacos_study_finished", result=result)
         return result
 

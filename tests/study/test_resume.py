@@ -138,5 +138,16 @@ def test_resuming_another_recipe_or_nothing_is_refused(toys, tmp_path):
     with pytest.raises(UserError, match="no run to resume"):
         run(toy_recipe(), toys, tmp_path / "nothing", resume=True)
     run(toy_recipe(), toys, tmp_path / "out")
-    with pytest.raises(UserError, match="seed differs"):
+    with pytest.raises(UserError, match=r"another recipe: seed was 3, and is 99 now"):
         run(toy_recipe(seed=99), toys, tmp_path / "out", resume=True)
+
+
+def test_every_changed_setting_of_a_resumed_run_is_named_with_both_values(toys, tmp_path):
+    run(toy_recipe(), toys, tmp_path / "out")
+    changed = {"seed": 99, "test": {"frames": 3}, "rig": {"binning": 2}}
+    with pytest.raises(UserError) as caught:
+        run(toy_recipe(**changed), toys, tmp_path / "out", resume=True)
+    said = str(caught.value)
+    assert "seed was 3, and is 99 now" in said
+    assert "test.frames was 4, and is 3 now" in said
+    assert "rig.binning was not given, and is 2 now" in said

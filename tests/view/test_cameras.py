@@ -68,5 +68,5 @@ def test_a_run_has_its_designed_camera_and_those_it_was_compared_with(plan: Plan
 
 
 def test_an_unfinished_run_is_said(plan: Plan, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="a study that has ended"):
+    with pytest.raises(UserError, match="a run that has not ended has none yet"):
         choose_camera(plan, None, tmp_path)

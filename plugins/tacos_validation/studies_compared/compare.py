@@ -14,15 +14,13 @@ from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import Results
+from tacos_framework.results import DESIGNED, Results
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
 from tacos_validation.studies_compared.pages import StudiesComparison, lines, page, summary
 from tacos_validation.studies_compared.pairs import StudyOutcome
-
-DESIGNED = "designed"
 
 
 class CompareStudies:

@@ -14,13 +14,13 @@ from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import Results, read_run_lines
+from tacos_framework.results import DESIGNED, Results, read_run_lines
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
 from tacos_validation.studies_table.findings import StudyRun, findings
 from tacos_validation.studies_table.pages import TableOutcome, folder_of, page, summary, table_csv
-from tacos_validation.studies_table.settings import DESIGNED, StudiesConfig
+from tacos_validation.studies_table.settings import StudiesConfig
 
 log = logging.getLogger(__name__)
 

@@ -136,6 +136,10 @@ def _create_context() -> tuple[moderngl.Context, str]:
             reasons.append(f"{libegl}: {error}")
         else:
             return context, libgl
+    if isinstance(chosen, int) and all("that CUDA calls" in reason for reason in reasons):
+        where, expected = f"--device {chosen}", "cpu, or a GPU that OpenGL reaches as well"
+        remedy = "Leave it out, or install the OpenGL libraries of the GPU's driver (libnvidia-gl)."
+        raise UserError(Fault(where, f"OpenGL does not reach GPU {chosen}: {reasons[0]}", expected, remedy))
     raise UserError(
         Fault(
             where="renderer.moderngl",
