@@ -32,7 +32,7 @@ from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem, placed_in, robust
-from tacos_gap.statistics.unmeasured import nothing_seen, unmeasured
+from tacos_gap.statistics.unmeasured import is_cut_off, nothing_seen, unmeasured
 from tacos_gap.statistics.views import view_of
 from tacos_gap.transfer import of_each_capture, of_one_specimen
 from tacos_gap.undiagnosed import nothing_measured
@@ -84,7 +84,7 @@ def diagnose(
     tell("measuring the captures")
     folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)
-    if not any(each.labels for each in evidence):
+    if not any(each.labels for each in evidence) or all(map(is_cut_off, folder.captures)):
         raise nothing_measured(folder, limitations)
     problem = Problem(evidence, workers)
     while True:

@@ -8,6 +8,7 @@ from typing import Any
 from tacos_framework.errors import Fault, UserError
 from tacos_gap.ambiguity import NextCapture
 from tacos_gap.captures import CaptureFolder
+from tacos_gap.report.words import gathered
 
 WANTED = NextCapture(
     "flat",
@@ -81,5 +82,6 @@ def undiagnosed_data(limitations: Sequence[str]) -> dict[str, Any]:
 
 def undiagnosed_summary(limitations: Sequence[str]) -> str:
     """What is said on the terminal."""
-    lines = ["Unknown: nothing could be measured in any capture.", *(f"  {text}" for text in limitations)]
+    said = [f"  {text}" for text in gathered(limitations)]
+    lines = ["Unknown: nothing could be measured in any capture.", *said]
     return "\n".join([*lines, f"Capture next: {WANTED.kind}; {WANTED.why}."])

@@ -7,6 +7,7 @@ from typing import Any
 
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.report.photographed import effects_not_shown, photographed
+from tacos_gap.report.words import gathered
 from tacos_gap.undiagnosed import WANTED
 from tacos_report.page import Code, Page, Paragraph, Section
 
@@ -34,7 +35,7 @@ def undiagnosed_page(
         "So nothing is said of the gap: neither that there is one, nor that there is none.",
         [
             Section("What was photographed", tuple(photographed(folder.captures))),
-            Section("Why it tells nothing", tuple(map(Paragraph, limitations))),
+            Section("Why it tells nothing", tuple(map(Paragraph, gathered(limitations)))),
             Section("What to photograph", (Paragraph(wanted), *effects_not_shown(folder.captures, effects))),
             Section("To repeat it", (Code(command),)),
         ],

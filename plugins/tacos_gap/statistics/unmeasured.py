@@ -22,6 +22,12 @@ def nothing_seen(capture: RealCapture) -> str | None:
     return None if capture.valid.any() else f"{capture.id}: its mask leaves no pixel; it is left out."
 
 
+def is_cut_off(capture: RealCapture) -> bool:
+    """Whether all its pixels stand at one end of the files, where neither light nor noise shows."""
+    seen = capture.real_dn[:, capture.valid]
+    return bool(seen.size) and bool((seen <= 0).all() or (seen >= capture.context.white_level_dn).all())
+
+
 def unmeasured(capture: RealCapture) -> Iterator[str]:
     """Statistics that a capture of its kind should show, and this one cannot."""
     if capture.is_structured:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from tacos_gap.evidence import ImageEvidence
 from tacos_gap.locate import locate
 from tacos_gap.problem import Problem
 from tacos_gap.statistics import Sample, measure
+from tacos_gap.undiagnosed import NothingMeasured
 from tacos_gap.unknown import unexplained
 from tests.gap.captures.folders import describe, save, save_frames
 from tests.gap.captures.random_folders import random_folder
@@ -155,13 +157,30 @@ def test_lossy_files_and_a_mask_of_few_pixels(tmp_path):
     look_at(read_captures(folder_of(tmp_path, "scene", frame[None], squares(), mask="mask.png")))
 
 
-def test_a_folder_that_tells_nothing_is_refused_with_the_reasons(tmp_path):
-    folder = read_captures(folder_of(tmp_path, **DEGENERATE["a few pixels"]))
-    with pytest.raises(UserError, match=r"(?s)nothing can be measured.*too few"):
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("a few pixels", "too few"),
+        ("all zero", "every pixel is 0"),
+        ("all saturated", "are saturated"),
+    ],
+)
+def test_a_folder_that_tells_nothing_is_refused_with_the_reasons(tmp_path, name, why):
+    """Files that stand at one end of their range differ from no simulation that ends there too."""
+    folder = read_captures(folder_of(tmp_path, **DEGENERATE[name]))
+    with pytest.raises(NothingMeasured, match="nothing can be measured") as raised:
         diagnose(folder, {})
+    assert any(why in text for text in raised.value.limitations)
 
 
-@pytest.mark.parametrize("name", ["no pedestal", "all zero", "all saturated", "tiny", "uncertain colours"])
+def test_a_dark_at_zero_counts_beside_captures_that_show_something(tmp_path):
+    dark = read_captures(folder_of(tmp_path / "dark", **DEGENERATE["all zero"])).captures[0]
+    flat = read_captures(folder_of(tmp_path / "flat", **DEGENERATE["one frame"])).captures[0]
+    found = diagnose(CaptureFolder(tmp_path, (replace(dark, id="dark"), flat)), {}, workers=1)
+    assert {label.capture for label in found.problem.labels} == {"dark", "it"}
+
+
+@pytest.mark.parametrize("name", ["no pedestal", "constant", "tiny", "uncertain colours"])
 def test_a_degenerate_folder_is_diagnosed(tmp_path, name):
     plugins = Plugins.discover()
     effects = {use: plugins.resolve(f"effect.{use}") for use in ("black-level", "read-noise", "saturation")}
