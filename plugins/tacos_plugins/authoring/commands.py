@@ -1,4 +1,4 @@
-"""``tacos catalog``, ``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
+"""``tacos catalog``, ``tacos recipes``, ``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ def commands() -> list[Command]:
     """The commands; importing this is light."""
     return [
         Command("catalog", "catalogs of parts and cameras", _catalog_arguments, _catalog),
+        Command("recipes", "the recipes that ship, and where they lie", _no_arguments, _recipes),
         Command("schema", "print the JSON Schema of recipes, for editors", _no_arguments, _schema),
         Command(
             "completion",
@@ -45,6 +46,13 @@ def _catalog(arguments: argparse.Namespace) -> int:
 
 def _no_arguments(parser: argparse.ArgumentParser) -> None:
     """There are none."""
+
+
+def _recipes(arguments: argparse.Namespace) -> int:
+    from tacos_plugins.authoring.recipes import list_recipes
+
+    print(list_recipes())
+    return DONE
 
 
 def _schema(arguments: argparse.Namespace) -> int:

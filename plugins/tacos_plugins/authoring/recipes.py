@@ -1,0 +1,32 @@
+"""``tacos recipes``: the recipes that ship, a line each, and where they lie."""
+
+from __future__ import annotations
+
+import re
+from itertools import takewhile
+from pathlib import Path
+
+from tacos_framework.packaged_resources import shipped_folder, shipped_names
+from tacos_framework.settings.yaml_reader import read_yaml
+
+_SENTENCE = re.compile(r".+?[.?](?=\s+[A-Z]|$)")
+"""The first sentence; the stop of "Sec. 4.3" ends none."""
+
+
+def list_recipes() -> str:
+    """The shipped recipes, a line each, and how they are used."""
+    folder = shipped_folder("recipes")
+    names = shipped_names(folder)
+    widest = max(map(len, names))
+    lines = [f"{name:<{widest}}  {summary_of(folder / f'{name}.yaml')}" for name in names]
+    closing = f"They lie in {folder}. Run one by its name, tacos-run NAME, or a copy by its path."
+    return "\n".join([*lines, "", closing])
+
+
+def summary_of(recipe: Path) -> str:
+    """What a recipe is for: the first sentence of the comment it begins with, else its name."""
+    lines = takewhile(lambda line: re.match(r"# \S", line), recipe.read_text("utf-8").splitlines())
+    comment = " ".join(line.removeprefix("# ").strip() for line in lines)
+    if (sentence := _SENTENCE.match(comment)) is not None:
+        return sentence[0].removesuffix(".")
+    return comment or str(read_yaml(recipe).data["name"])
