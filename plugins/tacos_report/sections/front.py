@@ -8,6 +8,7 @@ from functools import partial
 from tacos_report.analysis import FrontPoint, Objective
 from tacos_report.figures.trade_offs import trade_offs
 from tacos_report.page import Block, Detailed, Table, in_both_widths
+from tacos_report.prices import price_words
 from tacos_report.quantities import number, quantity, words
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
@@ -40,7 +41,7 @@ def _head(objective: Objective) -> str:
 
 
 def _row(point: FrontPoint, objectives: list[Objective], study: StudyData) -> tuple[str | Detailed, ...]:
-    optics = optics_words(point.camera, study.units)
+    optics = "; ".join(filter(None, (optics_words(point.camera, study.units), price_words(point.camera))))
     ends = f"{number(point.ci[0])} to {number(point.ci[1])}" if point.ci else ""
     values = (
         quantity(point.values[each.name], each.unit) if each.name in point.values else "not stated"

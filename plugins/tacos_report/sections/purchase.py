@@ -8,6 +8,7 @@ from typing import Any
 
 from tacos_report.page import Block, Paragraph, SideBySide, Table, Warnings
 from tacos_report.plain_values import finite, showable
+from tacos_report.prices import price_words
 from tacos_report.quantities import number, quantity, shown, unit_of, words
 from tacos_report.study_data import CameraResult, StudyData
 
@@ -29,7 +30,9 @@ def blocks(study: StudyData) -> Iterator[Block]:
         tables.append(Table(("Lens", "to be found"), tuple(_lens_wanted(designed, study))))
     yield SideBySide(tuple(tables))
     fit = _fit(designed) if "lens" in parts else ()
-    if together := (*fit, *_mounting(designed, study)):
+    price = price_words(designed.camera)
+    cost = (("Price of one of each", price),) if price else ()
+    if together := (*cost, *fit, *_mounting(designed, study)):
         yield Table(("Together", ""), together)
     yield Warnings("Before you order", doubts(study))
 

@@ -8,6 +8,7 @@ from functools import partial
 from tacos_report.analysis import RankedPart
 from tacos_report.figures.parts_ranked import parts_ranked
 from tacos_report.page import Block, Detailed, Folded, Paragraph, Table, in_both_widths
+from tacos_report.prices import price_words
 from tacos_report.quantities import number, words
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
@@ -86,7 +87,7 @@ def _row(
     return (
         str(place),
         Detailed(part.part, f"in the {title}" if title and title != part.part else ""),
-        optics_words(part.camera, study.units),
+        Detailed(optics_words(part.camera, study.units), price_words(part.camera)),
         Detailed(number(part.fitness), ends),
         *("" if value is None else chance(value) for value in chances),
         Detailed(
