@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
+import threading
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -91,3 +95,44 @@ def test_runs_that_wait_are_served_in_one_batch_and_those_that_end_hold_up_nobod
 
     together([1, 2, 3], asks_as_often_as_its_number, filled)
     assert batches == [[1, 2, 3], [2, 3], [3]]
+
+
+def test_what_fails_in_one_run_ends_the_others_and_is_told():
+    class Table:
+        def lacking(self, wanted):
+            return list(wanted)
+
+        def fill(self, wanted):
+            raise AssertionError("one of the members does not wait")
+
+    filled = FilledTogether(Table(), 3)
+
+    def go(member):
+        if member == 2:
+            raise ValueError("member 2 is wrong")
+        filled.fill([({"width": member}, None)])
+
+    with pytest.raises(ValueError, match="member 2 is wrong"):
+        together([1, 2, 3], go, filled)
+
+
+def test_ctrl_c_leaves_a_batch_at_once_and_keeps_what_had_come():
+    kept = []
+
+    class Slow:
+        def lacking(self, wanted):
+            return [pair for pair in wanted if pair not in kept]
+
+        def fill(self, wanted):
+            first, *_ = wanted
+            kept.append(first)
+            threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+            time.sleep(20)
+
+    filled = FilledTogether(Slow(), 2)
+    began_s = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        together([1, 2], lambda member: filled.fill([({"width": member}, None)]), filled)
+    assert time.monotonic() - began_s < 5
+    assert kept == [({"width": 1}, None)]
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("ThreadPoolExecutor")]

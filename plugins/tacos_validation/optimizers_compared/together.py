@@ -6,7 +6,7 @@ A run by itself asks for one camera after the other, which keeps one worker busy
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor
 from threading import Condition
 from typing import TypeVar
 
@@ -16,13 +16,14 @@ Member = TypeVar("Member")
 
 
 class GivenUp(Exception):
-    """Another run has failed, and no run goes on."""
+    """Another run has failed or the user has broken off, and no run goes on."""
 
 
 class FilledTogether:
     """A table that is filled once all of its members wait for it, with what all of them want.
 
-    The order in which members ask is not known, but what a table holds does not depend on it.
+    The order in which members ask is not known, but what a table holds does not depend on it. Members wait in
+    threads of their own; the table is filled in the thread that calls `serve`.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ class FilledTogether:
         self._waiting = 0
         self._batch = 0
         self._wanted: list[Wanted] = []
-        self._has_failed = False
+        self._is_given_up = False
         self._changed = Condition()
 
     def fill(self, wanted: Iterable[Wanted]) -> None:
@@ -47,46 +48,56 @@ class FilledTogether:
         Raises
         ------
         GivenUp
-            When filling it has failed for another member, or one has given up.
+            When filling it has failed, or a member has given up.
         """
         with self._changed:
             if lacking := self._table.lacking(wanted):
                 own = self._batch
                 self._wanted += lacking
                 self._waiting += 1
-                self._fill_if_all_wait()
-                self._changed.wait_for(lambda: self._batch > own or self._has_failed)
-            if self._has_failed:
+                self._changed.notify_all()
+                self._changed.wait_for(lambda: self._batch > own or self._is_given_up)
+            if self._is_given_up:
                 raise GivenUp
 
     def leave(self) -> None:
         """One member asks for nothing any more."""
         with self._changed:
             self._members -= 1
-            self._fill_if_all_wait()
+            self._changed.notify_all()
 
     def give_up(self) -> None:
         """Nobody is to wait any longer."""
         with self._changed:
-            self._has_failed = True
+            self._is_given_up = True
             self._changed.notify_all()
 
-    def _fill_if_all_wait(self) -> None:
-        if not self._waiting or self._waiting < self._members or self._has_failed:
-            return
-        wanted, self._wanted, self._waiting = self._wanted, [], 0
-        try:
+    def serve(self) -> None:
+        """Fill the table again and again, until all members have left or one has given up.
+
+        The table is filled outside of the lock, so that `give_up` never waits for a batch.
+        """
+        while wanted := self._all_that_is_wanted():
             self._table.fill(sorted(wanted, key=repr))  # in an order that no thread decides
-        except BaseException:
-            self._has_failed = True
-            raise
-        finally:
-            self._batch += 1
-            self._changed.notify_all()
+            with self._changed:
+                self._batch += 1
+                self._changed.notify_all()
+
+    def _all_that_is_wanted(self) -> list[Wanted]:
+        """What all members want, once all wait; nothing where nobody will want anything any more."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._is_given_up or self._waiting == self._members)
+            if self._is_given_up:
+                return []
+            wanted, self._wanted, self._waiting = self._wanted, [], 0
+            return wanted
 
 
 def together(members: Sequence[Member], go: Callable[[Member], None], table: FilledTogether) -> None:
     """Let every member go at once, each in a thread; the first that fails ends all.
+
+    The table is filled in this thread, which Ctrl-C interrupts: a batch in work is left at once, what had
+    come of it stays, and the members end as soon as they would ask for more.
 
     Parameters
     ----------
@@ -99,14 +110,19 @@ def together(members: Sequence[Member], go: Callable[[Member], None], table: Fil
     """
 
     def gone(member: Member) -> None:
-        go(member)
+        try:
+            go(member)
+        except BaseException:
+            table.give_up()
+            raise
         table.leave()
 
     with ThreadPoolExecutor(max(1, len(members))) as threads:
         running = [threads.submit(gone, member) for member in members]
         try:
-            for each in as_completed(running):
-                if not isinstance(error := each.exception(), GivenUp | None):
-                    raise error
+            table.serve()
         finally:
             table.give_up()
+    for each in running:
+        if not isinstance(error := each.exception(), GivenUp | None):
+            raise error
