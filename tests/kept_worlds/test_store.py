@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import logging
 import multiprocessing
 import os
@@ -44,6 +45,16 @@ def test_made_once(tmp_path) -> None:
     WorldStore(tmp_path).get("other", make, [])
     assert make.times == 2
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".world", ".world"]
+
+
+def test_locks_of_processes_that_died_go_and_those_in_use_stay(tmp_path) -> None:
+    (tmp_path / "died.lock").touch()
+    with (tmp_path / "used.lock").open("wb") as used:
+        fcntl.flock(used, fcntl.LOCK_EX)
+        WorldStore(tmp_path).get("key", Maker(), [])
+        assert {path.name for path in tmp_path.glob("*.lock")} == {"used.lock"}
+    WorldStore(tmp_path).clear()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_damaged_entry_is_said_and_made_anew(tmp_path, caplog) -> None:

@@ -18,6 +18,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.formation import PlacedSensor
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
+from tacos_framework.results.writing import replace_file
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress
@@ -185,8 +186,10 @@ class Diagnose:
 
 
 def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
-    (out / "diagnosis.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", "utf-8")
-    (out / "patched.yaml").write_text(patch, "utf-8")
+    """Write each file whole or not at all: an earlier diagnosis stays where this one is broken off."""
+    told = json.dumps(data, indent=1, ensure_ascii=False) + "\n"
+    replace_file(out / "diagnosis.json", told.encode())
+    replace_file(out / "patched.yaml", patch.encode())
 
 
 def _valued(name: str, parameter: Parameter) -> str:

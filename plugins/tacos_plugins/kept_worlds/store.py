@@ -29,7 +29,7 @@ WORTH_KEEPING_S = 0.2
 
 _SPARE_BYTES = 10**9  # left free on the disk
 _ABANDONED_S = 3600.0  # a partial file this old is of a process that died
-_SUFFIX, _LIMIT_FILE = ".world", "limit"
+_SUFFIX, _LOCK, _LIMIT_FILE = ".world", ".lock", "limit"
 
 
 @dataclass(frozen=True)
@@ -107,6 +107,7 @@ class WorldStore:
         for pattern in (f"*{_SUFFIX}", "*.partial"):
             for path in self.folder.glob(pattern):
                 path.unlink(missing_ok=True)
+        self._remove_left_locks()
         return held
 
     def _path(self, key: str) -> Path:
@@ -163,6 +164,14 @@ class WorldStore:
                     path.unlink()
             except FileNotFoundError:  # another process was faster
                 continue
+        self._remove_left_locks()
+
+    def _remove_left_locks(self) -> None:
+        """Delete the locks of processes that died: those that nobody holds."""
+        for path in self.folder.glob(f"*{_LOCK}"):
+            with suppress(OSError), path.open("rb") as lock:  # held, or gone already
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                path.unlink()
 
     def _entries(self) -> Iterator[tuple[float, int, Path]]:
         """When each entry was used last, its size [bytes], and its file."""
@@ -178,7 +187,7 @@ class WorldStore:
         """Be the only process that makes an entry; the system lets go where that process dies."""
         try:
             self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            lock = (self.folder / f"{key}.lock").open("wb")
+            lock = (self.folder / f"{key}{_LOCK}").open("wb")
         except OSError as error:
             self._give_up(error)
             yield
