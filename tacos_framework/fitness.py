@@ -38,7 +38,7 @@ class Fitness:
 
     Parameters
     ----------
-    terms_of
+    terms
         The terms, each of another score.
     scenarios
         Name and weight of each scenario, where there are several.
@@ -52,12 +52,12 @@ class Fitness:
     1.25
     """
 
-    terms_of: tuple[FitnessTerm, ...]
+    terms: tuple[FitnessTerm, ...]
     scenarios: tuple[tuple[str, float], ...] = ()
     over: Literal["mean", "worst"] = "mean"
 
     def __post_init__(self) -> None:
-        names = [term.score for term in self.terms_of]
+        names = [term.score for term in self.terms]
         if not names:
             raise ValueError("a fitness needs at least one term")
         if repeated := sorted({name for name in names if names.count(name) > 1}):
@@ -73,17 +73,17 @@ class Fitness:
         ValueError
             When a score is not a finite number.
         """
-        return math.fsum(self.terms(scores).values())
+        return math.fsum(self.contributions(scores).values())
 
-    def terms(self, scores: Scores) -> dict[str, float]:
+    def contributions(self, scores: Scores) -> dict[str, float]:
         """What each score adds to the fitness; raises as :meth:`value` does."""
-        missing = [term.score for term in self.terms_of if term.score not in scores]
+        missing = [term.score for term in self.terms if term.score not in scores]
         if missing:
             raise CandidateFailed(
                 f"no episode gave a value for {', '.join(missing)}, which the fitness needs; "
                 f"scores that were reported: {', '.join(sorted(scores)) or 'none'}"
             )
-        return {term.score: term.weight * _finite(term.score, scores[term.score]) for term in self.terms_of}
+        return {term.score: term.weight * _finite(term.score, scores[term.score]) for term in self.terms}
 
     def weights(self, by_scenario: Mapping[str, Scores]) -> dict[str, float]:
         """What the fitness of each scenario counts: their sum is 1, or the worst scenario's is.

@@ -78,7 +78,7 @@ class CameraModel:
         """(cameras,) posterior means of ``fitness`` and of each of its scores, over scenarios weighted."""
         posterior, fitness = self.posterior(cameras), self.record.problem.fitness
         means = posterior.score_means()
-        for score in [term.score for term in fitness.terms_of] if fitness.scenarios else ():
+        for score in [term.score for term in fitness.terms] if fitness.scenarios else ():
             by_scenario = [(means[f"{n}/{score}"], w) for n, w in fitness.mean_weights.items()]
             means[score] = np.sum([mean * weight for mean, weight in by_scenario], axis=0)
         return {**means, "fitness": posterior.mean}

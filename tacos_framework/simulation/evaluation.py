@@ -143,7 +143,7 @@ def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
         evaluation,
         scores=scores,
         fitness=fitness.value(scores),
-        terms=fitness.terms(scores),
+        terms=fitness.contributions(scores),
         episodes=tuple(_episode_with_fitness(episode, fitness) for episode in evaluation.episodes),
     )
 
@@ -173,7 +173,7 @@ def _with_fitness_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Eval
         if all("fitness" in row[name] for name, weight in counts.items() if weight > 0):
             episode["fitness"] = weighted_mean(row, counts)["fitness"]
         episodes.append(episode)
-    terms = weighted_mean({name: fitness.terms(scores) for name, scores in means.items()}, counts)
+    terms = weighted_mean({name: fitness.contributions(scores) for name, scores in means.items()}, counts)
     return replace(
         evaluation,
         scores=weighted_mean(means, fitness.mean_weights),
@@ -187,7 +187,7 @@ def _with_fitness_in_scenarios(evaluation: Evaluation, fitness: Fitness) -> Eval
 
 def _episode_with_fitness(scores: Scores, fitness: Fitness) -> dict[str, float]:
     """An episode's scores, and its fitness where it has every score that takes."""
-    if any(term.score not in scores for term in fitness.terms_of):
+    if any(term.score not in scores for term in fitness.terms):
         return dict(scores)
     return {**scores, "fitness": fitness.value(scores)}
 

@@ -170,6 +170,6 @@ def _dependencies(plan: Plan) -> dict[str, tuple[str, ...]]:
 
 def _declared(plan: Plan, attribute: str) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
     """For each term of the fitness its name, its name within its task, and what the task's class declares."""
-    for term in plan.fitness.terms_of:
+    for term in plan.fitness.terms:
         node, _, own = term.score.partition(".")
         yield term.score, own, getattr(plan.nodes[node].cls, attribute, {})

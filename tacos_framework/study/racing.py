@@ -75,21 +75,21 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
 def _counted_terms(blocks: Sequence[Scores], fitness: Fitness) -> tuple[FitnessTerm, ...] | None:
     """The terms of the fitness over all scenarios, or of the worst so far; None where they cannot be told."""
     if not fitness.scenarios:
-        return fitness.terms_of
+        return fitness.terms
     means = mean_scores(blocks)
     by_scenario = {
         name: {
-            term.score: means[key] for term in fitness.terms_of if (key := f"{name}/{term.score}") in means
+            term.score: means[key] for term in fitness.terms if (key := f"{name}/{term.score}") in means
         }
         for name, _ in fitness.scenarios
     }
-    if any(len(scores) < len(fitness.terms_of) for scores in by_scenario.values()):
+    if any(len(scores) < len(fitness.terms) for scores in by_scenario.values()):
         return None
     return tuple(
         FitnessTerm(f"{name}/{term.score}", weight * term.weight)
         for name, weight in fitness.weights(by_scenario).items()
         if weight > 0
-        for term in fitness.terms_of
+        for term in fitness.terms
     )
 
 

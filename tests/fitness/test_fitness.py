@@ -36,7 +36,7 @@ QUANTIZED_DAY = {
 
 def test_the_paper_s_sum_for_a_row_of_its_table() -> None:
     assert PAPER.value(QUANTIZED_DAY) == pytest.approx(0.575 + 0.065 + 0.46 + 1.0)
-    assert PAPER.terms(QUANTIZED_DAY) == pytest.approx(
+    assert PAPER.contributions(QUANTIZED_DAY) == pytest.approx(
         {
             "features.inliers": 0.575,
             "features.inlier_ratio": 0.065,
@@ -50,7 +50,7 @@ def test_the_paper_s_sum_for_a_row_of_its_table() -> None:
 def test_the_value_is_the_sum_of_its_terms(pairs: list[tuple[float, float]]) -> None:
     fitness = Fitness(tuple(FitnessTerm(f"t.s{i}", weight) for i, (weight, _) in enumerate(pairs)))
     scores = {f"t.s{i}": score for i, (_, score) in enumerate(pairs)}
-    assert fitness.value(scores) == math.fsum(fitness.terms(scores).values())
+    assert fitness.value(scores) == math.fsum(fitness.contributions(scores).values())
     assert fitness.value(scores) == pytest.approx(sum(w * s for w, s in pairs), abs=1e-3)
 
 
@@ -67,7 +67,7 @@ def test_a_missing_score_fails_the_candidate_and_is_named() -> None:
     with pytest.raises(
         CandidateFailed, match=r"for features.inliers, features.inlier_ratio, .* reported: none$"
     ):
-        PAPER.terms({})
+        PAPER.contributions({})
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])

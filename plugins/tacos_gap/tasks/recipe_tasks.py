@@ -71,7 +71,7 @@ def default_tasks(plugins: Plugins) -> tuple[RecipeTask, ...]:
 def tasks_of(plan: Plan) -> tuple[RecipeTask, ...]:
     """Every task of a study; first those whose scores its fitness counts."""
     counted: dict[str, list[str]] = {}
-    for term in plan.fitness.terms_of:
+    for term in plan.fitness.terms:
         node, _, score = term.score.partition(".")
         counted.setdefault(node, []).append(score)
     names = sorted(plan.graph.of_kind("task"), key=lambda name: name not in counted)

@@ -21,7 +21,7 @@ MARGINAL_DRAWS = 256
 
 def score_names(fitness: Fitness) -> list[str]:
     """The scores of the fitness: ``node.score``, or ``scenario/node.score`` where there are several."""
-    scores = [term.score for term in fitness.terms_of]
+    scores = [term.score for term in fitness.terms]
     if not fitness.scenarios:
         return scores
     return [f"{scenario}/{score}" for scenario, _ in fitness.scenarios for score in scores]
@@ -41,7 +41,7 @@ def combined(fitness: Fitness, scores: Mapping[str, Array]) -> Array:
 
     def of_scenario(prefix: str) -> Array:
         total = np.zeros(shape)
-        for term in fitness.terms_of:
+        for term in fitness.terms:
             if (name := prefix + term.score) in scores:
                 total = total + term.weight * scores[name]
         return total
