@@ -23,3 +23,12 @@ def compiled(loop: Loop) -> Loop:
         return cast(Loop, numba.njit(loop, cache=True, **_OPTIONS))
     except RuntimeError:  # "no locator available": numba found no folder to write to
         return cast(Loop, numba.njit(loop, **_OPTIONS))
+
+
+def inlined(part: Loop) -> Loop:
+    """A part of a `compiled` loop of the same module, written into it where it is called.
+
+    For what is called for every row of pixels, where a call costs as much as the work. Of the same module, as
+    code that is kept on disk is compiled anew where its own file has changed, and no other.
+    """
+    return cast(Loop, numba.njit(part, inline="always", **_OPTIONS))

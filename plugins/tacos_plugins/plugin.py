@@ -271,7 +271,7 @@ def _components() -> Iterator[Component]:
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos catalog``, ``tacos recipes``, ``tacos schema``, ``tacos completion``, ``tacos new-plugin``, ``tacos cache``."""
+    """Commands to look around and to write plugins, and ``tacos cache``."""
     return [*authoring.commands(), *kept_worlds.commands()]
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled
+from tacos_framework.compiled import compiled, inlined
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
 from tacos_plugins.renderers.moderngl.covered import BLOCK, along, box_is_hidden, is_hidden
@@ -189,57 +189,85 @@ def _fill(
     if is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
         return
 
-    for edge in range(3):
-        ax, ay = (x0, y0) if edge == 0 else (x1, y1) if edge == 1 else (x2, y2)
-        bx, by = (x1, y1) if edge == 0 else (x2, y2) if edge == 1 else (x0, y0)
-        dx, dy = bx - ax, by - ay
-        owns = dy < 0 or (dy == 0 and dx > 0)  # samples on left and top edges belong to the triangle
-        c, divisor = dx * (_SUB * first - ay) + dy * ax - (0 if owns else 1), _SUB * max(abs(dy), 1)
-        edges[edge, _QUOTIENT], edges[edge, _REST] = c // divisor, c % divisor
-        edges[edge, _MORE], edges[edge, _MORE_REST] = (_SUB * dx) // divisor, (_SUB * dx) % divisor
-        edges[edge, _DIVISOR], edges[edge, _SIDE] = divisor, np.sign(dy)
-
+    _lay(edges[0], x0, y0, x1, y1, first)
+    _lay(edges[1], x1, y1, x2, y2, first)
+    _lay(edges[2], x2, y2, x0, y0, first)
     along_x, along_y = _slopes(corners)
-    x_m, y_m, level = corners[0, 0], corners[0, 1], corners[0, 2]
-    slope = np.float32(along_x)
-    own = np.int32(number)
     for y in range(first, last + 1):
-        left, right = least, most
-        for edge in range(3):
-            quotient = edges[edge, _QUOTIENT]
-            if edges[edge, _SIDE] < 0:
-                left = max(left, -quotient)
-            elif edges[edge, _SIDE] > 0:
-                right = min(right, quotient)
-            elif edges[edge, _QUOTIENT] < 0:
-                right = -1  # level, and the row lies beyond it
-            edges[edge, _QUOTIENT] += edges[edge, _MORE]
-            edges[edge, _REST] += edges[edge, _MORE_REST]
-            if edges[edge, _REST] >= edges[edge, _DIVISOR]:
-                edges[edge, _QUOTIENT] += 1
-                edges[edge, _REST] -= edges[edge, _DIVISOR]
-        if left > right:
-            continue
-        start_of_row = np.float32(level + along_x * (left - x_m) + along_y * (y - y_m))
-        start, row = left, y - first_row
-        for block in range(left // BLOCK, right // BLOCK + 1):
-            end = min(BLOCK * (block + 1), right + 1)
-            at_start = start_of_row + slope * np.float32(start - left)
-            at_end = start_of_row + slope * np.float32(end - 1 - left)
-            at_start = min(max(at_start, farthest), nearest)  # slivers have wild slopes
-            at_end = min(max(at_end, farthest), nearest)
-            if max(at_start, at_end) > lowest[row, block]:
-                depths, numbers = inverse_depth[row, start:end], surface[row, start:end]
-                for x in range(len(depths)):
-                    here = start_of_row + slope * np.float32(start - left + x)
-                    here = min(max(here, farthest), nearest)
-                    before = depths[x]
-                    is_nearer = here > before
-                    depths[x] = here if is_nearer else before
-                    numbers[x] = own if is_nearer else numbers[x]
-                if start == BLOCK * block and (end - start == BLOCK or end == width):
-                    lowest[row, block] = max(lowest[row, block], min(at_start, at_end))
-            start = end
+        left, right = _next_span(edges, least, most)
+        if left <= right:
+            level = corners[0, 2] + along_x * (left - corners[0, 0]) + along_y * (y - corners[0, 1])
+            row = y - first_row
+            _fill_row(
+                inverse_depth[row], surface[row], lowest[row], left, right, number,
+                np.float32(level), np.float32(along_x), farthest, nearest,
+            )  # fmt: skip
+
+
+@inlined
+def _lay(edge: NDArray[np.int64], ax: int, ay: int, bx: int, by: int, first: int) -> None:
+    """Keep what the rows from `first` on need of the edge from a to b, in parts of a sample."""
+    dx, dy = bx - ax, by - ay
+    owns = dy < 0 or (dy == 0 and dx > 0)  # samples on left and top edges belong to the triangle
+    c, divisor = dx * (_SUB * first - ay) + dy * ax - (0 if owns else 1), _SUB * max(abs(dy), 1)
+    edge[_QUOTIENT], edge[_REST] = c // divisor, c % divisor
+    edge[_MORE], edge[_MORE_REST] = (_SUB * dx) // divisor, (_SUB * dx) % divisor
+    edge[_DIVISOR], edge[_SIDE] = divisor, np.sign(dy)
+
+
+@inlined
+def _next_span(edges: NDArray[np.int64], least: int, most: int) -> tuple[int, int]:
+    """The first and last sample of a row that lie within all edges, which then go on to the next row."""
+    left, right = least, most
+    for edge in range(3):
+        quotient = edges[edge, _QUOTIENT]
+        if edges[edge, _SIDE] < 0:
+            left = max(left, -quotient)
+        elif edges[edge, _SIDE] > 0:
+            right = min(right, quotient)
+        elif quotient < 0:
+            right = -1  # level, and the row lies beyond it
+        edges[edge, _QUOTIENT] += edges[edge, _MORE]
+        edges[edge, _REST] += edges[edge, _MORE_REST]
+        if edges[edge, _REST] >= edges[edge, _DIVISOR]:
+            edges[edge, _QUOTIENT] += 1
+            edges[edge, _REST] -= edges[edge, _DIVISOR]
+    return left, right
+
+
+@inlined
+def _fill_row(
+    inverse_depth: NDArray[np.float32],
+    surface: NDArray[np.int32],
+    lowest: NDArray[np.float32],
+    left: int,
+    right: int,
+    number: int,
+    level: np.float32,
+    slope: np.float32,
+    farthest: np.float32,
+    nearest: np.float32,
+) -> None:
+    """Draw a span of a row, block by block: `level` is the inverse depth at its left end [1/m]."""
+    own, start = np.int32(number), left
+    for block in range(left // BLOCK, right // BLOCK + 1):
+        end = min(BLOCK * (block + 1), right + 1)
+        at_start = level + slope * np.float32(start - left)
+        at_end = level + slope * np.float32(end - 1 - left)
+        at_start = min(max(at_start, farthest), nearest)  # slivers have wild slopes
+        at_end = min(max(at_end, farthest), nearest)
+        if max(at_start, at_end) > lowest[block]:
+            depths, numbers = inverse_depth[start:end], surface[start:end]
+            for x in range(len(depths)):
+                here = level + slope * np.float32(start - left + x)
+                here = min(max(here, farthest), nearest)
+                before = depths[x]
+                is_nearer = here > before
+                depths[x] = here if is_nearer else before
+                numbers[x] = own if is_nearer else numbers[x]
+            if start == BLOCK * block and (end - start == BLOCK or end == len(surface)):
+                lowest[block] = max(lowest[block], min(at_start, at_end))
+        start = end
 
 
 @compiled
