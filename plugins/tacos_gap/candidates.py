@@ -28,12 +28,12 @@ class Candidates:
     distributions: Mapping[str, str] = field(default_factory=dict)
     limitations: tuple[str, ...] = ()
 
-    def without_these(self, names: Collection[str]) -> Candidates:
-        """The candidates without some that captures cannot show."""
+    def without_these(self, names: Collection[str], by: str) -> Candidates:
+        """The candidates without some that captures cannot show: `by` are the captures, in a few words."""
         if not names:
             return self
         kept = {name: cls for name, cls in self.effects.items() if name not in names}
-        said = f"Pictures of nothing but edges cannot show {', '.join(sorted(names))}: not considered."
+        said = f"{by} cannot show {', '.join(sorted(names))}: not considered."
         return Candidates(kept, self.distributions, (*self.limitations, said))
 
     def without(self, name: str, error: BaseException) -> Candidates:

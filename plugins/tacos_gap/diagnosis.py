@@ -17,7 +17,7 @@ from tacos_gap.attribution import Attribution, ForwardSelection
 from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
-from tacos_gap.captures.coverage import beyond_own_edges
+from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges
 from tacos_gap.captures.even_light import with_even_light
 from tacos_gap.captures.large import ENOUGH_PIXELS, left_out, measured_part, part_of
 from tacos_gap.captures.mean_of_files import without_clipped_expectation
@@ -43,6 +43,9 @@ LEAST_BESIDE_UNKNOWN = 0.1
 
 LEAST_PRESENT = 0.5
 """Or the probability with which the captures that show it say that it is there."""
+
+EDGES_ALONE = "Pictures of nothing but edges"
+EVEN_FIELDS_ALONE = "Captures of nothing but even fields"
 
 Notify = Callable[[str], None]
 
@@ -80,7 +83,8 @@ def diagnose(
     """
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
-    considered = considered.without_these(beyond_own_edges(folder.captures, considered.effects))
+    for beyond, by in ((beyond_own_edges, EDGES_ALONE), (beyond_even_fields, EVEN_FIELDS_ALONE)):
+        considered = considered.without_these(beyond(folder.captures, considered.effects), by)
     tell("measuring the captures")
     folder = boards_found(folder)
     evidence, limitations = gather(folder, seed, workers)

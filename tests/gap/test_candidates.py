@@ -18,7 +18,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_gap.ambiguity import confused_with
 from tacos_gap.candidates import Candidates, candidates
 from tacos_gap.captures import CaptureFolder
-from tacos_gap.captures.coverage import beyond_own_edges, untold
+from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges, untold
 from tacos_gap.diagnosis import diagnose
 from tacos_gap.parameters import HypothesisTerm
 from tacos_plugins.effects.motion_blur import MotionBlur
@@ -181,10 +181,21 @@ def test_pictures_of_nothing_but_edges_are_not_asked_for_light_tone_and_place(pl
     assert beyond.isdisjoint({"defocus", "lens-blur", "motion-blur", "sharpening", "jpeg"})
     assert beyond_own_edges([edge, simulated], effects) == set()
     assert beyond_own_edges([dark], effects) == set()
-    left = Candidates(effects).without_these(beyond)
+    left = Candidates(effects).without_these(beyond, "Edges")
     assert set(left.effects) == set(effects) - beyond
+    assert left.limitations[0].startswith("Edges cannot show ")
     assert "vignetting" in left.limitations[0]
-    assert Candidates(effects).without_these(set()).limitations == ()
+    assert Candidates(effects).without_these(set(), "Edges").limitations == ()
+
+
+def test_even_fields_are_not_asked_where_things_are(plugins):
+    """Of a mosaic's colours a camera turned by twenty degrees would see others, as if the level were off."""
+    flat, dark, scene = (capture(kind, kind, 100.0) for kind in ("flat", "dark", "scene"))
+    effects = candidates(plugins).effects
+    beyond = beyond_even_fields([flat, dark], effects)
+    assert beyond == {"pose-error", "lens-distortion", "focal-length-error", "rolling-shutter"}
+    assert beyond_even_fields([flat, scene], effects) == set()
+    assert beyond_even_fields([flat, capture("board", "board", 100.0)], effects) == set()
 
 
 def test_an_angle_is_given_from_zero_on():

@@ -149,6 +149,22 @@ def test_blemishes_behind_a_mosaic_are_those_of_the_light():
     assert max(np.abs(list(found.values()))) < 0.1
 
 
+def test_the_colours_of_a_mosaic_are_no_fixed_pattern():
+    """Levels that are off by a tenth leave a tenth of the mosaic, which is no pattern of the pixels."""
+    colours = np.tile([[0.5, 1.0], [0.3, 0.5]], (HEIGHT // 2, WIDTH // 2))[None, :, :, None]
+    mosaic = capture("flat", "flat", BLACK_DN + LEVEL * colours[0, ..., 0], frames=4)
+    mosaic = replace(mosaic, context=replace(mosaic.context, cfa="GRBG"))
+    noise = flat_frames() - BLACK_DN - LEVEL
+    pattern = np.random.default_rng(3).normal(0, 1.2, (HEIGHT, WIDTH, 1))
+    brighter = BLACK_DN + 1.1 * LEVEL * colours + noise
+    found, with_it = (
+        blocks(mosaic, frames.astype(np.float32))["fixed_pattern"].values
+        for frames in (brighter, brighter + pattern)
+    )
+    assert found == pytest.approx(0, abs=0.3)
+    assert (with_it - found).mean() == pytest.approx(1.2**2 * (1 - 1 / 25), rel=0.15)
+
+
 def test_hot_pixels_of_the_dark_are_counted_and_kept_out_of_the_rest():
     rng = np.random.default_rng(5)
     dark = capture("dark", "dark", BLACK_DN, 3)

@@ -51,3 +51,21 @@ def beyond_own_edges(captures: Sequence[RealCapture], effects: Mapping[str, type
     if not lit or not all(capture.own_edges for capture in lit):
         return set()
     return {name for names in untold(captures, effects).values() for name in names}
+
+
+def beyond_even_fields(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> set[str]:
+    """Effects that move pictures, where no capture shows anything that could be seen to move.
+
+    Of a field that is not quite even, or of the colours of a mosaic, a camera turned by twenty degrees sees
+    other pixels, and would explain an error of level.
+
+    Parameters
+    ----------
+    captures
+        The captures.
+    effects
+        The classes of all effects by name.
+    """
+    if any(capture.kind == "board" or capture.is_structured for capture in captures):
+        return set()
+    return {name for name, cls in effects.items() if callable(getattr(cls, "source", None))}

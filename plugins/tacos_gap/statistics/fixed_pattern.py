@@ -7,11 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.nuisances.mosaic import of_each_plane
 from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import expected_in, has_even_areas, levels, smooth_areas
 from tacos_gap.statistics.line_means import line_means
 
 _WINDOW_PX = 7
+_WINDOW_OF_A_PLANE = 5  # photosites of one colour
 _RELATIVE = 0.0015
 _OFFSET_DN = 0.04
 _LEAST_OF_A_LINE = 16  # pixels
@@ -26,7 +28,7 @@ def fixed_pattern_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
     even = smooth_areas(sample.capture) & sample.valid
-    first, second = (_fine(half) for half in sample.halves)
+    first, second = (_fine(half, sample.capture.context.cfa) for half in sample.halves)
     count = [even.sum(axis=axis) for axis in (0, 1)]
     product = first * second
     np.clip(product, -400, 400, out=product)
@@ -56,8 +58,18 @@ def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
             yield StatisticBlock(name, "pixel", value, [{"channel": label}], np.hypot(amplitude, luck))
 
 
-def _fine(image: NDArray[np.float32]) -> NDArray[np.float32]:
+def _fine(image: NDArray[np.float32], cfa: str | None) -> NDArray[np.float32]:
+    """(H, W, C) an image less its local mean, among photosites of one colour where a mosaic has several.
+
+    Levels that are off by a percent would else leave a percent of the mosaic.
+    """
+    if cfa is None:
+        return _less_local_mean(image, _WINDOW_PX)
+    return of_each_plane(image, lambda plane: _less_local_mean(plane, _WINDOW_OF_A_PLANE))
+
+
+def _less_local_mean(image: NDArray[np.float32], window: int) -> NDArray[np.float32]:
     import cv2
 
-    blurred = cv2.blur(image, (_WINDOW_PX, _WINDOW_PX)).reshape(image.shape)
+    blurred = cv2.blur(image, (window, window)).reshape(image.shape)
     return np.asarray(image - blurred, np.float32)
