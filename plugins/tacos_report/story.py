@@ -236,11 +236,11 @@ def search_words(study: StudyData) -> str:
         return f"None of {_count(len(study.tried), 'candidate')} could be scored."
     best = max(scored, key=lambda candidate: candidate.fitness or 0.0)
     place = [generation.number for generation in study.generations].index(best.generation) + 1
-    text = f"The best of {_count(len(scored), 'scored candidate')} came in generation {place} of {rounds}"
+    text = f"The highest of {_count(len(scored), 'score')} came in generation {place} of {rounds}"
     if place == rounds and rounds > 1:
         return f"{text}, the last: a longer search may find a better one."
     later = rounds - place
-    return f"{text}; {_count(later, 'later generation')} found nothing better." if later else f"{text}."
+    return f"{text}; {_count(later, 'later generation')} found nothing higher." if later else f"{text}."
 
 
 def chosen_words(study: StudyData) -> str:

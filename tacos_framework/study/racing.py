@@ -78,9 +78,7 @@ def _counted_terms(blocks: Sequence[Scores], fitness: Fitness) -> tuple[FitnessT
         return fitness.terms
     means = mean_scores(blocks)
     by_scenario = {
-        name: {
-            term.score: means[key] for term in fitness.terms if (key := f"{name}/{term.score}") in means
-        }
+        name: {term.score: means[key] for term in fitness.terms if (key := f"{name}/{term.score}") in means}
         for name, _ in fitness.scenarios
     }
     if any(len(scores) < len(fitness.terms) for scores in by_scenario.values()):

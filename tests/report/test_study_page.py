@@ -226,7 +226,7 @@ def test_an_unreadable_sample_is_left_out(report_of: Callable[..., str], tmp_pat
 def test_a_torn_last_generation_is_left_out_and_noted(report_of: Callable[..., str]) -> None:
     whole = json.dumps({"generation": 0, "frames": 9, "candidates": [{"camera": {"x": 1.0}, "fitness": 2.0}]})
     text = Page(report_of(generations=f"{whole}\n{whole[:30]}")).text
-    assert "The best of 1 scored candidate came in generation 1 of 1." in text
+    assert "The highest of 1 score came in generation 1 of 1." in text
     assert "The last line of generations.jsonl is incomplete" in text
 
 
