@@ -158,7 +158,7 @@ def test_the_search_tells_whether_it_had_settled() -> None:
         return StudyData(result={}, cameras=(), generations=rounds)
 
     assert story.search_words(searched(1.0, 3.0, 2.0, 2.5)).endswith(
-        "2 later generations found nothing better."
+        "2 later generations found nothing higher."
     )
     assert story.search_words(searched(1.0, 2.0)).endswith("the last: a longer search may find a better one.")
     assert story.search_words(searched()) == "No generation was finished."
