@@ -6,6 +6,7 @@ import re
 from itertools import takewhile
 from pathlib import Path
 
+from tacos_framework.files import read_text
 from tacos_framework.packaged_resources import shipped_folder, shipped_names
 from tacos_framework.settings.yaml_reader import read_yaml
 
@@ -25,7 +26,7 @@ def list_recipes() -> str:
 
 def summary_of(recipe: Path) -> str:
     """What a recipe is for: the first sentence of the comment it begins with, else its name."""
-    lines = takewhile(lambda line: re.match(r"# \S", line), recipe.read_text("utf-8").splitlines())
+    lines = takewhile(lambda line: re.match(r"# \S", line), read_text(recipe).splitlines())
     comment = " ".join(line.removeprefix("# ").strip() for line in lines)
     if (sentence := _SENTENCE.match(comment)) is not None:
         return sentence[0].removesuffix(".")
