@@ -195,11 +195,17 @@ class Rounds:
 
     def backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""
+        self.fits.compared([without(fitted.hypothesis, name) for name in fitted.names], near=fitted)
         for name in fitted.names:
             fewer = self.fits.compared([without(fitted.hypothesis, name)], near=fitted)
             if fewer and not is_worth_it(self.problem, fewer[0], fitted):
                 fitted = fewer[0]
         return fitted
+
+    def ended_without(self, fitted: Fitted, name: str) -> Fitted:
+        """The explanation less one effect, fitted to its end."""
+        (fewer,) = self.fits.compared([without(fitted.hypothesis, name)], near=fitted)
+        return finished(self.problem, fewer) if fewer.hypothesis else self.fits.null
 
 
 def without(hypothesis: Hypothesis, name: str) -> Hypothesis:

@@ -16,6 +16,7 @@ import numpy as np
 
 from tacos_framework.contracts import FILE_STAGES
 from tacos_gap.attribution.found import Attribution
+from tacos_gap.attribution.needed import least_needed
 from tacos_gap.attribution.rounds import LARGEST, MANY, SCREENING_FRACTION, WIDER, Notify, Rounds, without
 from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, least_of_a_rival
 from tacos_gap.fit import Fitted, finished
@@ -73,6 +74,9 @@ class ForwardSelection:
                     break
                 best = better
             best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
+            while (name := least_needed(rounds.problem, best)) is not None:
+                best = rounds.ended_without(best, name)
+                slots = {name: self._rivals(best, name) for name in best.names}
             return Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
 
     # one explanation, and another ---------------------------------------------------------------------------

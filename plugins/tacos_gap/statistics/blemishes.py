@@ -7,11 +7,13 @@ fixed patterns are measured behind, and lost in the mean of a tile.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.captures import RealCapture
+from tacos_gap.statistics.block import Sample, StatisticBlock, mean_signal
 from tacos_gap.statistics.grid import has_even_areas, smooth_areas
 
 CELL_PX = 4
@@ -42,8 +44,7 @@ def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     capture = sample.capture
     if not sample.repeats or capture.kind not in ("dark", "flat", "bracket") or not has_even_areas(capture):
         return
-    even = smooth_areas(capture) & sample.valid
-    whole = np.floor(_in_cells(even.astype(np.float32)[..., None]) + 1e-3)
+    whole = _whole_cells(capture)
     one, other = (_without_smooth(_in_cells(half) * whole, whole) for half in sample.halves)
     for size_px in SIZES_PX:
         counted = _counted(whole, size_px[1])
@@ -53,11 +54,22 @@ def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         nearby = _mean_around(product * counted[..., None], sum(size_px) // 2)
         for channel, name in enumerate(sample.channels):
             values = np.array([product[counted, channel].mean(), nearby[counted, channel].max()], np.float64)
-            level = float(sample.signal[even, channel].mean())
+            level = mean_signal(capture)[channel]
             amplitude = np.hypot(RELATIVE * level, OFFSET_DN) * np.array([1.0, AT_ITS_STRONGEST])
             margin = np.hypot(amplitude**2, LUCK * np.abs(values))
             at = [{"size_px": list(size_px), "of": of, "channel": name} for of in ("all", "strongest")]
             yield StatisticBlock("blemishes", "pixel", values, at, margin)
+
+
+_WHOLE: WeakKeyDictionary[RealCapture, NDArray[np.float32]] = WeakKeyDictionary()
+
+
+def _whole_cells(capture: RealCapture) -> NDArray[np.float32]:
+    """(h, w, 1) 1 of cells that are even as a whole, else 0; worked out once per capture."""
+    if capture not in _WHOLE:
+        even = (smooth_areas(capture) & capture.valid).astype(np.float32)[..., None]
+        _WHOLE[capture] = np.floor(_in_cells(even) + np.float32(1e-3))
+    return _WHOLE[capture]
 
 
 def _in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:

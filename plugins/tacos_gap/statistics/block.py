@@ -164,9 +164,13 @@ class Sample:
         count, rows = len(self.frames), self.bands.ravel()
         whole = len(rows) == self.frames.shape[1]
         frames, mean = (self.frames, self.mean) if whole else (self.frames[:, rows], self.mean[rows])
-        noise = self.in_steady_light(frames)
-        noise -= mean
-        noise *= np.float32(np.sqrt(count / (count - 1)))
+        scale = np.float32(np.sqrt(count / (count - 1)))
+        black = np.float32(self.capture.context.black_level_dn)
+        steady, noise = scale * mean, np.empty_like(frames)
+        for each, frame, light in zip(noise, frames, self.light_of_frames, strict=True):
+            np.multiply(frame, scale / light, out=each)  # in place: as `in_steady_light`, in half the time
+            each -= steady
+            each += scale * black * (1 - 1 / light)
         return noise
 
     @cached_property

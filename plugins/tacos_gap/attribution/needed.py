@@ -1,0 +1,54 @@
+"""What an explanation holds without need: found once all of it is fitted to its end."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tacos_framework.randomness import generator
+from tacos_gap.closure import closures_of
+from tacos_gap.fit import Fitted
+from tacos_gap.intervals import half_widths
+from tacos_gap.parameters import HypothesisTerm, neutral_value
+from tacos_gap.problem import Problem
+
+CONFIDENCE = 0.9
+"""Of the intervals that say whether a parameter parts from neutral."""
+
+SMALL = 0.05
+"""Share of the gap below which an effect must part from neutral to be named."""
+
+
+def least_needed(problem: Problem, best: Fitted) -> str | None:
+    """The effect that closes least of what is held out, where it is nothing or might as well not be there.
+
+    Selection counts log scores, in which a statistic that hardly varies outweighs many that got worse. None
+    where all effects are needed.
+
+    Parameters
+    ----------
+    problem
+        The evidence, in the units of the explanation.
+    best
+        The explanation, where its fit ended.
+    """
+    if not best.hypothesis:
+        return None
+    closed = closures_of(problem, best, generator(0, "least needed"), draws=1).fair
+    reach = half_widths(problem, best, CONFIDENCE)
+    ends = np.cumsum([len(term.free) for term in best.hypothesis])
+    for term, end in sorted(
+        zip(best.hypothesis, ends, strict=True), key=lambda each: closed[each[0].name].value
+    ):
+        closes = closed[term.name].value
+        if closes <= 0 or (closes < SMALL and _may_be_neutral(term, reach[end - len(term.free) : end])):
+            return term.name
+    return None
+
+
+def _may_be_neutral(term: HypothesisTerm, reach: np.ndarray) -> bool:
+    """Whether the interval of each free parameter holds the value that switches the effect off."""
+    neutral = [neutral_value(term.cls, name) for name in term.free]
+    return bool(term.free) and all(
+        at is not None and abs(term.values[name] - at) <= half
+        for name, at, half in zip(term.free, neutral, reach, strict=True)
+    )
