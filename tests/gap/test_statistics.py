@@ -15,6 +15,7 @@ from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tacos_gap.statistics.grid import expected_in, tiles
 from tacos_gap.statistics.hot_pixels import STEPS
+from tacos_gap.statistics.steady_light import in_steady_light, levels_of_frames
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, squares
 
 LEVEL = 100.0
@@ -96,16 +97,25 @@ def test_a_lamp_that_wavers_from_frame_to_frame_is_no_noise():
     assert other["frame_to_frame"].values == pytest.approx([np.std(wavers)], rel=0.1)
 
 
-@given(st.floats(0.5, 2.0))
+@given(st.floats(0.991, 1.009))
 @settings(max_examples=10, deadline=None)
-def test_light_of_frames_is_taken_out_above_the_pedestal(factor):
+def test_the_level_of_a_frame_is_taken_out_above_the_pedestal(factor):
     scene = capture("scene", "scene", squares(), frames=2)
     assert scene.expected_dn is not None
     signal = scene.expected_dn[0] - BLACK_DN
-    frames = np.stack([BLACK_DN + signal, BLACK_DN + factor * signal])
-    steady = Sample(scene, frames, scene.expected_dn).in_steady_light(frames)
+    frames = np.stack([BLACK_DN + signal, BLACK_DN + factor * signal]).astype(np.float32)
+    steady = in_steady_light(scene, frames, levels_of_frames(scene, frames))
     assert steady[0] == pytest.approx(steady[1], rel=1e-4)
     assert steady.mean() == pytest.approx(frames.mean(), rel=1e-4)
+
+
+def test_a_lamp_that_flickers_stays_in_the_noise():
+    """What wavers by more than lamps do is an effect, which noise between frames shows best."""
+    flickers = np.array([0.94, 1.06, 1.03, 0.97], np.float32)[:, None, None, None]
+    still = flat_frames()
+    found = blocks(flat(), BLACK_DN + (still - BLACK_DN) * flickers)["photon_transfer"].values
+    rest = (np.abs(flickers - 1) - 0.01) * np.sign(flickers - 1) * LEVEL
+    assert np.exp(found) == pytest.approx([VARIANCE + np.var(rest, ddof=1)], rel=0.05)
 
 
 def blemishes(of: RealCapture, light: Any) -> dict[str, tuple[float, float]]:

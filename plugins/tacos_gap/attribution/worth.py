@@ -14,7 +14,8 @@ COMPLEXITY_PENALTY = 6.0
 """Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
 
 LEAST_OF_REST = 0.08
-"""What it must gain over what is left above the noise floor: all effects fit a bit where formulas miss."""
+"""What it must gain over what is left above the noise floor in the captures it touches: all effects fit a bit
+where formulas miss."""
 
 MISFIT = 0.05
 """Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
@@ -41,9 +42,21 @@ def shows(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
 def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
     """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
     allowed = discrepancy(problem, base, MISFIT)
-    rest = -base.score - 0.5 * problem.weight * len(base.z)  # squares of the noise floor are 1 each
-    least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
+    least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * _rest(problem, base, fitted))
     return gain_beyond(problem, base, fitted, allowed) > least
+
+
+def _rest(problem: Problem, base: Fitted, fitted: Fitted) -> float:
+    """Log score that is left above the noise floor in the captures that a further effect touches [nat].
+
+    What brackets leave unexplained says nothing of what flats prove.
+    """
+    touched = [slice(s.start, s.stop) for s in problem.slots]
+    touched = [slot for slot in touched if not np.array_equal(base.z[slot], fitted.z[slot])]
+    above = sum(
+        float(np.sum(robust(base.held_out[slot]) ** 2)) - (slot.stop - slot.start) for slot in touched
+    )
+    return 0.5 * problem.weight * above
 
 
 def least_of_a_rival(gained: float) -> float:

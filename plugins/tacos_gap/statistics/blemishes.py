@@ -7,6 +7,7 @@ fixed patterns are measured behind, and lost in the mean of a tile.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -44,8 +45,9 @@ def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     capture = sample.capture
     if not sample.repeats or capture.kind not in ("dark", "flat", "bracket") or not has_even_areas(capture):
         return
-    whole = _whole_cells(capture)
-    one, other = (_without_smooth(_in_cells(half) * whole, whole) for half in sample.halves)
+    even = _even_in(capture)
+    whole = even.whole
+    one, other = (even.without_smooth(half) for half in sample.halves)
     for size_px in SIZES_PX:
         counted = _counted(whole, size_px[1])
         if not counted.any():
@@ -61,15 +63,56 @@ def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
             yield StatisticBlock("blemishes", "pixel", values, at, margin)
 
 
-_WHOLE: WeakKeyDictionary[RealCapture, NDArray[np.float32]] = WeakKeyDictionary()
+@dataclass(frozen=True, eq=False)
+class _Even:
+    """What of a capture is even, in cells.
 
+    Parameters
+    ----------
+    whole
+        (h, w, 1) 1 of cells that are even as a whole, else 0.
+    smooth
+        (h w, T) terms of smooth light in those cells.
+    estimator
+        (T, k) least squares of them, from the cells `few`.
+    few
+        (k,) flat indices of cells.
+    """
 
-def _whole_cells(capture: RealCapture) -> NDArray[np.float32]:
-    """(h, w, 1) 1 of cells that are even as a whole, else 0; worked out once per capture."""
-    if capture not in _WHOLE:
+    whole: NDArray[np.float32]
+    smooth: NDArray[np.float32]
+    estimator: NDArray[np.float32]
+    few: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, capture: RealCapture) -> _Even:
         even = (smooth_areas(capture) & capture.valid).astype(np.float32)[..., None]
-        _WHOLE[capture] = np.floor(_in_cells(even) + np.float32(1e-3))
-    return _WHOLE[capture]
+        whole = np.floor(_in_cells(even) + np.float32(1e-3))
+        rows, columns = (np.linspace(-1, 1, size) for size in whole.shape[:2])
+        degrees = range(SMOOTH_DEGREE + 1)
+        terms = [np.multiply.outer(rows**i, columns**j) for i in degrees for j in degrees if i + j in degrees]
+        smooth = (np.stack(terms, axis=-1) * whole).reshape(whole.size, -1)
+        index = np.arange(whole.size).reshape(whole.shape[:2])
+        few = index[::_FITTED_EACH, ::_FITTED_EACH].ravel()
+        return cls(whole, smooth.astype(np.float32), np.linalg.pinv(smooth[few]).astype(np.float32), few)
+
+    def without_smooth(self, image: NDArray[np.float32]) -> NDArray[np.float32]:
+        """(h, w, C) means of cells less the smooth light: what falls off with the radius is no blemish."""
+        cells = _in_cells(image) * self.whole
+        flat = cells.reshape(self.whole.size, -1)
+        return np.asarray(flat - self.smooth @ (self.estimator @ flat[self.few]), np.float32).reshape(
+            cells.shape
+        )
+
+
+_EVEN: WeakKeyDictionary[RealCapture, _Even] = WeakKeyDictionary()
+
+
+def _even_in(capture: RealCapture) -> _Even:
+    """Worked out once per capture."""
+    if capture not in _EVEN:
+        _EVEN[capture] = _Even.of(capture)
+    return _EVEN[capture]
 
 
 def _in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -81,31 +124,6 @@ def _in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:
     whole = image[: rows * CELL_PX, : columns * CELL_PX]
     small = cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA)
     return np.asarray(small, np.float32).reshape(rows, columns, channels)
-
-
-def _without_smooth(cells: NDArray[np.float32], whole: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Cells less the smooth light in them: what falls off with the radius is no blemish, however steep.
-
-    Parameters
-    ----------
-    cells
-        (h, w, C) means of cells, 0 of those that are not whole.
-    whole
-        (h, w, 1) 1 of cells that are even as a whole.
-    """
-    rows, columns = (np.linspace(-1, 1, size, dtype=np.float32) for size in cells.shape[:2])
-    terms = np.stack(
-        [
-            np.multiply.outer(rows**i, columns**j)
-            for i in range(SMOOTH_DEGREE + 1)
-            for j in range(SMOOTH_DEGREE + 1 - i)
-        ],
-        axis=-1,
-    )
-    terms *= whole
-    few = (slice(None, None, _FITTED_EACH),) * 2
-    fitted, known = terms[few].reshape(-1, terms.shape[-1]), cells[few].reshape(-1, cells.shape[-1])
-    return np.asarray(cells - terms @ np.linalg.lstsq(fitted, known, rcond=1e-5)[0], np.float32)
 
 
 def _mean_around(cells: NDArray[np.float32], size_px: int) -> NDArray[np.float32]:

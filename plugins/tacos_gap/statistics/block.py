@@ -12,16 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
-from tacos_gap.statistics.line_means import line_means_of_frames, over_frames
+from tacos_gap.statistics.line_means import over_frames
 from tacos_gap.statistics.sampled import noise_bands, sampled
+from tacos_gap.statistics.steady_light import levels_of_frames
 from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
 
 ROUNDING_DN2 = 1 / 12
 """Variance of rounding: noise far below it shows by the accident of which pixels stand between two codes."""
-
-
-LEAST_LIGHT_DN = 1.0
-"""Signal below which the light of a frame is not told from its pedestal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,34 +125,6 @@ class Sample:
         return noise_bands(self.frames.shape)
 
     @cached_property
-    def light_of_frames(self) -> NDArray[np.float32]:
-        """(N, C) level of each frame above the pedestal over that of their mean; 1 in the dark."""
-        count, channels = len(self.frames), self.frames.shape[-1]
-        if self.capture.kind == "dark":
-            return np.ones((count, channels), np.float32)
-        counted = self.frames if self.valid.all() else self.frames * self.valid[..., None]
-        sums = line_means_of_frames(counted, 1).mean(axis=1, dtype=np.float64)
-        signal = sums - self.capture.context.black_level_dn * self.valid.mean()
-        least = LEAST_LIGHT_DN * self.valid.mean()
-        return np.asarray(1 + (signal - signal.mean(axis=0)) / np.maximum(signal.mean(axis=0), least), "f4")
-
-    def in_steady_light(self, values_dn: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Values of each frame as if no lamp had wavered from frame to frame, in levels above the pedestal.
-
-        A waver of a part in five hundred is seen in no picture, and is ten times the variance that all of the
-        pixels share; how much it is, `frame_to_frame` tells.
-
-        Parameters
-        ----------
-        values_dn
-            (N, ..., C) pixels of the frames, or means of them [DN].
-        """
-        black = np.float32(self.capture.context.black_level_dn)
-        inverse = 1 / self.light_of_frames
-        inverse = inverse.reshape(len(inverse), *(1,) * (values_dn.ndim - 2), -1)
-        return np.asarray(values_dn * inverse + black * (1 - inverse), np.float32)
-
-    @cached_property
     def temporal(self) -> NDArray[np.float32]:
         """(N, B R, W, C) frames less their mean in steady light, in `bands`; its mean square is the variance.
 
@@ -164,13 +133,14 @@ class Sample:
         count, rows = len(self.frames), self.bands.ravel()
         whole = len(rows) == self.frames.shape[1]
         frames, mean = (self.frames, self.mean) if whole else (self.frames[:, rows], self.mean[rows])
+        levels = levels_of_frames(self.capture, self.frames)[:, :, None]
         scale = np.float32(np.sqrt(count / (count - 1)))
         black = np.float32(self.capture.context.black_level_dn)
-        steady, noise = scale * mean, np.empty_like(frames)
-        for each, frame, light in zip(noise, frames, self.light_of_frames, strict=True):
-            np.multiply(frame, scale / light, out=each)  # in place: as `in_steady_light`, in half the time
-            each -= steady
-            each += scale * black * (1 - 1 / light)
+        scaled_mean, noise = scale * mean, np.empty_like(frames)
+        for each, frame, over in zip(noise, frames, scale / levels, strict=True):
+            np.multiply(frame, over, out=each)  # in place: as `in_steady_light`, in half the time
+            each -= scaled_mean
+            each += black * (scale - over)
         return noise
 
     @cached_property

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
 from tacos_gap.statistics.line_means import line_means_of_frames, over_channels
+from tacos_gap.statistics.steady_light import in_steady_light, levels_of_frames
 
 WAVES = 24
 """Periods of a wave over the rows that are looked at: the height over 1, 2, ..."""
@@ -43,10 +44,12 @@ def _of_noise(sample: Sample, axis: int, counted: NDArray[np.bool_] | None = Non
             each if counted is None else each * counted for each in (sample.frames, sample.expected)
         )
         return line_means_of_frames(frames, axis) - line_means_of_frames(expected, axis)
+    capture, frames = sample.capture, sample.frames
+    levels = levels_of_frames(capture, frames)
     if counted is None:
-        means = sample.in_steady_light(line_means_of_frames(sample.frames, axis))
+        means = in_steady_light(capture, line_means_of_frames(frames, axis), levels)
     else:
-        means = line_means_of_frames(sample.in_steady_light(sample.frames) * counted, axis)
+        means = line_means_of_frames(in_steady_light(capture, frames, levels) * counted, axis)
     return (means - means.mean(axis=0)) * np.float32(np.sqrt(len(means) / (len(means) - 1)))
 
 
