@@ -30,6 +30,7 @@ from tacos_gap.findings import Cause, Diagnosis
 from tacos_gap.fit import Fitted
 from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
+from tacos_gap.nuisances import light_beyond_stated
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.problem import Problem, placed_in, robust
 from tacos_gap.statistics.unmeasured import is_cut_off, nothing_seen, unmeasured
@@ -132,6 +133,7 @@ def _explained(
         cause_set, wanted = hidden_by_pose(problem.evidence, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
         wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed)
+    nuisances = _nuisances(problem, best)
     return Diagnosis(
         verdict=_verdict(causes, before, after, left),
         gap_before=before,
@@ -147,12 +149,13 @@ def _explained(
         limitations=(
             *(of_one_specimen(cause) for cause in causes if cause.specimen),
             *(text for cause in causes for text in of_each_capture(cause)),
+            *light_beyond_stated(captures, nuisances),
         ),
         problem=problem,
         attribution=attribution,
         closure_interval=_closure_interval(problem, best, seed),
         detectable=_detectable(problem, effects, best.z, workers),
-        nuisances=_nuisances(problem, best),
+        nuisances=nuisances,
     )
 
 

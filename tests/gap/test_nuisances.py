@@ -323,6 +323,16 @@ def test_an_uncertain_lamp_biases_no_vignetting(effects):
     assert interval[0] < -0.3 < interval[1]
 
 
+def test_a_lamp_far_brighter_than_stated_is_allowed_for_and_said(effects):
+    of = [replace(each, level_uncertainty=0.05) for each in flats(0.05)]
+    only = {"vignetting": effects["vignetting"]}
+    bright, fair = (run(taken(of, [lit(each, gain) for each in of]), only) for gain in (1.18, 1.04))
+    assert [text for text in fair.limitations if "level_uncertainty" in text] == []
+    (said,) = [text for text in bright.limitations if "level_uncertainty" in text]
+    assert said.startswith(f"{of[0].id}, {of[1].id}")
+    assert "% above what is expected" in said
+
+
 @pytest.mark.parametrize(
     ("name", "settings", "of"),
     [

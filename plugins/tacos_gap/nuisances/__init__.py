@@ -1,6 +1,7 @@
 """What an expectation is uncertain in, capture by capture, and nobody's error: its light, pose and focus."""
 
 from tacos_gap.nuisances.agreement import shares_of_priors
+from tacos_gap.nuisances.beyond_stated import light_beyond_stated
 from tacos_gap.nuisances.expectation import disturbed
 from tacos_gap.nuisances.freedom import POSE_TERMS, Freedom, freedoms_of, stated
 from tacos_gap.nuisances.marginal import Marginal
@@ -14,6 +15,7 @@ __all__ = [
     "disturbed",
     "expectation_noise",
     "freedoms_of",
+    "light_beyond_stated",
     "registered",
     "shares_of_priors",
     "stated",
