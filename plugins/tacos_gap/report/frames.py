@@ -22,6 +22,8 @@ _WIDEST_PX = 640
 _WORTH_A_LOOK = 2.0
 """Gap above which a second capture is shown [noise floor]."""
 
+_TONE = "effect.tone-curve"
+
 _KINDS = ("scene", "chart", "edge", "sequence", "bracket", "flat", "dark")
 
 
@@ -86,7 +88,8 @@ def compare(capture: RealCapture, effects: Sequence[PlacedEffect], seed: int) ->
     by_noise = _difference(capture, means[-1], again.mean(axis=0))
     reach_dn = max(float(np.percentile(np.abs(smooth[0]), 99)), 2.0)
     low, high, stretched = _range(capture)
-    whole = [_display(stack[0], low, high) for stack in stacks]
+    toned = _toned(capture, effects)
+    whole = [_display(stack[0], low, high, own) for stack, own in zip(stacks, toned, strict=False)]
     part = _most_different(smooth[0])
     return ComparedFrames(
         capture.id,
@@ -123,9 +126,16 @@ def _range(capture: RealCapture) -> tuple[float, float, bool]:
     return min(black, float(low)), float(high), False
 
 
-def _display(image: NDArray[np.float32], low: float, high: float) -> NDArray[np.uint8]:
-    linear = np.clip((image - low) / (high - low), 0, 1)
-    shown = np.rint(255 * srgb_from_linear(linear)).astype(np.uint8)
+def _toned(capture: RealCapture, effects: Sequence[PlacedEffect]) -> tuple[bool, bool, bool]:
+    """Whether the real frame, the simulation before and that after have a tone curve of their own."""
+    after = any(effect.use == _TONE for effect in effects)
+    return capture.coding is not None or after, False, after
+
+
+def _display(image: NDArray[np.float32], low: float, high: float, has_tone: bool) -> NDArray[np.uint8]:
+    """(H, W, 3) as it is to be looked at: linear light through the curve of screens, others as they are."""
+    share = np.clip((image - low) / (high - low), 0, 1)
+    shown = np.rint(255 * (share if has_tone else srgb_from_linear(share))).astype(np.uint8)
     return np.repeat(shown, 3, axis=-1) if shown.shape[-1] == 1 else shown
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tacos_framework.contracts.observed import FileCoding
 from tacos_gap.evidence import ImageEvidence, Label
 from tacos_gap.problem import Problem
 from tacos_gap.report.arrows import arrows, of_tiles
@@ -24,6 +26,7 @@ from tacos_report.figures.canvas import NARROW_IN
 from tests.gap.taken import HEIGHT, WIDTH, capture, taken
 
 BOX = [0, 0, 20, 20]
+CODING = FileCoding(quality=95, subsampling="4:2:0")
 CALLED: dict[str, Any] = {"before": "was", "after": "is"}
 
 
@@ -166,6 +169,15 @@ def test_the_part_shown_enlarged_is_where_the_frames_differ() -> None:
     assert shown.crops[0].shape == (CROP_PX, CROP_PX, 3)
     bright = shown.crops[0].astype(int) - shown.crops[1].astype(int)
     assert bright[-5:, -5:].mean() > bright[:5, :5].mean() + 20
+
+
+def test_pictures_with_a_tone_curve_of_their_own_are_shown_as_they_are() -> None:
+    """A file of a phone is meant for a screen already; a second curve would wash it out."""
+    (scene,) = taken([capture("scene", np.linspace(10.0, 230.0, WIDTH))], [])
+    linear, of_a_phone = (compare(each, (), seed=1) for each in (scene, replace(scene, coding=CODING)))
+    column = WIDTH // 4
+    assert of_a_phone.whole[0][:, column].mean() < linear.whole[0][:, column].mean() - 40
+    assert np.array_equal(of_a_phone.whole[1], linear.whole[1])
 
 
 def test_levels_of_a_scene_are_drawn_where_its_pixels_are_not_in_the_middle_of_their_interval() -> None:
