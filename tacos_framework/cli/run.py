@@ -297,8 +297,8 @@ def _effects(
             faults.append(Fault(document.where(root), "no list of effects", expected))
             continue
         for path in document.positions:
-            match path[len(root) :]:
-                case (int(index), *below):
-                    places[len(effects) + index, *below] = document.where(path)
+            if path[: len(root)] == root and len(path) > len(root):
+                index, *below = path[len(root) :]
+                places[len(effects) + int(index), *below] = document.where(path)
         effects += listed
     return effects, places

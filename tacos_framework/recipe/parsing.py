@@ -5,6 +5,7 @@ Whether its components exist and fit together is the business of `tacos_framewor
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -61,7 +62,9 @@ def recipe_from(
         if value is not None:
             sections[key] = value
     recipe = _draft(sections)
-    faults += [clash_fault(clash, data, document.where) for clash in recipe.clashes()]
+    misread = data.keys() - sections.keys()
+    clashes = [clash for clash in recipe.clashes() if misread.isdisjoint(re.findall(r"\w+", clash))]
+    faults += [clash_fault(clash, data, document.where) for clash in clashes]
     if not faults:
         _, faults, _ = check(Recipe, data, document.where)
     recipe._document = document

@@ -82,13 +82,17 @@ def _fault(
         return clash_fault(clash, details["input"], lambda below: where((*path, *below)))
     given = json.dumps(details["input"], default=str)
     given = given if len(given) <= 60 else f"{given[:57]}..."
-    wanted = ", or ".join(dict.fromkeys(map(expected_by, complaints)))
+    wanted = ", or ".join(dict.fromkeys(_expected(kind, each) for each in complaints))
     if details["loc"][-1:] == ("[key]",):
         owner = ".".join(map(str, keys[:-1])) or "it"
         return Fault(where(path), f"{owner} has a key {given}", wanted, "Rename it.")
-    expected = f"{len(get_args(place.kind))} entries" if place.is_too_short else wanted
     meaning = f" ({help})" if (help := _help(place.field)) else ""
-    return Fault(where(path), f"{name or 'value'} is {given}", f"{expected}{meaning}", "Correct the value.")
+    return Fault(where(path), f"{name or 'value'} is {given}", f"{wanted}{meaning}", "Correct the value.")
+
+
+def _expected(kind: Any, complaint: Mapping[str, Any]) -> str:
+    place = _place(kind, complaint)
+    return f"{len(get_args(place.kind))} entries" if place.is_too_short else expected_by(complaint)
 
 
 def clash_fault(sentence: str, given: Mapping[str, Any], where: Callable[[Path], str]) -> Fault:

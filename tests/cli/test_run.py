@@ -117,7 +117,10 @@ def test_wrong_input_ends_with_status_2_and_no_traceback(arguments, message, cap
 
 
 def test_all_faults_of_all_files_of_effects_come_with_those_of_the_recipe(tmp_path, capsys):
-    (tmp_path / "unknown.yaml").write_text("effects:\n  - use: effect.vignetting\n    strenght: 2\n")
+    (tmp_path / "unknown.yaml").write_text(
+        "effects:\n  - use: effect.vignetting\n    strenght: 2\n"
+        "others:\n  - use: effect.jpeg\n    strenght: 3\n"
+    )
     (tmp_path / "none.yaml").write_text("k1: 3\n")
     (tmp_path / "broken.yaml").write_text("[{use: effect.jpeg\n")
     files = [str(tmp_path / name) for name in ("unknown.yaml", "none.yaml", "broken.yaml", "not_there.yaml")]

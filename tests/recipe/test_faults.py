@@ -194,6 +194,11 @@ def test_a_wrong_seed_is_told_with_faults_of_other_sections(toys, seed, line):
     assert {fault.split(":")[1] for fault in faults_of(text, toys)} == {line, "22"}
 
 
+def test_a_seed_that_cannot_be_read_clashes_with_none(toys):
+    text = RIGHT.replace("seed: 7", "seed: seven", 1).replace("seed: 1001", "seed: 0")
+    assert len(faults_of(text, toys)) == 1
+
+
 def test_python_recipes_get_dotted_places(toys):
     recipe, _ = parse_recipe(RIGHT)
     data = recipe.as_data()

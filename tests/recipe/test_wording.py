@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from tacos_framework.settings import Settings, check, setting
 
 
@@ -11,6 +13,7 @@ class Toy(Settings):
     one_or_many: float | tuple[float, ...] = setting(1.0, help="One or many.")
     named: str | float = setting("x", help="A name or a number.")
     pair: tuple[float, float] = setting((1.0, 2.0), help="Two.")
+    named_or_pair: Literal["all"] | tuple[float, float] = setting("all", help="All, or two.")
     counts: dict[str, int] = setting({}, help="Counts.")
 
 
@@ -30,6 +33,7 @@ def test_an_entry_of_a_list_that_might_be_a_number_is_told_by_itself() -> None:
 
 def test_a_list_that_lacks_entries_is_told_once() -> None:
     assert faults_of(pair=[]) == [("pair", "2 entries (Two)")]
+    assert faults_of(named_or_pair=[1]) == [("named_or_pair", "'all', or 2 entries (All, or two)")]
     assert faults_of(pair=[1, 2, 3]) == [("pair", "at most 2 entries (Two)")]
 
 
