@@ -49,6 +49,21 @@ def test_a_word_nobody_uses_gets_the_names_there_are() -> None:
     assert did_you_mean("zzz", ("b", "a")) == "Known names: a, b."
 
 
+@pytest.mark.parametrize(
+    ("rig", "given", "suggested"),
+    [
+        ("stereo", "fov", "hfov_deg"),
+        ("stereo", "zoom", "focal_length_mm"),
+        ("monocular", "fov", "focal_length_mm"),
+    ],
+)
+def test_a_field_of_view_is_one_where_the_rig_has_it(rig: str, given: str, suggested: str) -> None:
+    variables = Plugins.discover().resolve(f"rig.{rig}").Variables
+    assert (
+        did_you_mean(given, variables.model_fields, also_called(variables)) == f"Did you mean {suggested!r}?"
+    )
+
+
 def test_components_say_what_others_call_their_settings() -> None:
     plugins = Plugins.discover()
     random = plugins.resolve("optimizer.random").Config

@@ -49,14 +49,19 @@ class StereoRig:
             also=("eye_distance", "separation"),
         )
         hfov_deg: float | None = setting(
-            None, help="Horizontal field of view, instead of a focal length.", unit="deg", gt=0, lt=180
+            None,
+            help="Horizontal field of view, instead of a focal length.",
+            unit="deg",
+            gt=0,
+            lt=180,
+            also=("fov", "hfov"),
         )
         focal_length_mm: float | None = setting(
             None,
             help="Focal length of both lenses, instead of a field of view.",
             unit="mm",
             gt=0,
-            also=("fov", "hfov", "vfov", "zoom", "efl"),
+            also=("vfov", "zoom", "efl"),
         )
         pitch_deg: float = setting(
             0.0,
