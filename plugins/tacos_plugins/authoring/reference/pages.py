@@ -67,12 +67,27 @@ def type_of(schema: Schema) -> str:
 
 
 def bounds_of(schema: Schema) -> str:
-    """The bounds of a setting, ``"≥ 0, < 1"``; empty where there are none."""
-    members = [schema, *schema.get("anyOf", ())]
+    """The bounds of a setting, ``"≥ 0, < 1"``; empty where there are none.
+
+    Examples
+    --------
+    >>> number_or_text = {"oneOf": [{"type": "number", "minimum": 0}, {"type": "string"}]}
+    >>> bounds_of({"anyOf": [number_or_text, {"type": "null"}]})
+    '≥ 0'
+    """
+    members = list(_forms_of(schema))
     found = [text.format(member[key]) for member in members for key, text in _BOUNDS.items() if key in member]
     if (schema.get("minItems") or schema.get("minLength")) and "prefixItems" not in schema:
         found.append("not empty")
     return ", ".join(found)
+
+
+def _forms_of(schema: Schema) -> Iterator[Schema]:
+    """A schema, and those of the forms that it allows."""
+    yield schema
+    for key in ("anyOf", "oneOf"):
+        for member in schema.get(key, ()):
+            yield from _forms_of(member)
 
 
 def settings_table(model: type[BaseModel]) -> str:
