@@ -73,7 +73,6 @@ def causes_of(
     causes, start = [], 0
     for term in best.hypothesis:
         stop = start + len(term.free)
-        rest = tuple(name for name in best.names if name != term.name)
         probabilities = attribution.probabilities(term.name)
         rivals = sorted(
             (n for n in probabilities if n not in ("", term.name)), key=lambda n: -probabilities[n]
@@ -100,7 +99,7 @@ def causes_of(
                 closure_alone=closures.alone[term.name],
                 shapley=closures.fair[term.name].value,
                 confused_with=tuple(dict.fromkeys([*alike, *near])),
-                evidence=_evidence(problem, best, term, rest, attribution),
+                evidence=_evidence(problem, best, term, attribution),
                 settings=_settings(term),
                 present=certainty * sure,
                 specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
@@ -186,9 +185,7 @@ def _settings(term: HypothesisTerm) -> dict[str, Any]:
     return plain
 
 
-def _evidence(
-    problem: Problem, best: Fitted, term: HypothesisTerm, rest: tuple[str, ...], attribution: Attribution
-) -> str:
+def _evidence(problem: Problem, best: Fitted, term: HypothesisTerm, attribution: Attribution) -> str:
     """The statistic that the effect explains most of, in a sentence."""
     without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
     scores = attribution.slots[term.name]

@@ -100,6 +100,7 @@ def test_choices_of_a_catalog_show_the_design_wherever_it_ranks() -> None:
     many = tuple(tried(f"part {i}", 3.0 - 0.01 * i) for i in range(12))
     drawn = catalog_choices("sensor", (*many, *SCORED), parts_of(CHOSEN)["sensor"])
     assert [said.split(" ")[0] for said in orange_words(drawn)] == ["chosen", "1.6"]
+    assert "11 of 18 tried" in drawn
 
 
 def test_a_front_marks_the_design_where_it_is_one_of_its_points() -> None:

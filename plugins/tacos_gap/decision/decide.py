@@ -10,6 +10,7 @@ from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
+from tacos_framework.results import DESIGNED
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.finalists import rescore_finalists
 from tacos_framework.study.progress import Progress
@@ -19,7 +20,6 @@ from tacos_gap.decision.choice import choice, sentence
 from tacos_gap.decision.ranked import RankedCameras, ranked
 from tacos_gap.tasks.recipe_tasks import frozen_plan
 
-DESIGNED = "designed"
 CONFIDENCE = 0.95
 """Of intervals where the study has no test to say."""
 
@@ -117,7 +117,7 @@ def decide(
         "ranking_changes": after.order != without.order,
         "best_changes": after.order[0] != without.order[0],
         "choice": found.as_data(),
-        "designed": {"without": own, "with": designed} if question.design else {},
+        DESIGNED: {"without": own, "with": designed} if question.design else {},
         "sentence": sentence(without, after, found, confidence),
     }
 

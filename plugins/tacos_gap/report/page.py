@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+from tacos_framework.results import DESIGNED
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.findings import Diagnosis
 from tacos_gap.problem import placed
@@ -163,7 +164,7 @@ def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:
         f"leaves free is optimised in each, in few evaluations.{_frozen(decision)}",
     )
     yield Paragraph(str(decision["sentence"]))
-    designed = decision["designed"]
+    designed = decision[DESIGNED]
     if designed:
         yield Paragraph(
             f"Designed as simulated before: {design_words(designed['without'])}. With the causes: "

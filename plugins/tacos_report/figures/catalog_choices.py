@@ -29,7 +29,7 @@ def catalog_choices(
     shown = [row for place, row in enumerate(rows) if place < _SHOWN or row[0] == designed]
     names = ", ".join(f"{name} {number(max(values))}" for name, _, values in shown)
     label = words(variable).lower()
-    description = f"Best fitness by {label}, {len(shown)} best of {len(rows)} tried: {names}."
+    description = f"Best fitness by {label}, {len(shown)} of {len(rows)} tried: {names}."
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()

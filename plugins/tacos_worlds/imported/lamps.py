@@ -13,7 +13,6 @@ from scipy.sparse.csgraph import connected_components
 
 from tacos_framework.values import Light
 from tacos_plugins.lighting import photopic, white_at
-from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_worlds.imported.floor import Floor
 from tacos_worlds.imported.model import PunctualLight
 from tacos_worlds.imported.patch import Patch, welded
@@ -88,7 +87,7 @@ def of_glowing(patch: Patch, luminance_cd_m2: NDArray[np.float64]) -> Iterator[L
             yield Light(_f32(centre), _f32(flux), radius_m=radius)
 
 
-def placed(floor: Floor, occlusion: Occlusion) -> tuple[list[Light], list[Patch]]:
+def placed(floor: Floor) -> tuple[list[Light], list[Patch]]:
     """Square lamps under the ceiling above a floor, spread evenly, and the panels that show them.
 
     Where there is no ceiling there is no lamp. Panels are of skin -1.

@@ -120,7 +120,7 @@ def lit_world(
     surroundings = sources.surroundings
     all_skins, panels = list(skins), list[Patch]()
     if sources.lamps or (sources.lamps is None and not lit):
-        lamps, panels = placed(floor, occlusion)
+        lamps, panels = placed(floor)
         lights += lamps
         panels = [replace(panel, skin=len(all_skins)) for panel in panels]
         glow = panel_luminance_cd_m2() / max(sources.emission_scale, 1e-12)
