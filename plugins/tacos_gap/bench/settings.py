@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting
-from tacos_gap.captures.entries import Kind
+from tacos_gap.captures.entries import ALSO_CALLED, Kind
 
 Positive = Annotated[float, Field(gt=0)]
 
@@ -55,7 +55,10 @@ class BenchCapture(Settings):
     kind: Kind = setting(help="What kind of capture it is.")
     scene: Use | None = setting(None, help="What is in front of the camera; nothing for kind dark.")
     exposure_ms: Positive | tuple[Positive, ...] = setting(
-        10.0, help="Exposure time; several make a series under the same light.", unit="ms"
+        10.0,
+        help="Exposure time; several make a series under the same light.",
+        unit="ms",
+        also=ALSO_CALLED["exposure_ms"],
     )
     level: Positive | tuple[Positive, ...] = setting(
         0.8,
@@ -113,8 +116,8 @@ class BenchSettings(Settings):
         "fields, stay as they are; by default the renderer.",
     )
     sensor: Use = setting(help="The sensor model.")
-    f_number: float = setting(2.8, help="Focal length over aperture.", gt=0)
-    gain_db: float = setting(0.0, help="Gain.", unit="dB")
+    f_number: float = setting(2.8, help="Focal length over aperture.", gt=0, also=ALSO_CALLED["f_number"])
+    gain_db: float = setting(0.0, help="Gain.", unit="dB", also=ALSO_CALLED["gain_db"])
     effects: tuple[Use, ...] = setting((), help="What is real and the simulator does not know.")
     captures: tuple[BenchCapture, ...] = setting(help="What is photographed.", min_length=1)
 

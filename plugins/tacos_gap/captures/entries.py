@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Tag, model_validator
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework.recipe import Scenario
+from tacos_framework.settings import Settings, also_called, setting
 from tacos_gap.captures.forms import told_apart
 
 Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]
@@ -17,6 +18,9 @@ Place = Annotated[float, Field(ge=-1e6, le=1e6)]
 Moment = Annotated[float, Field(ge=-1e12, le=1e12)]
 Corners = Annotated[int, Field(ge=3, le=1000)]
 """Bounds far beyond any camera, within which nothing overflows."""
+
+ALSO_CALLED = also_called(Scenario)
+"""What others call the settings of an exposure, here as in recipes."""
 
 DICTIONARIES = r"^DICT_((4X4|5X5|6X6|7X7)_(50|100|250|1000)|ARUCO_ORIGINAL|APRILTAG_(16h5|25h9|36h10|36h11))$"
 """Names of OpenCV's marker dictionaries."""
@@ -56,15 +60,24 @@ class CaptureCamera(Settings):
 
     width_px: Size = setting(help="Width of the files.", unit="px")
     height_px: Size = setting(help="Height of the files.", unit="px")
-    pixel_um: float = setting(3.0, help="Pitch of the pixels.", unit="um", gt=0, le=1e4)
+    pixel_um: float = setting(
+        3.0, help="Pitch of the pixels.", unit="um", gt=0, le=1e4, also=("pitch_um", "pixel_size")
+    )
     focal_length_mm: float | None = setting(
-        None, help="Focal length; from the boards if absent, 4 mm without any.", unit="mm", gt=0, le=1e5
+        None,
+        help="Focal length; from the boards if absent, 4 mm without any.",
+        unit="mm",
+        gt=0,
+        le=1e5,
+        also=("fov", "hfov", "vfov", "zoom", "efl"),
     )
     principal_point_px: tuple[Place, Place] | None = setting(
         None, help="Principal point in the files; their centre (or the sensor's) if absent.", unit="px"
     )
     crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
-    f_number: float | None = setting(None, help="Focal length over aperture.", gt=0, le=1e4)
+    f_number: float | None = setting(
+        None, help="Focal length over aperture.", gt=0, le=1e4, also=ALSO_CALLED["f_number"]
+    )
     bit_depth: int = setting(8, help="Bits of a sample.", unit="bit", ge=1, le=16)
     white_level_dn: float | None = setting(
         None, help="Largest value of the files; 2**bit_depth - 1 if absent.", unit="DN", gt=0, le=65535
@@ -102,7 +115,9 @@ class NoiseEntry(Settings):
         help="Variance per DN of signal above the pedestal; one, or one per channel.", unit="DN"
     )
     thermal_dn2: PerChannel = setting(help="Variance at no signal; one, or one per channel.", unit="DN^2")
-    gain_db: float = setting(0.0, help="The gain it holds at.", unit="dB", ge=-200, le=200)
+    gain_db: float = setting(
+        0.0, help="The gain it holds at.", unit="dB", ge=-200, le=200, also=ALSO_CALLED["gain_db"]
+    )
 
 
 class BoardEntry(Settings):
@@ -166,8 +181,10 @@ class CaptureEntry(Settings):
         None, help="Expected file values without noise: a file, one per frame, or a number.", unit="DN"
     )
     scene: str | None = setting(None, help="A recipe that renders the expected values.")
-    exposure_ms: float | None = setting(None, help="Exposure time.", unit="ms", gt=0, le=1e9)
-    gain_db: float = setting(0.0, help="Gain.", unit="dB", ge=-200, le=200)
+    exposure_ms: float | None = setting(
+        None, help="Exposure time.", unit="ms", gt=0, le=1e9, also=ALSO_CALLED["exposure_ms"]
+    )
+    gain_db: float = setting(0.0, help="Gain.", unit="dB", ge=-200, le=200, also=ALSO_CALLED["gain_db"])
     group: str | None = setting(None, help="Captures of one group differ in exposure_ms only.")
     level_uncertainty: float = setting(
         0.0,
@@ -188,7 +205,9 @@ class CaptureEntry(Settings):
     velocity_px_s: Velocity | None = setting(
         None, help="Motion in the image, or a .npy of (height, width, 2).", unit="px/s"
     )
-    frame_interval_ms: float | None = setting(None, help="From frame to frame.", unit="ms", gt=0, le=1e9)
+    frame_interval_ms: float | None = setting(
+        None, help="From frame to frame.", unit="ms", gt=0, le=1e9, also=("fps",)
+    )
     row_time_us: float = setting(
         0.0, help="Readout from row to row the simulator has.", unit="us", ge=0, le=1e9
     )

@@ -126,7 +126,7 @@ def limitations_of(capture: RealCapture) -> Iterator[str]:
     if capture.frames == 1 and capture.kind != "board":
         yield (
             f"{capture.id}: a single frame has no real-against-real noise floor and does not tell fixed "
-            f"patterns from noise; the simulator's own noise floor is used."
+            f"patterns from noise; its noise floor is that of simulated noise alone."
         )
     if not capture.valid.any():
         yield f"{capture.id}: its mask leaves no pixel."
@@ -139,7 +139,7 @@ def limitations_of(capture: RealCapture) -> Iterator[str]:
     if capture.expected_dn is None and capture.kind == "edge":
         yield f"{capture.id}: nothing is simulated; its edges are taken to be sharp in the world."
     if not capture.noise.known:
-        yield f"{capture.id}: the simulator's noise is unknown, so noise is estimated and not compared."
+        yield f"{capture.id}: `noise` is unknown, so it is estimated from the files and not compared."
 
 
 def order_faults(captures: Sequence[RealCapture], where_of: Mapping[str, str]) -> Iterator[Fault]:

@@ -115,6 +115,7 @@ def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
     [
         ({"kind": "flatt"}, 'captures.0.kind is "flatt"'),
         ({"exposure": 10}, "unknown key 'captures.0.exposure'"),
+        ({"shutter": 10}, "unknown key 'captures.0.shutter'\n  to do: Did you mean 'exposure_ms'?"),
         ({"exposure_ms": 0}, "captures.0.exposure_ms is 0"),
         ({"real": []}, "captures.0.real"),
         ({"real": ""}, "captures.0.real"),

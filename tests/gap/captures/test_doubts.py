@@ -127,6 +127,6 @@ def test_a_bracket_whose_levels_contradict_its_exposure_times(tmp_path):
 
 
 def test_a_sound_folder_raises_no_doubt(tmp_path):
-    estimated = "the simulator's noise is unknown, so noise is estimated and not compared."
+    estimated = "`noise` is unknown, so it is estimated from the files and not compared."
     assert said(flat_folder(tmp_path)).endswith(f"flat: {estimated}")
     assert said(colour_folder(tmp_path, colourful())).endswith(f"scene: {estimated}")

@@ -266,7 +266,7 @@ def test_unknown_noise_is_estimated_and_said_to_be(tmp_path):
     noise = folder.captures[0].noise
     assert not noise.known
     assert noise.photon_dn[0] == pytest.approx(0.3, rel=0.1)
-    assert any("noise is unknown" in text for text in folder.limitations)
+    assert any("`noise` is unknown" in text for text in folder.limitations)
 
 
 # recipes that render what is expected -----------------------------------------------------------------------
