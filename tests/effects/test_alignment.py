@@ -76,7 +76,7 @@ def test_scenes_that_stand_where_they_should_suggest_no_focal_length():
 
 
 def test_an_edge_alone_aligns_with_no_squeezed_picture():
-    """Along an edge any map correlates: one that stretches the picture two and a half times is no view of it."""
+    """Along an edge any map correlates: one that stretches the picture by two and a half is no view of it."""
     rows, columns = np.mgrid[:120, :160].astype(np.float32)
     across = (columns - 48) * np.cos(0.1) + (rows - 60) * np.sin(0.1)
     edges = [1 / (1 + np.exp(-(across - off) / 3)) for off in (0.0, 10.0)]
