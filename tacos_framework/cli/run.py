@@ -214,7 +214,7 @@ def _plan_procedure(
 def _read(arguments: argparse.Namespace, plugins: Plugins) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
     from tacos_framework.recipe.loading import read_any_recipe
 
-    faults = [*_device_faults(os.environ.get(DEVICE_VARIABLE, ""), plugins)]
+    faults = [*_device_faults(arguments.device, plugins)]
     sets = _sets(arguments, plugins, faults)
     effects, places = _effects(arguments, faults)
     try:
@@ -224,8 +224,9 @@ def _read(arguments: argparse.Namespace, plugins: Plugins) -> tuple[Recipe | Pro
     return recipe, [*faults, *found]
 
 
-def _device_faults(device: str, plugins: Plugins) -> Iterator[Fault]:
+def _device_faults(given: str | None, plugins: Plugins) -> Iterator[Fault]:
     """What is wrong with the device that was chosen: a GPU that this machine does not have."""
+    device = given or os.environ.get(DEVICE_VARIABLE, "")
     number = device.removeprefix("cuda:")
     if not (number.isascii() and number.isdecimal()) or (gpus := plugins.offers.gpus()) is None:
         return
@@ -233,7 +234,7 @@ def _device_faults(device: str, plugins: Plugins) -> Iterator[Fault]:
         known = ", or ".join(["cpu", *(f"{gpu.number} ({gpu.name})" for gpu in gpus)])
         found = "this machine has no GPU that can be used" if not gpus else f"there is no GPU {number}"
         remedy = "Name one of these, or leave it out: the best there is is then used."
-        yield Fault(f"--device {device}", found, known, remedy)
+        yield Fault(f"--device {device}" if given else f"{DEVICE_VARIABLE}={device}", found, known, remedy)
 
 
 def _sets(arguments: argparse.Namespace, plugins: Plugins, faults: list[Fault]) -> dict[str, Any]:

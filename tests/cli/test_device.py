@@ -36,6 +36,15 @@ def test_a_gpu_that_is_not_there_is_told_with_other_faults(
     assert "seed is -1" in error
 
 
+def test_a_gpu_of_the_environment_is_called_by_its_variable(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(chosen_device, "gpus", lambda: TWO)
+    monkeypatch.setenv(DEVICE_VARIABLE, "7")
+    assert main(["headset_quick", "--check"]) == 2
+    assert "TACOS_DEVICE=7: there is no GPU 7\n" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("device", ["cpu", "auto", "1", "cuda:0"])
 def test_devices_that_are_there_are_no_fault(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chosen_device, "gpus", lambda: TWO)
