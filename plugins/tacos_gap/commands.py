@@ -127,7 +127,7 @@ def _corners(text: str | None) -> tuple[int, int] | None:
     if text is None:
         return None
     first, _, second = text.lower().partition("x")
-    if not (first.isdigit() and second.isdigit() and min(int(first), int(second)) >= 3):
+    if not (first.isdecimal() and second.isdecimal() and min(int(first), int(second)) >= 3):
         raise UserError(
             Fault("--board", f"{text!r} is no board", "9x6: inner corners along rows and columns, 3 at least")
         )

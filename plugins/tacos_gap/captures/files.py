@@ -77,7 +77,7 @@ class CaptureFiles:
         """The files of a pattern; hidden ones, which systems leave beside others, only where it says so."""
         hidden = Path(pattern).name.startswith(".")
         found = (path for path in self.folder.glob(pattern) if hidden or not path.name.startswith("."))
-        return sorted(filter(Path.is_file, found), key=_by_number)
+        return sorted(filter(Path.is_file, found), key=by_number)
 
     def stack(
         self, i: int, key: str, paths: Sequence[Path], shape: tuple[int, int]
@@ -187,9 +187,9 @@ def _any_case(pattern: str) -> str:
     return "".join(f"[{c.lower()}{c.upper()}]" if c.isascii() and c.isalpha() else c for c in pattern)
 
 
-def _by_number(path: Path) -> list[tuple[int, str]]:
-    """Sort key: names with their numbers as numbers."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"([0-9]+)", str(path))]
+def by_number(path: Path) -> list[tuple[int, str]]:
+    """Sort key: names with their numbers as numbers, 10 after 9."""
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"([0-9]+)", str(path))]
 
 
 def _is_file(path: Path) -> bool:

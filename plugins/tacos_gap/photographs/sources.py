@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from tacos_framework.errors import Fault, UserError
+from tacos_gap.captures.files import by_number
 from tacos_gap.captures.images import PICTURE_SUFFIXES, RAW_SUFFIXES
 
 _OF_SYSTEMS = frozenset({"__macosx", "@eadir", "thumbs.db", "desktop.ini"})
@@ -48,7 +48,10 @@ def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
         )
     said = []
     if beside := len(found) - len(kept):
-        said.append(f"{beside} files beside a RAW file of the same name are passed over.")
+        those = "1 file" if beside == 1 else f"{beside} files"
+        said.append(
+            f"{those} beside a RAW file of the same name {'is' if beside == 1 else 'are'} passed over."
+        )
     if others := [path for path in there if path not in set(found)]:
         said.append(f"Passed over, as no pictures that can be read: {_listed(others)}.")
     return kept, said
@@ -59,7 +62,7 @@ def _files_of(source: Path) -> Iterator[Path]:
     if not source.is_dir():
         yield source
         return
-    for path in sorted(source.rglob("*"), key=_by_number):
+    for path in sorted(source.rglob("*"), key=by_number):
         if path.is_file() and not any(map(_is_of_system, path.relative_to(source).parts)):
             yield path
 
@@ -71,9 +74,3 @@ def _is_of_system(name: str) -> bool:
 def _listed(paths: Sequence[Path]) -> str:
     names = ", ".join(path.name for path in paths[:_NAMED])
     return names + (f" and {len(paths) - _NAMED} more" if len(paths) > _NAMED else "")
-
-
-def _by_number(path: Path) -> list[tuple[int, str]]:
-    """A key that puts 10 after 9."""
-    parts = re.split(r"(\d+)", str(path))
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]

@@ -217,6 +217,12 @@ def test_options_and_repeated_doubts_can_be_read(tmp_path, capsys):
     assert "3 pictures do not say how long they were exposed (Bildschirmfoto a.png, ...)" in said
 
 
+def test_a_name_may_hold_a_digit_that_is_no_decimal(tmp_path):
+    taken(tmp_path / "in/1²2_10ms.png", 120)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert [entry["kind"] for entry in found.entries] == ["flat"]
+
+
 def test_a_copy_is_no_second_frame(tmp_path):
     shutil.copy(taken(tmp_path / "in/a.png", 120), tmp_path / "in/a (1).png")
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
