@@ -47,7 +47,7 @@ def price_words(camera: Mapping[str, Any]) -> str:
     each = ", ".join(f"{words(name).lower()} {_amount(*price)}" for name, price in stated.items())
     if lacking:
         return f"at least {total}: {each}; not stated of {', '.join(words(name).lower() for name in lacking)}"
-    return f"{total}: {each}" if len(stated) > 1 else total
+    return f"{total}: {each}" if len(stated) > 1 else each
 
 
 def _price(part: Mapping[str, Any], name: str) -> float | None:

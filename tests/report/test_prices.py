@@ -27,6 +27,11 @@ def test_a_price_that_is_lacking_makes_the_sum_the_least() -> None:
     assert said(sensor=SENSOR, focal_length_mm=2.0) == lacking
 
 
+def test_a_price_by_itself_says_of_what_it_is() -> None:
+    """Other parts may be fixed, and so stand in no variable."""
+    assert said(lens=LENS, pitch_deg=3.0) == "lens 210 EUR"
+
+
 def test_currencies_are_not_converted() -> None:
     assert said(sensor={"price_usd": 9.5}, lens=LENS).startswith("9.5 USD and 210 EUR: ")
 
