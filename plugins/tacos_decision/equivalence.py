@@ -49,7 +49,7 @@ def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, margin_share
     mean = model.posterior_of(found.pool).mean
     best = int(np.argmax(mean))
     margin = margin_share * abs(float(mean[best]))
-    order = _hopeful(model, found, pool, mean)
+    order = _hopeful(found, pool, mean)
     likely = model.draws_of([found.pool[i] for i in order], DRAWS_OF_MANY)
     reference = likely[:, order.index(best)][:, None]
     within = (likely >= reference - margin).mean(axis=0)
@@ -72,7 +72,7 @@ def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, margin_share
     }
 
 
-def _hopeful(model: CameraModel, found: BestOfParts, pool: Pool, mean: np.ndarray) -> list[int]:
+def _hopeful(found: BestOfParts, pool: Pool, mean: np.ndarray) -> list[int]:
     """The cameras that draws are made for: the most promising, the best of each parts among them."""
     ranked = [int(i) for i in np.argsort(-mean, kind="stable")]
     first = {part_names(pool.catalogs, found.pool[i].camera): i for i in reversed(ranked)}
