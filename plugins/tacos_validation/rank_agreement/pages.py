@@ -19,7 +19,7 @@ def summary(outcome: RankOutcome) -> str:
     """The finding in a few lines."""
     lines = [_finding(outcome)]
     for light in outcome.lights:
-        lines.append(f"{light.name}: tau {_tau(light, outcome.confidence)}, {len(light.ranked)} cameras")
+        lines.append(f"{light.name}: tau {_tau(light)}, {len(light.ranked)} cameras")
     lines.append(outcome.shared)
     return "\n".join([*lines, *(_left_out(row) for light in outcome.lights for row in light.left_out())])
 
@@ -52,7 +52,7 @@ def page(outcome: RankOutcome) -> Page:
         sections=(
             Section("What it does not tell", (Paragraph(outcome.shared),)),
             *((Section("Notes", (Warnings("What to know", warned),)),) if warned else ()),
-            *(Section(f"By {light.name}", _by_light(light, outcome)) for light in outcome.lights),
+            *(Section(f"By {light.name}", _by_light(light)) for light in outcome.lights),
             Section(
                 "What it cost",
                 (
@@ -77,7 +77,7 @@ def _left_out(row: dict[str, str]) -> str:
     return f"{row['camera']} has no place by {row['light']} ({row['study']}): {row['why']}."
 
 
-def _tau(light: RankedLight, confidence: float) -> str:
+def _tau(light: RankedLight) -> str:
     found = light.agreement
     if found.tau is None:
         return "not defined"
@@ -86,9 +86,9 @@ def _tau(light: RankedLight, confidence: float) -> str:
     return f"{found.tau:.2f} [{found.interval[0]:.2f}, {found.interval[1]:.2f}]"
 
 
-def _by_light(light: RankedLight, outcome: RankOutcome) -> tuple[Block, ...]:
-    caption = f"Kendall's tau {_tau(light, outcome.confidence)}. The best camera stands on top."
-    return in_both_widths(partial(_slopes, light), caption), _table(light, outcome)
+def _by_light(light: RankedLight) -> tuple[Block, ...]:
+    caption = f"Kendall's tau {_tau(light)}. The best camera stands on top."
+    return in_both_widths(partial(_slopes, light), caption), _table(light)
 
 
 def _slopes(light: RankedLight, *, narrow: bool = False) -> str:
@@ -123,7 +123,7 @@ def _slopes(light: RankedLight, *, narrow: bool = False) -> str:
     return draw(f"places-{light.name}", (7.2, height), described, paint)
 
 
-def _table(light: RankedLight, outcome: RankOutcome) -> Table:
+def _table(light: RankedLight) -> Table:
     fitness = {size: light.fitness(size) for size in SIZES}
     ranks = {size: light.places(size) for size in SIZES}
     rows = tuple(
