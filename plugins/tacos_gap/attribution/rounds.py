@@ -202,10 +202,12 @@ class Rounds:
                 fitted = fewer[0]
         return fitted
 
-    def ended_without(self, fitted: Fitted, name: str) -> Fitted:
-        """The explanation less one effect, fitted to its end."""
-        (fewer,) = self.fits.compared([without(fitted.hypothesis, name)], near=fitted)
-        return finished(self.problem, fewer) if fewer.hypothesis else self.fits.null
+    def ended_without(self, fitted: Fitted, name: str) -> Fitted | None:
+        """The explanation less one effect, fitted to its end; None where it cannot be simulated without."""
+        fewer = self.fits.compared([without(fitted.hypothesis, name)], near=fitted)
+        if not fewer:
+            return None
+        return finished(self.problem, fewer[0]) if fewer[0].hypothesis else self.fits.null
 
 
 def without(hypothesis: Hypothesis, name: str) -> Hypothesis:

@@ -74,8 +74,10 @@ class ForwardSelection:
                     break
                 best = better
             best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
-            while (name := least_needed(rounds.problem, best)) is not None:
-                best = rounds.ended_without(best, name)
+            while name := least_needed(rounds.problem, best):
+                if (fewer := rounds.ended_without(best, name)) is None:
+                    break
+                best = fewer
                 slots = {name: self._rivals(best, name) for name in best.names}
             return Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
 

@@ -17,7 +17,7 @@ CELL_PX = 4
 SMOOTH_DEGREE = 4
 """Degree of the surface that is taken for smooth light."""
 
-_FITTED_EACH = 3  # every so manieth cell along both axes says what the smooth light is
+_FITTED_EACH = 3  # one cell in so many along both axes says what the smooth light is
 
 
 def in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:

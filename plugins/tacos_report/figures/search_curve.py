@@ -27,8 +27,8 @@ def search_curve(
     Parameters
     ----------
     is_design
-        Whether the variables are the designed camera's, which gets the star where it was tried: the highest
-        dot may be luck.
+        Whether the variables are the designed camera's, which gets the star where it was first tried: the
+        highest dot may be luck.
     """
     spent = [generation.frames for generation in generations]
     unit = "images rendered"
@@ -39,7 +39,7 @@ def search_curve(
     scored = [(x, candidate.fitness) for x, candidate in placed if candidate.fitness is not None]
     designed = [
         (x, tried.fitness) for x, tried in placed if tried.fitness is not None and is_design(tried.camera)
-    ]
+    ][:1]  # optimizers that keep their best try it again and again
     failed = [x for x, candidate in placed if candidate.fitness is None]
     description = (
         f"Search curve: {len(scored)} scored and {len(failed)} failed candidates over {ends[-1]} {unit}."
@@ -57,7 +57,7 @@ def search_curve(
             star: dict[str, Any] = {"color": camera_colour(0), "markersize": 15, "zorder": 5, "linestyle": ""}
             axes.plot(*zip(*designed, strict=True), "*", label="designed", markeredgecolor=PAPER, **star)
             axes.annotate(
-                number(designed[-1][1]), designed[-1], (0, 10), textcoords="offset points", ha="center",
+                number(designed[0][1]), designed[0], (0, 10), textcoords="offset points", ha="center",
                 color=camera_colour(0), fontsize=10.5, fontweight="bold",
             )  # fmt: skip
         axes.margins(x=0.02, y=0.14)
