@@ -1,4 +1,4 @@
-"""What an explanation holds without need: found once all of it is fitted to its end."""
+"""Which effects of an explanation are needed: some plainly, others not once all is fitted to its end."""
 
 from __future__ import annotations
 
@@ -8,14 +8,44 @@ from tacos_framework.randomness import generator
 from tacos_gap.closure import closures_of
 from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
+from tacos_gap.jacobian import columns_of
 from tacos_gap.parameters import HypothesisTerm, neutral_value
-from tacos_gap.problem import Problem
+from tacos_gap.problem import Problem, robust
 
 CONFIDENCE = 0.9
 """Of the intervals that say whether a parameter parts from neutral."""
 
+PLAINLY = 10.0
+"""Times what an effect must gain that it gains to first order, from which on no fit without it is tried."""
+
 SMALL = 0.05
 """Share of the gap below which an effect must part from neutral to be named."""
+
+
+def is_plainly_needed(problem: Problem, fitted: Fitted, name: str, least: float) -> bool:
+    """Whether all other effects together could not make up for one, as far as first order tells.
+
+    One simulation without it and the Jacobian of the others tell what a fit of these would leave at best.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    fitted
+        The explanation.
+    name
+        One of its effects.
+    least
+        What an effect must gain to be kept [nat].
+    """
+    z = problem.residual(tuple(term for term in fitted.hypothesis if term.name != name))
+    if z is None:
+        return True
+    others = [k for k, column in enumerate(columns_of(fitted.hypothesis)) if column[0] != name]
+    jacobian, straight = fitted.jacobian[:, others], robust(z)
+    left = straight - jacobian @ np.linalg.lstsq(jacobian, straight, rcond=1e-6)[0]
+    gain = 0.5 * problem.weight * float(np.sum(left**2) - np.sum(robust(fitted.z) ** 2))
+    return gain > PLAINLY * least
 
 
 def least_needed(problem: Problem, best: Fitted) -> str | None:

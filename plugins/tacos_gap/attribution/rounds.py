@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from tacos_framework.contracts import FILE_STAGES
 from tacos_gap.attribution.fits import Fits
+from tacos_gap.attribution.needed import is_plainly_needed
 from tacos_gap.attribution.pairs import best_pair
 from tacos_gap.attribution.shortlist import shortlist
-from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, shows
+from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, least_gain, shows
 from tacos_gap.codec import codec_of_files
 from tacos_gap.discrete import searched
 from tacos_gap.evidence import ReplicateResiduals
@@ -195,8 +196,10 @@ class Rounds:
 
     def backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""
-        self.fits.compared([without(fitted.hypothesis, name) for name in fitted.names], near=fitted)
-        for name in fitted.names:
+        least = least_gain(self.problem, fitted)
+        doubtful = [n for n in fitted.names if not is_plainly_needed(self.problem, fitted, n, least)]
+        self.fits.compared([without(fitted.hypothesis, name) for name in doubtful], near=fitted)
+        for name in doubtful:
             fewer = self.fits.compared([without(fitted.hypothesis, name)], near=fitted)
             if fewer and not is_worth_it(self.problem, fewer[0], fitted):
                 fitted = fewer[0]

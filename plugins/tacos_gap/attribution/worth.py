@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tacos_gap.attribution.fits import CLOSE
@@ -42,21 +44,28 @@ def shows(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
 def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
     """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
     allowed = discrepancy(problem, base, MISFIT)
-    least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * _rest(problem, base, fitted))
-    return gain_beyond(problem, base, fitted, allowed) > least
+    slots = [slice(slot.start, slot.stop) for slot in problem.slots]
+    touched = [slot for slot in slots if not np.array_equal(base.z[slot], fitted.z[slot])]
+    return gain_beyond(problem, base, fitted, allowed) > least_gain(problem, base, touched)
 
 
-def _rest(problem: Problem, base: Fitted, fitted: Fitted) -> float:
-    """Log score that is left above the noise floor in the captures that a further effect touches [nat].
+def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice(None),)) -> float:
+    """What a further effect must gain in log score [nat].
 
     What brackets leave unexplained says nothing of what flats prove.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    base
+        The explanation that it is added to.
+    touched
+        Where the captures that it changes stand in the residuals; all by default.
     """
-    touched = [slice(s.start, s.stop) for s in problem.slots]
-    touched = [slot for slot in touched if not np.array_equal(base.z[slot], fitted.z[slot])]
-    above = sum(
-        float(np.sum(robust(base.held_out[slot]) ** 2)) - (slot.stop - slot.start) for slot in touched
-    )
-    return 0.5 * problem.weight * above
+    left = np.concatenate([robust(base.held_out[slot]) ** 2 for slot in (*touched, slice(0))])
+    rest = 0.5 * problem.weight * float(np.sum(left) - len(left))  # squares of the noise floor are 1 each
+    return max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
 
 
 def least_of_a_rival(gained: float) -> float:
