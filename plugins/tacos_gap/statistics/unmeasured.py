@@ -23,7 +23,12 @@ def nothing_seen(capture: RealCapture) -> str | None:
 
 
 def is_cut_off(capture: RealCapture) -> bool:
-    """Whether all its pixels stand at one end of the files, where neither light nor noise shows."""
+    """Whether all its pixels stand at one end of the files, where neither light nor noise shows.
+
+    A board whose corners were found shows something, whatever its pixels are.
+    """
+    if capture.corners is not None:
+        return False
     seen = capture.real_dn[:, capture.valid]
     return bool(seen.size) and bool((seen <= 0).all() or (seen >= capture.context.white_level_dn).all())
 
