@@ -125,6 +125,11 @@ class Sample:
         return noise_bands(self.frames.shape)
 
     @cached_property
+    def light_of_frames(self) -> NDArray[np.float32]:
+        """(N, 1, C) level of each frame over that of their mean; see `levels_of_frames`."""
+        return levels_of_frames(self.capture, self.frames)
+
+    @cached_property
     def temporal(self) -> NDArray[np.float32]:
         """(N, B R, W, C) frames less their mean in steady light, in `bands`; its mean square is the variance.
 
@@ -133,7 +138,7 @@ class Sample:
         count, rows = len(self.frames), self.bands.ravel()
         whole = len(rows) == self.frames.shape[1]
         frames, mean = (self.frames, self.mean) if whole else (self.frames[:, rows], self.mean[rows])
-        levels = levels_of_frames(self.capture, self.frames)[:, :, None]
+        levels = self.light_of_frames[:, :, None]
         scale = np.float32(np.sqrt(count / (count - 1)))
         black = np.float32(self.capture.context.black_level_dn)
         scaled_mean, noise = scale * mean, np.empty_like(frames)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
 from tacos_gap.statistics.line_means import line_means_of_frames, over_channels
-from tacos_gap.statistics.steady_light import in_steady_light, levels_of_frames
+from tacos_gap.statistics.steady_light import in_steady_light
 
 WAVES = 24
 """Periods of a wave over the rows that are looked at: the height over 1, 2, ..."""
@@ -45,7 +45,7 @@ def _of_noise(sample: Sample, axis: int, counted: NDArray[np.bool_] | None = Non
         )
         return line_means_of_frames(frames, axis) - line_means_of_frames(expected, axis)
     capture, frames = sample.capture, sample.frames
-    levels = levels_of_frames(capture, frames)
+    levels = sample.light_of_frames
     if counted is None:
         means = in_steady_light(capture, line_means_of_frames(frames, axis), levels)
     else:
