@@ -22,7 +22,7 @@ from tacos_gap.intervals import half_widths
 from tacos_gap.parameters import HypothesisTerm
 from tacos_gap.pictures import share_of_pictures
 from tacos_gap.presence import BY_PICTURES, BY_STATISTICS, share_explained
-from tacos_gap.problem import Hypothesis, Problem, robust
+from tacos_gap.problem import Hypothesis, Problem, robust, without
 from tacos_gap.statistics.views import view_of
 from tacos_gap.transfer import Photographed, of_specimen
 from tacos_gap.unknown import Unexplained
@@ -81,8 +81,8 @@ def causes_of(
         certainty = min(probabilities[term.name], _LARGEST_PROBABILITY)
         if alike:
             certainty = min(certainty, 1.0 / (1 + len(alike)))
-        without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
-        share = 0.0 if without is None else share_explained(problem, best.z, without)
+        rest = problem.residual(without(best.hypothesis, term.name))
+        share = 0.0 if rest is None else share_explained(problem, best.z, rest)
         near = [name for name in rivals if probabilities[name] > 0.05]
         sure = max(BY_STATISTICS.by(share), 1 - left.probability)
         if sure < 1 and certainty > LEAST_CERTAIN:
@@ -187,7 +187,7 @@ def _settings(term: HypothesisTerm) -> dict[str, Any]:
 
 def _evidence(problem: Problem, best: Fitted, term: HypothesisTerm, attribution: Attribution) -> str:
     """The statistic that the effect explains most of, in a sentence."""
-    without = problem.residual(tuple(t for t in best.hypothesis if t.name != term.name))
+    rest = problem.residual(without(best.hypothesis, term.name))
     scores = attribution.slots[term.name]
     rivals = {name: score for name, score in scores.items() if name not in ("", term.name)}
     second = max(rivals, key=lambda name: rivals[name]) if rivals else None
@@ -195,11 +195,11 @@ def _evidence(problem: Problem, best: Fitted, term: HypothesisTerm, attribution:
     if second:
         ahead = scores[term.name] - rivals[second]
         lead = f"; captures held out are {_times(ahead)} likelier with it than with {effect_words(second)}"
-    if without is None:
+    if rest is None:
         return f"The other causes cannot be simulated without it{lead}."
     gain: dict[str, float] = {}
     size: dict[str, tuple[float, float, int]] = {}
-    for label, a, b in zip(problem.labels, without, best.z, strict=True):
+    for label, a, b in zip(problem.labels, rest, best.z, strict=True):
         gain[label.statistic] = gain.get(label.statistic, 0.0) + float(
             robust(np.array(a)) ** 2 - robust(np.array(b)) ** 2
         )

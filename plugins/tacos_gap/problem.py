@@ -60,6 +60,11 @@ def _key(hypothesis: Hypothesis) -> str:
     return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
 
 
+def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
+    """A hypothesis less one effect."""
+    return tuple(term for term in hypothesis if term.name != name)
+
+
 def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEffect]:
     """The effects of a hypothesis as a recipe places them, without those that refuse their values.
 

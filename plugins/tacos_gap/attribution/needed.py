@@ -10,10 +10,7 @@ from tacos_gap.fit import Fitted
 from tacos_gap.intervals import half_widths
 from tacos_gap.jacobian import columns_of
 from tacos_gap.parameters import HypothesisTerm, neutral_value
-from tacos_gap.problem import Problem, robust
-
-CONFIDENCE = 0.9
-"""Of the intervals that say whether a parameter parts from neutral."""
+from tacos_gap.problem import Problem, robust, without
 
 PLAINLY = 10.0
 """Times what an effect must gain that it gains to first order, from which on no fit without it is tried."""
@@ -38,7 +35,7 @@ def is_plainly_needed(problem: Problem, fitted: Fitted, name: str, least: float)
     least
         What an effect must gain to be kept [nat].
     """
-    z = problem.residual(tuple(term for term in fitted.hypothesis if term.name != name))
+    z = problem.residual(without(fitted.hypothesis, name))
     if z is None:
         return True
     others = [k for k, column in enumerate(columns_of(fitted.hypothesis)) if column[0] != name]
@@ -64,7 +61,7 @@ def least_needed(problem: Problem, best: Fitted) -> str | None:
     if not best.hypothesis:
         return None
     closed = closures_of(problem, best, generator(0, "least needed"), draws=1).fair
-    reach = half_widths(problem, best, CONFIDENCE)
+    reach = half_widths(problem, best)
     ends = np.cumsum([len(term.free) for term in best.hypothesis])
     for term, end in sorted(
         zip(best.hypothesis, ends, strict=True), key=lambda each: closed[each[0].name].value

@@ -20,7 +20,7 @@ from tacos_gap.evidence import ReplicateResiduals
 from tacos_gap.fit import DRAWS, Fitted, finished, fit
 from tacos_gap.forms import in_its_best_form
 from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Hypothesis, Map, Problem
+from tacos_gap.problem import Map, Problem, without
 from tacos_gap.pruning import pruned as less_parameters
 from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
 from tacos_gap.unknown import Unexplained, unexplained
@@ -211,8 +211,3 @@ class Rounds:
         if not fewer:
             return None
         return finished(self.problem, fewer[0]) if fewer[0].hypothesis else self.fits.null
-
-
-def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
-    """A hypothesis less one effect."""
-    return tuple(term for term in hypothesis if term.name != name)

@@ -17,10 +17,10 @@ import numpy as np
 from tacos_framework.contracts import FILE_STAGES
 from tacos_gap.attribution.found import Attribution
 from tacos_gap.attribution.needed import least_needed
-from tacos_gap.attribution.rounds import LARGEST, MANY, SCREENING_FRACTION, WIDER, Notify, Rounds, without
+from tacos_gap.attribution.rounds import LARGEST, MANY, SCREENING_FRACTION, WIDER, Notify, Rounds
 from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, least_of_a_rival
 from tacos_gap.fit import Fitted, finished
-from tacos_gap.problem import Problem
+from tacos_gap.problem import Problem, without
 from tacos_gap.pruning import restored
 from tacos_gap.screening import screening_score
 from tacos_gap.unknown import Unexplained, unexplained
@@ -74,8 +74,8 @@ class ForwardSelection:
                     break
                 best = better
             best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
-            while name := least_needed(rounds.problem, best):
-                if (fewer := rounds.ended_without(best, name)) is None:
+            while superfluous := least_needed(rounds.problem, best):
+                if (fewer := rounds.ended_without(best, superfluous)) is None:
                     break
                 best = fewer
                 slots = {name: self._rivals(best, name) for name in best.names}

@@ -12,7 +12,7 @@ import numpy as np
 from tacos_gap.captures import RealCapture
 from tacos_gap.findings import Diagnosis
 from tacos_gap.fit import Fitted
-from tacos_gap.problem import Hypothesis, Problem, placed, robust
+from tacos_gap.problem import Hypothesis, Problem, placed, robust, without
 from tacos_gap.report.arrows import arrows, of_boards, of_tiles
 from tacos_gap.report.histogram import histogram
 from tacos_gap.report.image_map import image_map
@@ -125,11 +125,11 @@ def mapped(statistics: Iterable[str]) -> str | None:
 
 def decisive(problem: Problem, best: Fitted, effect: str) -> tuple[str, Any] | None:
     """The statistic an effect explains most of, and the residuals without it; None if they cannot be had."""
-    without = problem.residual(tuple(term for term in best.hypothesis if term.name != effect))
-    if without is None:
+    rest = problem.residual(without(best.hypothesis, effect))
+    if rest is None:
         return None
-    gained = robust(without) ** 2 - robust(best.z) ** 2
+    gained = robust(rest) ** 2 - robust(best.z) ** 2
     sums: dict[str, float] = {}
     for label, gain in zip(problem.labels, gained.tolist(), strict=True):
         sums[label.statistic] = sums.get(label.statistic, 0.0) + gain
-    return max(sums, key=lambda name: sums[name]), without
+    return max(sums, key=lambda name: sums[name]), rest

@@ -10,17 +10,15 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.grid import smooth_areas
+from tacos_gap.targets.wall import smooth_terms
 
 CELL_PX = 4
 """Side of a cell: a whole number of those of a colour mosaic, whose mean is of no colour."""
 
-SMOOTH_DEGREE = 4
-"""Degree of the surface that is taken for smooth light."""
-
 _FITTED_EACH = 3  # one cell in so many along both axes says what the smooth light is
 
 
-def in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:
+def _in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:
     """(H / CELL_PX, W / CELL_PX, C) means of cells of an (H, W, C) image; what fills no cell is left out."""
     import cv2
 
@@ -56,18 +54,15 @@ class EvenCells:
     def of(cls, capture: RealCapture) -> EvenCells:
         """Of the pixels that count and where no edges are expected."""
         even = (smooth_areas(capture) & capture.valid).astype(np.float32)[..., None]
-        whole = np.floor(in_cells(even) + np.float32(1e-3))
-        rows, columns = (np.linspace(-1, 1, size) for size in whole.shape[:2])
-        degrees = range(SMOOTH_DEGREE + 1)
-        terms = [np.multiply.outer(rows**i, columns**j) for i in degrees for j in degrees if i + j in degrees]
-        smooth = (np.stack(terms, axis=-1) * whole).reshape(whole.size, -1)
+        whole = np.floor(_in_cells(even) + np.float32(1e-3))
+        smooth = smooth_terms(whole.shape[:2]) * whole.reshape(-1, 1)
         index = np.arange(whole.size).reshape(whole.shape[:2])
         few = index[::_FITTED_EACH, ::_FITTED_EACH].ravel()
         return cls(whole, smooth.astype(np.float32), np.linalg.pinv(smooth[few]).astype(np.float32), few)
 
     def without_smooth(self, image: NDArray[np.float32]) -> NDArray[np.float32]:
         """(h, w, C) means of cells less the smooth light: what falls off with the radius is no blemish."""
-        cells = in_cells(image) * self.whole
+        cells = _in_cells(image) * self.whole
         flat = cells.reshape(self.whole.size, -1)
         return np.asarray(flat - self.smooth @ (self.estimator @ flat[self.few]), np.float32).reshape(
             cells.shape

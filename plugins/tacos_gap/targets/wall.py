@@ -38,9 +38,7 @@ def shading(plane: NDArray[np.float32], *, has_defects: bool = True) -> NDArray[
     has_defects
         Whether single pixels may stand out, which then do not count; noise alone is averaged best as it is.
     """
-    height, width = plane.shape
-    y, x = np.meshgrid(_centres(height), _centres(width), indexing="ij")
-    smooth = _terms(x.ravel(), y.ravel()) @ _shading_of(plane, has_defects)
+    smooth = smooth_terms(plane.shape) @ _shading_of(plane, has_defects)
     return np.asarray(smooth.reshape(plane.shape), np.float32)
 
 
@@ -71,6 +69,12 @@ def even_expectation(
     return expected
 
 
+def smooth_terms(shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """(H W, 15) terms of smooth light in the pixels of an (H, W) picture: a surface of the fourth degree."""
+    y, x = np.meshgrid(*map(_centres, shape), indexing="ij")
+    return _terms(x.ravel(), y.ravel())
+
+
 def _shading_of(plane: NDArray[np.float32], has_defects: bool = True) -> NDArray[np.float64]:
     """Coefficients of a surface of the fourth degree through the middle values of tiles.
 
@@ -87,9 +91,7 @@ def _shading_of(plane: NDArray[np.float32], has_defects: bool = True) -> NDArray
         (max(width // step, 1), max(height // step, 1)),
         interpolation=cv2.INTER_AREA,
     )
-    rows, columns = tiles.shape
-    y, x = np.meshgrid(_centres(rows), _centres(columns), indexing="ij")
-    found, *_ = np.linalg.lstsq(_terms(x.ravel(), y.ravel()), tiles.ravel().astype(np.float64), rcond=1e-8)
+    found, *_ = np.linalg.lstsq(smooth_terms(tiles.shape), tiles.ravel().astype(np.float64), rcond=1e-8)
     return np.asarray(found)
 
 
