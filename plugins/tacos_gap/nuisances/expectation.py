@@ -61,7 +61,7 @@ def homography(
 ) -> NDArray[np.float64]:
     """(3, 3) map of points of the expectation to those of the picture, of a plane that hangs otherwise.
 
-    A plane that is tilted by an angle shows a point at (x, y) about the principal point at (x, y) / (1 + x
+    A plane tilted by a small angle shows a point at (x, y) about the principal point at (x, y) / (1 + x
     tan(tilt) / f), for a tilt along x (Hartley and Zisserman 2004, 8.1).
 
     Parameters
