@@ -40,7 +40,7 @@ class NormalNumbers:
 
     def __init__(self, rng: np.random.Generator):
         bins_key, tails_key = rng.integers(0, 1 << 64, (2, 2), np.uint64)
-        self._bins = np.random.Philox(key=bins_key)
+        self._bins = np.random.Generator(np.random.Philox(key=bins_key))
         self._tails = np.random.Generator(np.random.Philox(key=tails_key))
         self._place = 0
 
@@ -53,7 +53,8 @@ class NormalNumbers:
             raise ValueError(f"only the last numbers of a frame may be other than a multiple of {PLACES}")
         from tacos_plugins.sensors.sample_loops import look_up
 
-        words = self._bins.random_raw(-(-len(out) // 4))
+        # As `random_raw`, which would keep all other threads waiting.
+        words = self._bins.integers(0, 1 << 64, -(-len(out) // 4), np.uint64)
         bins = words.astype("<u8", copy=False).view("<u2")[: len(out)]
         tail = np.empty(len(out) + 1, np.int64)
         tail = tail[: look_up(bins, quantiles(), TAIL_BINS, out, tail)]

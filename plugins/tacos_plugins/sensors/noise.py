@@ -28,7 +28,11 @@ from numpy.typing import ArrayLike, NDArray
 from tacos_framework.camera.exposure import gain_factor
 from tacos_plugins.sensors.gaussian import PLACES, NormalNumbers
 
-_BLOCK = 1 << 16  # samples at a time, which stay in the caches of a core
+_AT_ONCE = 1 << 20
+"""Samples drawn in one go: each of many small steps would have threads wait for one another."""
+
+_RUN = 1 << 12
+"""Samples about, along which each channel's figures are repeated: numpy is ten times slower over three."""
 
 
 def gain_ratio(
@@ -153,14 +157,14 @@ def add_noise(
     if not out.flags.c_contiguous:
         raise ValueError("noise can be written into a contiguous array only")
     channels = samples_dn.shape[-1]
-    # Long runs, each channel's figures repeated along them: numpy is ten times slower over three numbers.
-    pixels = max(PLACES, _BLOCK // channels // PLACES * PLACES)
+    pixels = max(PLACES, _RUN // channels // PLACES * PLACES)
     photon = np.tile(np.broadcast_to(photon_dn, channels), pixels)
     thermal = np.tile(np.broadcast_to(thermal_dn2, channels), pixels)
     without_signal = thermal - photon * np.float32(black_level_dn)
     expected, noisy = samples_dn.reshape(-1), out.reshape(-1)
     normal = NormalNumbers(rng)
-    for start in range(0, len(expected), len(photon)):
-        block, drawn = expected[start : start + len(photon)], noisy[start : start + len(photon)]
+    step = max(_AT_ONCE // len(photon), 1) * len(photon)
+    for start in range(0, len(expected), step):
+        drawn = noisy[start : start + step]
         normal.fill(drawn)
-        add_scaled(block, photon, without_signal, thermal, drawn)
+        add_scaled(expected[start : start + step], photon, without_signal, thermal, drawn)

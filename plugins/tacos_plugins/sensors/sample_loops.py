@@ -59,11 +59,13 @@ def add_scaled(
     expected
         (N,) samples, pedestal included [DN].
     photon, without_signal, thermal
-        At least (N,): variance per digital number of a sample, that of a sample of 0 on the same line, and
-        the least, which is that of black [DN, DN^2, DN^2].
+        (P,) again and again along the samples: variance per digital number of a sample, that of a sample of 0
+        on the same line, and the least, which is that of black [DN, DN^2, DN^2].
     noisy
         (N,) normal numbers, which become the noisy samples [DN].
     """
-    for sample in range(len(expected)):
-        variance = max(expected[sample] * photon[sample] + without_signal[sample], thermal[sample])
-        noisy[sample] = noisy[sample] * np.sqrt(variance) + expected[sample]
+    for start in range(0, len(expected), len(photon)):
+        samples, numbers = expected[start : start + len(photon)], noisy[start : start + len(photon)]
+        for place in range(len(samples)):
+            variance = max(samples[place] * photon[place] + without_signal[place], thermal[place])
+            numbers[place] = numbers[place] * np.sqrt(variance) + samples[place]
