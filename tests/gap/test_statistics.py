@@ -15,6 +15,7 @@ from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tacos_gap.statistics.grid import expected_in, tiles
 from tacos_gap.statistics.hot_pixels import STEPS
+from tacos_gap.statistics.line_means import line_means_of_frames
 from tacos_gap.statistics.steady_light import in_steady_light, levels_of_frames
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, squares
 
@@ -104,7 +105,7 @@ def test_the_level_of_a_frame_is_taken_out_above_the_pedestal(factor):
     assert scene.expected_dn is not None
     signal = scene.expected_dn[0] - BLACK_DN
     frames = np.stack([BLACK_DN + signal, BLACK_DN + factor * signal]).astype(np.float32)
-    steady = in_steady_light(scene, frames, levels_of_frames(scene, frames))
+    steady = in_steady_light(scene, frames, levels_of_frames(scene, line_means_of_frames(frames, 1)))
     assert steady[0] == pytest.approx(steady[1], rel=1e-4)
     assert steady.mean() == pytest.approx(frames.mean(), rel=1e-4)
 

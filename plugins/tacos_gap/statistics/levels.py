@@ -42,7 +42,7 @@ def level_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     if sample.capture.kind == "sequence" and len(sample.frames) >= FEWEST_IN_A_ROW:
         yield from _over_time(sample)
     if sample.repeats or len(sample.frames) > 1:
-        overall = sample.frames.mean(axis=(1, 2, 3))
+        overall = sample.row_means.mean(axis=(1, 2), dtype=np.float64)
         scale = max(float(mean_signal(sample.capture).mean()), 1.0)
         margin = float(np.hypot(FRAME_TO_FRAME, sample.capture.level_uncertainty))
         yield StatisticBlock("frame_to_frame", "exposure", np.array([np.std(overall) / scale]), [{}], margin)

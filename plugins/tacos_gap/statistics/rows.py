@@ -47,7 +47,8 @@ def _of_noise(sample: Sample, axis: int, counted: NDArray[np.bool_] | None = Non
     capture, frames = sample.capture, sample.frames
     levels = sample.light_of_frames
     if counted is None:
-        means = in_steady_light(capture, line_means_of_frames(frames, axis), levels)
+        means = sample.row_means if axis else line_means_of_frames(frames, 0)
+        means = in_steady_light(capture, means, levels)
     else:
         means = line_means_of_frames(in_steady_light(capture, frames, levels) * counted, axis)
     return (means - means.mean(axis=0)) * np.float32(np.sqrt(len(means) / (len(means) - 1)))

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
-from tacos_gap.statistics.line_means import line_means_of_frames
 
 WAVER = 0.01
 """Relative deviation of a frame's level that any lamp may have; what is more stays in the noise: flicker."""
@@ -19,7 +18,7 @@ LEAST_LIGHT_DN = 1.0
 """Signal below which the light of a frame is not told from its pedestal."""
 
 
-def levels_of_frames(capture: RealCapture, frames_dn: NDArray[np.float32]) -> NDArray[np.float32]:
+def levels_of_frames(capture: RealCapture, row_means_dn: NDArray[np.float32]) -> NDArray[np.float32]:
     """(N, 1, C) level of each frame above the pedestal over that of their mean; 1 in the dark.
 
     At most `WAVER` off 1.
@@ -28,14 +27,12 @@ def levels_of_frames(capture: RealCapture, frames_dn: NDArray[np.float32]) -> ND
     ----------
     capture
         Whose frames they are.
-    frames_dn
-        (N, H, W, C) frames [DN].
+    row_means_dn
+        (N, H, C) means of the rows of the frames, pixels that do not count being 0 [DN].
     """
     if capture.kind == "dark":
-        return np.ones((len(frames_dn), 1, frames_dn.shape[-1]), np.float32)
-    valid = capture.valid
-    counted = frames_dn if valid.all() else frames_dn * valid[..., None]
-    level = line_means_of_frames(counted, 1).mean(axis=1, keepdims=True, dtype=np.float64) / valid.mean()
+        return np.ones((len(row_means_dn), 1, row_means_dn.shape[-1]), np.float32)
+    level = row_means_dn.mean(axis=1, keepdims=True, dtype=np.float64) / capture.valid.mean()
     signal = level - capture.context.black_level_dn
     mean = signal.mean(axis=0)
     waver = np.clip((signal - mean) / np.maximum(mean, LEAST_LIGHT_DN), -WAVER, WAVER)

@@ -47,7 +47,7 @@ class TexturedTiles:
     def medians(self, field: NDArray[np.float32]) -> NDArray[np.float64]:
         """(2, T) medians of both components of an (H, W, 2) field in each tile."""
         flat = np.ascontiguousarray(field.reshape(-1, 2).T)
-        middles = [np.partition(flat[:, part], len(part) // 2)[:, len(part) // 2] for part in self.parts]
+        middles = [np.partition(np.take(flat, part, axis=1), len(part) // 2)[:, len(part) // 2] for part in self.parts]
         return np.array(middles, np.float64).reshape(-1, 2).T
 
     def centred(
@@ -56,13 +56,13 @@ class TexturedTiles:
         """(I, P) pixels of (I, H, W) images, tiles of which may be moved, less the mean of their tile."""
         flat = images.reshape(len(images), -1)
         if moved_px is None or not moved_px.any():
-            values = flat[:, self._pixels].astype(np.float64)
+            values = np.take(flat, self._pixels, axis=1).astype(np.float64)
         else:
             height, width = images.shape[1:]
             rows, columns = np.divmod(self._pixels, width)
             columns = np.clip(columns - self.spread(moved_px[0]), 0, width - 1)
             rows = np.clip(rows - self.spread(moved_px[1]), 0, height - 1)
-            values = flat[:, rows * width + columns].astype(np.float64)
+            values = np.take(flat, rows * width + columns, axis=1).astype(np.float64)
         values -= self.spread(self.sums(values) / self._counts)
         return values
 
@@ -72,7 +72,7 @@ class TexturedTiles:
 
     def spread(self, values: NDArray[Any]) -> NDArray[Any]:
         """(..., P) the value of its tile for each pixel, of (..., T) values."""
-        return values[..., self._tile]
+        return np.repeat(values, self._counts, axis=-1)
 
     @cached_property
     def _pixels(self) -> NDArray[np.int64]:
@@ -85,10 +85,6 @@ class TexturedTiles:
     @cached_property
     def _starts(self) -> NDArray[np.int64]:
         return np.cumsum([0, *self._counts[:-1]])
-
-    @cached_property
-    def _tile(self) -> NDArray[np.int64]:
-        return np.repeat(np.arange(len(self.parts)), self._counts)
 
 
 _KEPT: WeakKeyDictionary[RealCapture, TexturedTiles] = WeakKeyDictionary()
