@@ -119,7 +119,7 @@ def whole(folder: CaptureFolder, workers: int) -> None:
     named = ", ".join(cause.effect for cause in found.causes) or "nothing"
     print(
         f"diagnosis: {time.process_time() - began:.0f} s of processor time, {time.monotonic() - clock:.0f} s "
-        f"by the clock, {found.attribution.problem.evaluations} hypotheses simulated: "
+        f"by the clock, {found.attribution.problem.simulations} simulations of all captures: "
         f"{found.verdict}, {named}"
     )
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tacos_framework.linear_algebra import in_one_thread
 from tacos_framework.plugins.guarded import culprit_of
 from tacos_framework.randomness import generator
-from tacos_gap.attribution import Attribution, ForwardSelection
+from tacos_gap.attribution import SIMULATIONS, Attribution, ForwardSelection
 from tacos_gap.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.candidates import Candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
@@ -59,6 +59,7 @@ def diagnose(
     seed: int = 0,
     workers: int = 2,
     notify: Notify | None = None,
+    simulations: int = SIMULATIONS,
 ) -> Diagnosis:
     """Find what parts a simulation from a real camera.
 
@@ -76,6 +77,8 @@ def diagnose(
         Threads. Each measures captures of its own.
     notify
         Told what is being done.
+    simulations
+        Those of all captures after which no further effect is looked for.
 
     Raises
     ------
@@ -94,7 +97,8 @@ def diagnose(
     problem = Problem(evidence, workers)
     while True:
         try:
-            found = _explained(problem, folder.captures, considered.effects, seed, workers, tell)
+            search = ForwardSelection(problem, considered.effects, workers, tell, simulations)
+            found = _explained(search, folder.captures, considered.effects, seed, workers, tell)
         except Exception as error:
             culprit = culprit_of(error)
             name = culprit.use.removeprefix("effect.") if culprit else ""
@@ -108,7 +112,7 @@ def diagnose(
 
 
 def _explained(
-    problem: Problem,
+    search: ForwardSelection,
     captures: Sequence[RealCapture],
     effects: Mapping[str, type[Any]],
     seed: int,
@@ -117,7 +121,7 @@ def _explained(
 ) -> Diagnosis:
     """What some effects explain of the evidence."""
     tell("trying effects")
-    attribution = ForwardSelection(problem, effects, workers, tell).run()
+    attribution = search.run()
     best, problem = attribution.best, attribution.problem
     left = unexplained(problem, problem.replicate_residuals(best.hypothesis))
     tell("how far the gap shrinks")
@@ -150,6 +154,7 @@ def _explained(
             *(of_one_specimen(cause) for cause in causes if cause.specimen),
             *(text for cause in causes for text in of_each_capture(cause)),
             *light_beyond_stated(captures, nuisances),
+            *_cut_short(attribution),
         ),
         problem=problem,
         attribution=attribution,
@@ -157,6 +162,16 @@ def _explained(
         detectable=_detectable(problem, effects, best.z, workers),
         nuisances=nuisances,
     )
+
+
+def _cut_short(attribution: Attribution) -> list[str]:
+    """That the search ended early, and how to have it go on; empty where it did not."""
+    if not attribution.cut_short:
+        return []
+    return [
+        f"The search for further effects was ended, much being left unexplained: all captures were simulated "
+        f"{attribution.problem.simulations} times. It goes on with a larger `simulations`."
+    ]
 
 
 def _detectable(

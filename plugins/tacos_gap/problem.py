@@ -107,6 +107,13 @@ def _are_close(shares: dict[str, float], others: dict[str, float]) -> bool:
     )
 
 
+@dataclass
+class Tally:
+    """How many simulations of all captures were made, of a problem and of all that were made of it."""
+
+    simulations: int = 0
+
+
 @dataclass(frozen=True)
 class Slot:
     """Where the numbers of a capture stand in the whole."""
@@ -137,12 +144,17 @@ class Problem:
         self.null_replicates = _side_by_side([e.null_replicates for e in self.evidence])
         self.scale = np.ones(len(self.labels))
         self.draws = 1
-        self.evaluations = 0
+        self._tally = Tally()
         self._stated = self.evidence
         self._shares: dict[str, float] = {}
         self._kept: dict[str, NDArray[np.float64]] = {}
         self._replicate_residuals: dict[str, ReplicateResiduals] = {}
         self._lock = Lock()
+
+    @property
+    def simulations(self) -> int:
+        """Those of all captures that residuals took so far, in other units and of averages too."""
+        return self._tally.simulations
 
     def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
         """(K,) residuals in units of the noise floor; None where an effect refuses its parameters."""
@@ -152,7 +164,7 @@ class Problem:
         with self._lock:
             if key in self._kept:
                 return self._kept[key] / self.scale
-            self.evaluations += 1
+            self._tally.simulations += self.draws
         parts = self._of_each(lambda e: e.residual(placed_in(hypothesis, e), self.draws), self.evidence)
         z = np.nan_to_num(np.concatenate([*parts, np.zeros(0)]), nan=1e3, posinf=1e3, neginf=-1e3)
         with self._lock:

@@ -100,6 +100,14 @@ def test_two_effects_share_the_gap(effects):
     assert sum(cause.shapley for cause in found.causes) == pytest.approx(found.closure, abs=0.02)
 
 
+def test_a_search_that_was_cut_short_is_unknown_and_says_how_to_go_on(effects):
+    captures = taken(bench(), [make(effects, "crosstalk", share=0.04)])
+    found = diagnose(CaptureFolder(Path("captures"), tuple(captures)), effects, seed=3, simulations=1)
+    assert found.verdict == "unknown"
+    assert found.causes == []
+    assert any("a larger `simulations`" in said for said in found.limitations)
+
+
 def test_an_effect_outside_the_catalogue_is_unknown(effects):
     truth = make(effects, "crosstalk", share=0.04)
     fewer = {name: cls for name, cls in effects.items() if name != "crosstalk"}

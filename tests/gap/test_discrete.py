@@ -64,7 +64,7 @@ def test_the_grade_and_the_way_are_found_exactly_from_the_nearest_guess(grade, w
 def test_bounds_of_a_whole_number_are_kept_and_few_of_them_are_tried():
     of = Problem([Coded(1, "even")])  # type: ignore[list-item]
     assert searched(of, begun(12))[0].values["grade"] >= 1
-    assert of.evaluations < 40
+    assert of.simulations < 40
 
 
 def test_what_there_is_to_search_is_what_the_effect_declares():

@@ -12,7 +12,7 @@ import pytest
 from tacos_framework.settings import Settings, setting
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.evidence import Label, ReplicateResiduals
-from tacos_gap.fit import finished, fit, rescored
+from tacos_gap.fit import DRAWS, finished, fit, rescored
 from tacos_gap.intervals import FEWEST, half_widths, spread_between
 from tacos_gap.jacobian import jacobian_of
 from tacos_gap.parameters import HypothesisTerm
@@ -113,7 +113,7 @@ def test_at_its_end_a_fit_costs_its_jacobian_alone():
     counted = problem(6.0, 1.2)
     again = finished(counted, ended)
     assert again.hypothesis == ended.hypothesis
-    assert counted.evaluations == 3, "the place, and a neighbour for each of two parameters"
+    assert counted.simulations == DRAWS + 1 + 2, "the place, and a neighbour for each of two parameters"
 
 
 class Sum(Curve):
@@ -157,7 +157,7 @@ def test_how_residuals_move_with_parameters_of_a_fit_nearby_is_not_simulated_aga
     of = tilted()
     begun = fit(of, hypothesis, iterations=0, near=base)
     assert begun is not None
-    assert of.evaluations == 2, "the place, and a neighbour for the slope"
+    assert of.simulations == 2, "the place, and a neighbour for the slope"
     assert begun.jacobian == pytest.approx(jacobian_of(of, hypothesis, begun.z)[0], abs=0.05)
     found = fit(of, hypothesis, near=base)
     assert found is not None

@@ -92,6 +92,13 @@ def test_the_two_that_are_there_are_named_and_not_the_one_that_leans_towards_bot
     assert amounts == {"gradient": pytest.approx(4.0, abs=0.3), "ripple": pytest.approx(3.0, abs=0.3)}
 
 
+@pytest.mark.parametrize(("simulations", "names"), [(1, []), (2000, ["gradient", "ripple"])])
+def test_a_search_ends_where_its_simulations_are_spent_and_says_so(simulations, names):
+    found = ForwardSelection(problem(4.0, 3.0), EFFECTS, workers=1, simulations=simulations).run()
+    assert sorted(found.best.names) == names
+    assert found.cut_short == (names == [])
+
+
 def test_by_itself_the_third_does_more_than_either():
     of = problem(4.0, 3.0)
     alone = {

@@ -30,6 +30,8 @@ class Attribution:
         The evidence, in units of the noise floor of the explanation.
     errors
         Like `slots`, the standard error of each score's difference to that of the effect itself [nat].
+    cut_short
+        Whether no further effect was looked for as the simulations were spent.
     """
 
     best: Fitted
@@ -38,6 +40,7 @@ class Attribution:
     fits: Mapping[tuple[str, ...], Fitted]
     problem: Problem
     errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    cut_short: bool = False
 
     @classmethod
     def among(

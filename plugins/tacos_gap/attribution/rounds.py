@@ -28,6 +28,10 @@ from tacos_gap.unknown import Unexplained, unexplained
 LARGEST = 6
 """Most effects in one explanation: shares of more cannot be enumerated."""
 
+SIMULATIONS = 2000
+"""Simulations of all captures after which no further effect is looked for. What has a good explanation takes
+100 to 1500; a search that goes on longer adds effect to effect that each fit a bit of what none explains."""
+
 LEAST_SHARE = 0.001
 """What one more parameter must gain, a third of the penalty aside, over what all have gained."""
 
@@ -63,14 +67,30 @@ class Rounds:
         A map that may work in parallel.
     notify
         Told what is being done.
+    simulations
+        Those of all captures after which no further effect is looked for.
     """
 
-    def __init__(self, problem: Problem, effects: Mapping[str, type[Any]], each: Map, notify: Notify):
+    def __init__(
+        self,
+        problem: Problem,
+        effects: Mapping[str, type[Any]],
+        each: Map,
+        notify: Notify,
+        simulations: int = SIMULATIONS,
+    ):
         self.fits = Fits(problem, each)
         self.effects = effects
         self.directions: ScreeningDirections = {}
         self.each = each
         self.notify = notify
+        self.cut_short = False
+        self._simulations = simulations
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether no further effect is looked for."""
+        return self.problem.simulations >= self._simulations
 
     @property
     def problem(self) -> Problem:
@@ -85,6 +105,9 @@ class Rounds:
             left = unexplained(self.problem, residuals)
             if len(best.hypothesis) == LARGEST or not left.is_significant:
                 return best, left  # where nothing is significant, nothing is tried
+            if self.is_spent:
+                self.cut_short = True
+                return best, left
             if not self.directions:
                 self.directions = try_all(self.problem, self.effects, self.each)
                 if codec := codec_of_files(self.problem, self.directions):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,15 @@ import numpy as np
 from tacos_framework.contracts import FILE_STAGES
 from tacos_gap.attribution.found import Attribution
 from tacos_gap.attribution.needed import least_needed
-from tacos_gap.attribution.rounds import LARGEST, MANY, SCREENING_FRACTION, WIDER, Notify, Rounds
+from tacos_gap.attribution.rounds import (
+    LARGEST,
+    MANY,
+    SCREENING_FRACTION,
+    SIMULATIONS,
+    WIDER,
+    Notify,
+    Rounds,
+)
 from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, least_of_a_rival
 from tacos_gap.fit import Fitted, finished
 from tacos_gap.problem import Problem, without
@@ -45,6 +54,8 @@ class ForwardSelection:
         Threads.
     notify
         Told what is being done.
+    simulations
+        Those of all captures after which no further effect is looked for.
     """
 
     def __init__(
@@ -53,8 +64,10 @@ class ForwardSelection:
         effects: Mapping[str, type[Any]],
         workers: int = 2,
         notify: Notify | None = None,
+        simulations: int = SIMULATIONS,
     ):
         self._problem = problem
+        self._simulations = simulations
         self._notify = notify or (lambda text: None)
         self._workers = workers
         self._effects = effects
@@ -62,7 +75,9 @@ class ForwardSelection:
     def run(self) -> Attribution:
         """Search, and compare what was found with its rivals."""
         with ThreadPoolExecutor(self._workers) as pool:
-            rounds = self._rounds = Rounds(self._problem, self._effects, pool.map, self._notify)
+            rounds = self._rounds = Rounds(
+                self._problem, self._effects, pool.map, self._notify, self._simulations
+            )
             best = self._explained(rounds.fits.null)
             slots: dict[str, dict[str, Fitted]] = {}
             for _ in range(LARGEST if best.hypothesis else 0):
@@ -70,7 +85,7 @@ class ForwardSelection:
                 best = rounds.pruned(best)
                 slots = {name: self._rivals(best, name) for name in best.names}
                 better = self._better_rival(best, slots)
-                if better is None:
+                if better is None or rounds.cut_short:
                     break
                 best = better
             best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
@@ -79,7 +94,8 @@ class ForwardSelection:
                     break
                 best = fewer
                 slots = {name: self._rivals(best, name) for name in best.names}
-            return Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
+            found = Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
+            return replace(found, cut_short=rounds.cut_short)
 
     # one explanation, and another ---------------------------------------------------------------------------
 
@@ -87,16 +103,23 @@ class ForwardSelection:
         """The best explanation from nothing on, or from another beginning where much stays unexplained."""
         rounds = self._rounds
         best, left = rounds.grown(null)
-        if left.probability >= 0.5 and (chance := self._by_chance(best)):
+        if self._goes_on(left) and (chance := self._by_chance(best)):
             self._notify("what differs by chance")
             best, left = self._better_of(best, chance)
-        if left.probability < 0.5 or left.share < MUCH or len(self._on_files(rounds.fits.null)) < 2:
+        if not self._goes_on(left) or left.share < MUCH or len(self._on_files(rounds.fits.null)) < 2:
             return best
         self._notify("what the camera does to its files, together")
         block = rounds.through_files(rounds.fits.null)
         if set(block.names) <= set(best.names):
             return rounds.in_its_units(best)[0]
         return self._better_of(best, block)[0]
+
+    def _goes_on(self, left: Unexplained) -> bool:
+        """Whether something stays unexplained that simulations are left to look for."""
+        if left.probability < 0.5:
+            return False
+        self._rounds.cut_short |= self._rounds.is_spent
+        return not self._rounds.cut_short
 
     def _better_of(self, best: Fitted, beginning: Fitted) -> tuple[Fitted, Unexplained]:
         """An explanation, or one from another beginning, in the wider of their units; and what it leaves."""

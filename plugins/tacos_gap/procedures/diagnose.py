@@ -23,6 +23,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import ContextMissing
+from tacos_gap.attribution import SIMULATIONS
 from tacos_gap.bench import recipe_renderer
 from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
@@ -64,6 +65,11 @@ class Diagnose:
             "noise that captures.yaml states.",
         )
         workers: int = setting(2, help="Threads.", ge=1)
+        simulations: int = setting(
+            SIMULATIONS,
+            help="Simulations of all captures after which no further effect is looked for.",
+            ge=1,
+        )
         study: str = setting(
             "",
             help="A study (path or name) whose cameras are ranked without and with the causes; tasks that "
@@ -115,7 +121,14 @@ class Diagnose:
         progress.phase("Looking for causes", None)
         try:
             with Telling(progress) as tell:
-                diagnosis = diagnose(folder, considered, seed=seed, workers=self.config.workers, notify=tell)
+                diagnosis = diagnose(
+                    folder,
+                    considered,
+                    seed=seed,
+                    workers=self.config.workers,
+                    notify=tell,
+                    simulations=self.config.simulations,
+                )
         except NothingMeasured as nothing:
             data = undiagnosed_data(nothing.limitations)
             _write(out, data, patched((), Photographed.of(folder.captures)))

@@ -235,7 +235,7 @@ def _repeat(
     heads = ("capture", "kind", "frames", "size [px]", "gap before", "after")
     yield Table((*heads, *(["fully explained"] if explained else [])), tuple(rows))
     facts = [f"Seed {run.seed}", f"{len(diagnosis.problem.labels)} numbers compared"]
-    facts.append(f"{diagnosis.problem.evaluations} simulations of all captures")
+    facts.append(f"{diagnosis.problem.simulations} simulations of all captures")
     facts.append(duration(run.seconds))
     if run.without:
         facts.append(f"not considered: {', '.join(run.without)}")

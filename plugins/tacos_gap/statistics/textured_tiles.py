@@ -47,7 +47,8 @@ class TexturedTiles:
     def medians(self, field: NDArray[np.float32]) -> NDArray[np.float64]:
         """(2, T) medians of both components of an (H, W, 2) field in each tile."""
         flat = np.ascontiguousarray(field.reshape(-1, 2).T)
-        middles = [np.partition(np.take(flat, part, axis=1), len(part) // 2)[:, len(part) // 2] for part in self.parts]
+        of_tiles = (np.take(flat, part, axis=1) for part in self.parts)
+        middles = [np.partition(tile, tile.shape[1] // 2)[:, tile.shape[1] // 2] for tile in of_tiles]
         return np.array(middles, np.float64).reshape(-1, 2).T
 
     def centred(
