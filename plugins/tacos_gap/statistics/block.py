@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.line_means import line_means_of_frames, over_frames
+from tacos_gap.statistics.masked import only_in
 from tacos_gap.statistics.sampled import noise_bands, sampled
 from tacos_gap.statistics.steady_light import levels_of_frames
 from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
@@ -134,7 +135,7 @@ class Sample:
         """(N, 1, C) level of each frame over that of their mean; see `levels_of_frames`."""
         if self.valid.all():
             return levels_of_frames(self.capture, self.row_means)
-        counted = self.frames * self.valid[..., None]
+        counted = only_in(self.valid, self.frames)
         return levels_of_frames(self.capture, line_means_of_frames(counted, 1))
 
     @cached_property

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.sampled import CODE_SAMPLES, sampled
 
@@ -17,12 +19,14 @@ _DEEPEST_DN = 4096
 """Files deeper than this have codes to spare; combs are not looked for."""
 
 
+_PLACES: WeakKeyDictionary[RealCapture, dict[tuple[int, ...], NDArray[np.int64]]] = WeakKeyDictionary()
+
+
 def code_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Shares at the ends, the tallest pile near the top, empty codes, combs."""
-    values = sample.as_taken if sample.valid.all() else sample.as_taken[:, sample.valid]
+    values = _looked_at(sample.capture, sample.as_taken)
     if not values.size:
         return
-    values = sampled(values, CODE_SAMPLES)
     white = sample.capture.context.white_level_dn
     histogram = np.bincount(values.astype(np.uint16))
     top = len(histogram) - 1
@@ -45,6 +49,17 @@ def code_statistics(sample: Sample) -> Iterator[StatisticBlock]:
             [*({"period_dn": p} for p in PERIODS), {"what": "empty codes"}],
             0.02,
         )
+
+
+def _looked_at(capture: RealCapture, frames: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(M,) `sampled` values of the pixels that count; which those are is worked out once."""
+    if capture.valid.all():
+        return sampled(frames, CODE_SAMPLES)
+    known = _PLACES.setdefault(capture, {})
+    if frames.shape not in known:
+        places = np.arange(frames.size).reshape(frames.shape)
+        known[frames.shape] = sampled(places[:, capture.valid], CODE_SAMPLES)
+    return np.take(frames, known[frames.shape])
 
 
 def _pile(histogram: NDArray[np.int64]) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
 from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS, expected_in, rings, tile_means, tiles
 from tacos_gap.statistics.line_means import line_means
+from tacos_gap.statistics.masked import only_in
 
 RELATIVE = 0.004
 OFFSET_DN = 0.06
@@ -55,8 +56,7 @@ def _luck_of_lines(sample: Sample) -> NDArray[np.float64]:
     luck = np.zeros(len(sample.channels))
     if not sample.repeats:
         return luck
-    whole = sample.valid.all()
-    halves = [half if whole else half * sample.valid[..., None] for half in sample.halves]
+    halves = [only_in(sample.valid, half) for half in sample.halves]
     for axis, tiles_along in ((0, TILE_COLUMNS), (1, TILE_ROWS)):
         one, two = (np.diff(line_means(half, axis), axis=0) for half in halves)
         luck += np.maximum((one * two).mean(axis=0) / 2, 0.0) * tiles_along / (len(one) + 1)

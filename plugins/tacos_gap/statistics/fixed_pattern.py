@@ -11,6 +11,7 @@ from tacos_gap.nuisances.mosaic import of_each_plane
 from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import expected_in, has_even_areas, levels, smooth_areas
 from tacos_gap.statistics.line_means import line_means
+from tacos_gap.statistics.masked import only_in
 
 _WINDOW_PX = 7
 _WINDOW_OF_A_PLANE = 5  # photosites of one colour
@@ -32,8 +33,7 @@ def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
     count = [even.sum(axis=axis) for axis in (0, 1)]
     product = first * second
     np.clip(product, -400, 400, out=product)
-    counted = even.all()
-    one, two = (half if counted else half * even[..., None] for half in (first, second))
+    one, two = (only_in(even, half) for half in (first, second))
     lines = [[line_means(half, axis) * even.shape[axis] for half in (one, two)] for axis in (0, 1)]
     for channel, label in enumerate(sample.channels):
         bins = levels(sample.capture, channel, even)

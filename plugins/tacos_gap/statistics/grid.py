@@ -16,6 +16,7 @@ from tacos_gap.captures import RealCapture
 from tacos_gap.captures.mean_of_files import averaged_expectation, noise_of_average
 from tacos_gap.statistics.block import expected_signal
 from tacos_gap.statistics.line_means import over_image
+from tacos_gap.statistics.masked import only_in
 
 TILE_ROWS, TILE_COLUMNS = 6, 8
 RINGS = (0.0, 0.35, 0.6, 0.8, np.inf)
@@ -61,8 +62,11 @@ class Bins:
         """Mean of an (H, W) image in each bin."""
         if self._covers_all:
             return over_image(image[..., None])
-        total = np.bincount(self._flat, weights=image.ravel(), minlength=len(self.at) + 1)[1:]
-        return np.asarray(total / self.count)
+        from tacos_gap.statistics.bin_loops import add_up
+
+        sums = np.zeros(len(self.at) + 1)  # the first of what is in no bin
+        add_up(self._places, image, sums)
+        return np.asarray(sums[1:] / self.count)
 
     def in_rows(self, rows: NDArray[np.int64]) -> Bins:
         """The bins of an image that has some of the rows alone; means of those it lacks are not numbers."""
@@ -76,8 +80,8 @@ class Bins:
         return self._parts[key]
 
     @cached_property
-    def _flat(self) -> NDArray[np.int64]:
-        return self.index.ravel() + 1
+    def _places(self) -> NDArray[np.int32]:
+        return (self.index + 1).astype(np.int32)
 
     @cached_property
     def _covers_all(self) -> bool:
@@ -144,8 +148,8 @@ def tile_means(capture: RealCapture, image: NDArray[np.float32]) -> NDArray[np.f
     """
     grid = tiles(capture)
     height, width, channels = image.shape
-    counted = image if capture.valid.all() else image * capture.valid[..., None]
-    along = counted.reshape(height, width * channels) @ _columns_of_tiles(width, channels)
+    samples = only_in(capture.valid, image).reshape(height, width * channels)
+    along = samples @ _columns_of_tiles(width, channels)
     first_rows = [-(-r * height // TILE_ROWS) for r in range(TILE_ROWS)]
     sums = np.add.reduceat(along, first_rows, axis=0, dtype=np.float64)
     return np.asarray(sums.reshape(-1, channels)[grid.kept] / grid.count[:, None])

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
 from tacos_gap.statistics.grid import has_even_areas, levels, smooth_areas
+from tacos_gap.statistics.masked import only_in
 
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, -1), (0, 4), (4, 0))
 """Neighbours, as rows and columns away [px]."""
@@ -30,7 +31,7 @@ def noise_statistics(sample: Sample) -> Iterator[StatisticBlock]:
         if not has_even_areas(sample.capture):
             return
         even = smooth_areas(sample.capture) & sample.valid
-        noise = (sample.frames[0] - sample.expected[0]) * even[:, :, None]
+        noise = only_in(even, sample.frames[0] - sample.expected[0])
         yield from _photon_transfer(sample, _high_pass(noise) ** 2, "spatial_noise", even, 0.03)
         planes = sample.in_planes(noise[None, sample.bands.ravel()])
     if sample.capture.noise.known or sample.repeats:

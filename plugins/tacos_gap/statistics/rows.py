@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
 from tacos_gap.statistics.line_means import line_means_of_frames, over_channels
+from tacos_gap.statistics.masked import only_in
 from tacos_gap.statistics.steady_light import in_steady_light
 
 WAVES = 24
@@ -37,11 +38,11 @@ def row_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 def _of_noise(sample: Sample, axis: int, counted: NDArray[np.bool_] | None = None) -> NDArray[np.float32]:
     """(N, H or W, C) means of the lines of the noise: of frames less their mean, or less the expectation.
 
-    Where (H, W, 1) `counted` is given, other pixels are 0.
+    Where (H, W) `counted` is given, other pixels are 0.
     """
     if not sample.repeats:
         frames, expected = (
-            each if counted is None else each * counted for each in (sample.frames, sample.expected)
+            each if counted is None else only_in(counted, each) for each in (sample.frames, sample.expected)
         )
         return line_means_of_frames(frames, axis) - line_means_of_frames(expected, axis)
     capture, frames = sample.capture, sample.frames
@@ -50,7 +51,7 @@ def _of_noise(sample: Sample, axis: int, counted: NDArray[np.bool_] | None = Non
         means = sample.row_means if axis else line_means_of_frames(frames, 0)
         means = in_steady_light(capture, means, levels)
     else:
-        means = line_means_of_frames(in_steady_light(capture, frames, levels) * counted, axis)
+        means = line_means_of_frames(only_in(counted, in_steady_light(capture, frames, levels)), axis)
     return (means - means.mean(axis=0)) * np.float32(np.sqrt(len(means) / (len(means) - 1)))
 
 
@@ -72,7 +73,7 @@ def _waves(sample: Sample, row_means: NDArray[np.float32]) -> StatisticBlock:
     level = row_means.mean(axis=1, keepdims=True)
     profile = row_means - level
     if not sample.valid.all():
-        of_valid = _of_noise(sample, 1, sample.valid[..., None])
+        of_valid = _of_noise(sample, 1, sample.valid)
         profile = of_valid - level * sample.valid.mean(axis=1)[:, None]
     weight = np.maximum((over_channels(sample.signal) * sample.valid).sum(axis=1), 1.0)
     profile = profile.mean(axis=-1) * sample.valid.shape[1] / weight[None, :]

@@ -6,8 +6,12 @@ their statistics; levels, patterns and detail, which differ from place to place,
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
+
+Number = TypeVar("Number", bound=np.generic)
 
 NOISE_SAMPLES = 1 << 18
 """Samples of a channel, all frames together, in which temporal noise is measured: a variance is then off by
@@ -39,7 +43,7 @@ def noise_bands(shape: tuple[int, ...]) -> NDArray[np.int64]:
     return np.asarray(first[:, None] + np.arange(BAND_ROWS))
 
 
-def sampled(values: NDArray[np.float32], count: int = MIDDLE_SAMPLES) -> NDArray[np.float32]:
+def sampled(values: NDArray[Number], count: int = MIDDLE_SAMPLES) -> NDArray[Number]:
     """(M,) of many values about so many, at equal distances that no rows or channels share a factor with.
 
     Examples
