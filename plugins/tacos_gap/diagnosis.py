@@ -136,7 +136,7 @@ def _explained(
     if not causes and left.probability < 0.5:
         cause_set, wanted = hidden_by_pose(problem.evidence, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
-        wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed)
+        wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed, left.where)
     nuisances = _nuisances(problem, best)
     return Diagnosis(
         verdict=_verdict(causes, before, after, left),

@@ -37,17 +37,47 @@ _WHY = {
 }
 
 
+_SHOWN_BY = {
+    "bracket": ("level", "clipped", "top_level"),
+    "dark": ("dark_level", "dark_field", "hot_pixels", "row_noise", "column_noise"),
+    "flat": (
+        "relative_illumination",
+        "photon_transfer",
+        "spatial_noise",
+        "noise_over_field",
+        "noise_autocorrelation",
+        "channel_correlation",
+        "fixed_pattern",
+        "column_pattern",
+        "row_pattern",
+        "line_offset",
+    ),
+    "edge": ("detail", "colour_displacement"),
+    "board": ("displacement",),
+    "chart": ("patches", "colour_matrix"),
+}
+"""Statistics by the kind of capture that shows by itself what they are made of."""
+
+_BLEMISHES = NextCapture(
+    "flat",
+    "the same even field at the smallest aperture: specks that grow darker and sharper lie on the sensor's "
+    "cover glass; clean it, and take the flats anew",
+)
+
+
 def best_capture(
-    captures: Sequence[RealCapture], hypotheses: Sequence[Hypothesis], seed: int
+    captures: Sequence[RealCapture],
+    hypotheses: Sequence[Hypothesis],
+    seed: int,
+    unexplained: str | None = None,
 ) -> NextCapture | None:
     """The kind with the largest expected difference between hypotheses for its trouble.
 
-    Where there is nothing to choose between, the kind that is missing and shows most.
+    Where there is nothing to choose between, the kind that shows what stays `unexplained`, the name of a
+    statistic; else the kind that is missing and shows most.
     """
-    have = {capture.kind for capture in captures}
-    missing = [kind for kind in ("flat", "dark", "edge", "bracket", "board") if kind not in have]
     if len(hypotheses) < 2:
-        return NextCapture(missing[0], _WHY[missing[0]]) if missing else None
+        return _for_the_unexplained(captures, unexplained)
     worth: dict[str, float] = {}
     template = next((c for c in captures if c.expected_dn is not None), None)
     for a, b in combinations(hypotheses, 2):
@@ -63,9 +93,19 @@ def best_capture(
             spread = evidence.sigma
             worth[bench.kind] = worth.get(bench.kind, 0.0) + float(np.sum(robust((one - two) / spread) ** 2))
     if not worth:
-        return NextCapture(missing[0], _WHY[missing[0]]) if missing else None
+        return _for_the_unexplained(captures, unexplained)
     kind = max(worth, key=lambda k: worth[k] / _TROUBLE[k])
     return NextCapture(kind, _WHY[kind])
+
+
+def _for_the_unexplained(captures: Sequence[RealCapture], statistic: str | None) -> NextCapture | None:
+    """The kind that shows what a statistic is made of, else the first of those that are missing."""
+    if statistic == "blemishes":
+        return _BLEMISHES
+    have = {capture.kind for capture in captures}
+    wanted = [kind for kind, shown in _SHOWN_BY.items() if statistic in shown]
+    missing = [k for k in (*wanted, "flat", "dark", "edge", "bracket", "board") if k not in have]
+    return NextCapture(missing[0], _WHY[missing[0]]) if missing else None
 
 
 def _benches(template: RealCapture) -> Iterator[RealCapture]:

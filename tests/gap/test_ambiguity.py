@@ -12,8 +12,9 @@ from tacos_gap.ambiguity import confused_with
 from tacos_gap.boards import source_of
 from tacos_gap.candidates import candidates
 from tacos_gap.captures import RealCapture
-from tacos_gap.next_capture import best_capture
+from tacos_gap.next_capture import _SHOWN_BY, best_capture
 from tacos_gap.parameters import HypothesisTerm
+from tacos_gap.statistics.views import _VIEWS
 from tests.gap.small_captures import BLACK_DN, bench, capture, squares
 
 EFFECTS = candidates(Plugins.discover()).effects
@@ -101,6 +102,34 @@ def test_what_moves_pixels_asks_for_a_board(effects):
     wanted = best_capture(bench(), [(lens,), (length,)], seed=1)
     assert wanted is not None
     assert wanted.kind == "board"
+
+
+@pytest.mark.parametrize(
+    ("unexplained", "kind"),
+    [
+        ("displacement", "board"),
+        ("row_noise", "dark"),
+        ("level", "bracket"),
+        ("detail", "edge"),
+        (None, "dark"),
+    ],
+)
+def test_what_nothing_explains_asks_for_the_kind_that_shows_it_alone(unexplained, kind):
+    wanted = best_capture([flat()], [()], 1, unexplained)
+    assert wanted is not None
+    assert wanted.kind == kind
+
+
+def test_blemishes_ask_for_the_same_field_stopped_down():
+    wanted = best_capture([flat()], [()], seed=1, unexplained="blemishes")
+    assert wanted is not None
+    assert wanted.kind == "flat"
+    assert "smallest aperture" in wanted.why
+
+
+def test_only_statistics_that_there_are_ask_for_a_kind():
+    for names in _SHOWN_BY.values():
+        assert set(names) <= set(_VIEWS)
 
 
 def test_with_nothing_to_choose_between_the_kind_that_is_missing_is_asked_for(effects):
