@@ -29,8 +29,8 @@ LARGEST = 6
 """Most effects in one explanation: shares of more cannot be enumerated."""
 
 SIMULATIONS = 2000
-"""Simulations of all captures after which no further effect is looked for. What has a good explanation is
-mostly found in some hundred; a search that goes on longer adds effect to effect that each fit a bit of what none explains."""
+"""Simulations of all captures after which no further effect is looked for. What has a good explanation mostly
+takes some hundred; a longer search adds effect to effect that each fit a bit of what none explains."""
 
 LEAST_SHARE = 0.001
 """What one more parameter must gain, a third of the penalty aside, over what all have gained."""
