@@ -26,7 +26,7 @@ from tacos_gap.causes import cause_set_of, causes_of
 from tacos_gap.closure import closure, closures_of, negative_control
 from tacos_gap.detectable import detection_limits
 from tacos_gap.evidence import Evidence, ImageEvidence
-from tacos_gap.findings import Cause, Diagnosis
+from tacos_gap.findings import LEAST_PRESENT, Cause, Diagnosis
 from tacos_gap.fit import Fitted
 from tacos_gap.locate import locate
 from tacos_gap.next_capture import best_capture
@@ -40,10 +40,7 @@ from tacos_gap.undiagnosed import nothing_measured
 from tacos_gap.unknown import Unexplained, block_index, unexplained
 
 LEAST_BESIDE_UNKNOWN = 0.1
-"""Share of the gap that an effect must remove to be named where something unknown is at work."""
-
-LEAST_PRESENT = 0.5
-"""Or the probability with which the captures that show it say that it is there."""
+"""Share of the gap that an effect must remove, or it must be proven, to be named beside something unknown."""
 
 EDGES_ALONE = "Pictures of nothing but edges"
 EVEN_FIELDS_ALONE = "Captures of nothing but even fields"
@@ -127,7 +124,7 @@ def _explained(
     tell("how far the gap shrinks")
     causes = causes_of(problem, attribution, left, captures, effects, seed)
     if left.probability >= 0.5:  # a little of everything fits what nothing explains
-        causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.present >= LEAST_PRESENT]
+        causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.is_proven]
     before, after = problem.gap(problem.null), problem.gap(best.held_out)
     places = locate(problem, problem.null)
     if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
@@ -245,7 +242,7 @@ def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexpla
         return "unknown" if left.probability >= 0.5 else "no_gap"
     if left.probability < 0.5:
         return "explained"
-    proven = any(cause.present >= LEAST_PRESENT for cause in causes)
+    proven = any(cause.is_proven for cause in causes)
     return "partly_explained" if proven or closure(before, after) >= 0.5 else "unknown"
 
 

@@ -40,6 +40,10 @@ class Parameter:
     by_capture: Mapping[str, Parameter] = field(default_factory=dict)
 
 
+LEAST_PRESENT = 0.5
+"""Probability that an effect is there from which on it is said to be."""
+
+
 @dataclass(frozen=True)
 class Cause:
     """An effect that the captures support.
@@ -61,6 +65,11 @@ class Cause:
     settings: Mapping[str, Any]
     specimen: tuple[str, ...] = ()
     present: float = 0.0
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether the captures that show it say that it is there, and not only that it would fit."""
+        return self.present >= LEAST_PRESENT
 
 
 @dataclass(frozen=True, eq=False)

@@ -98,6 +98,14 @@ def test_a_patch_is_physical_and_says_what_is_not():
     assert yaml.safe_load(patched([], camera)) == []
 
 
+@pytest.mark.parametrize(("present", "is_said"), [(0.97, False), (0.02, True)])
+def test_a_patch_says_what_fits_and_is_not_proven(present, is_said):
+    found = cause("toy", {"k1": -0.2}, {"k1": Parameter(-0.2, (-0.3, -0.1), "1")}, present=present)
+    text = patched([found], Photographed.of(bench()))
+    assert yaml.safe_load(text) == patch([found])
+    assert ("# Fits, but is not proven: 2%" in text) == is_said
+
+
 def test_what_names_a_file_belongs_to_one_specimen():
     prnu = Plugins.discover().resolve("effect.prnu").Config
     assert of_specimen(Lengths, "map")

@@ -224,7 +224,8 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
         low, high = cause.closure_interval
-        lines.append(f"  {cause.effect} ({cause.present:.0%}): {values}")
+        sure = f"{cause.present:.0%}" if cause.is_proven else f"{cause.present:.0%}: fits, but is not proven"
+        lines.append(f"  {cause.effect} ({sure}): {values}")
         lines.append(
             f"      closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}) "
             "on what it was not fitted to"

@@ -81,10 +81,13 @@ def cause_sentence(cause: Cause) -> str:
     ]
     sure = share(cause.present)
     sized = f", {listed(said)}" if said else ""
-    return (
-        f"The simulator lacks {name}{sized}: it is there with a probability of {sure}, and adding it alone "
-        f"closes {share(cause.closure_alone)} of the gap."
-    )
+    closes = f"adding it alone closes {share(cause.closure_alone)} of the gap"
+    if not cause.is_proven:
+        return (
+            f"The simulator may lack {name}{sized}: {closes}, but with a probability of only {sure} "
+            "it is this, and not something else that looks like it."
+        )
+    return f"The simulator lacks {name}{sized}: it is there with a probability of {sure}, and {closes}."
 
 
 def _spoken(name: str, parameter: Parameter) -> str:

@@ -128,10 +128,16 @@ def test_what_is_said_of_many_captures_is_said_in_the_plural() -> None:
 
 
 def test_a_parameter_in_a_sentence_has_its_unit_once() -> None:
-    blur = cause("lens-blur", parameters={"radius_px": Parameter(1.4, (1.3, 1.5), "px")})
+    blur = cause("lens-blur", parameters={"radius_px": Parameter(1.4, (1.3, 1.5), "px")}, present=0.9)
     assert "lacks lens blur, radius 1.4 px (1.3 to 1.5): it is there" in words.cause_sentence(blur)
     noise = cause("read-noise", parameters={"sigma_e": Parameter(3.0, None, "e-")})
     assert "sigma 3 e" in words.cause_sentence(noise)
+
+
+def test_what_fits_and_is_not_proven_is_no_lack_of_the_simulator() -> None:
+    said = words.cause_sentence(cause("jpeg", present=0.02))
+    assert "may lack" in said
+    assert "a probability of only 2 %" in said
 
 
 def test_a_detection_limit_is_told_as_fine_as_it_lies_from_neutral() -> None:
