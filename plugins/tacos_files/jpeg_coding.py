@@ -15,7 +15,7 @@ from tacos_framework.files.regular import read_bytes
 
 SUFFIXES = (".jpg", ".jpeg")
 _SAMPLINGS = ("4:4:4", "4:2:2", "4:2:0")
-_LUMINANCE = 0  # number of the table by which luminance is quantised
+_LUMINANCE, _CHROMINANCE = 0, 1  # numbers of the tables by which brightness and colours are quantised
 
 
 class JpegCoding(NamedTuple):
@@ -27,10 +27,13 @@ class JpegCoding(NamedTuple):
         As libjpeg counts it; the nearest where the camera has tables of its own.
     subsampling
         Of the colours: 4:4:4, 4:2:2 or 4:2:0; 4:4:4 where it has none, or another.
+    chroma_offset
+        Quality of the colours, likewise the nearest, less that of brightness; 0 where there are none.
     """
 
     quality: int
     subsampling: str
+    chroma_offset: int
 
 
 def jpeg_coding(path: Path, *, where: str | None = None, within: Path | None = None) -> JpegCoding | None:
@@ -54,32 +57,50 @@ def jpeg_coding(path: Path, *, where: str | None = None, within: Path | None = N
     if _LUMINANCE not in image.quantization:
         return None
     sampling = get_sampling(image)
-    return JpegCoding(
-        nearest_quality(image.quantization[_LUMINANCE]), _SAMPLINGS[sampling if 0 <= sampling <= 2 else 0]
-    )
+    quality = nearest_quality(image.quantization[_LUMINANCE])
+    of_colours = image.quantization.get(_CHROMINANCE) if image.mode != "L" else None
+    offset = chroma_offset(of_colours, quality) if of_colours else 0
+    return JpegCoding(quality, _SAMPLINGS[sampling if 0 <= sampling <= 2 else 0], offset)
 
 
 def nearest_quality(table: list[int]) -> int:
-    """The quality whose table of luminance is nearest to one of 64 steps, by the logarithm of the steps.
+    """The quality whose table of brightness is nearest to one of 64 steps, by the logarithm of the steps.
 
     >>> nearest_quality([1] * 64)
     100
     """
-    off = np.log(_tables()) - np.log(np.maximum(table, 1))
-    return 1 + int(np.argmin(np.sum(off**2, axis=1)))
+    return 1 + int(np.argmin(_distances(table, _LUMINANCE)))
+
+
+def chroma_offset(table: list[int], quality: int) -> int:
+    """The quality whose table of colours is nearest to one of 64 steps, less that of brightness.
+
+    0 where that of brightness is as near: tables of the lowest qualities are alike.
+
+    >>> chroma_offset([255] * 64, quality=3)
+    0
+    """
+    distances = _distances(table, _CHROMINANCE)
+    return 0 if distances[quality - 1] <= distances.min() else 1 + int(np.argmin(distances)) - quality
+
+
+def _distances(table: list[int], number: int) -> NDArray[np.float64]:
+    """(100,) how far a table is from those of all qualities."""
+    off = np.log(_tables()[number]) - np.log(np.maximum(table, 1))
+    return np.asarray(np.sum(off**2, axis=1))
 
 
 @lru_cache(maxsize=1)
 def _tables() -> NDArray[np.float64]:
-    """(100, 64) tables of luminance of all qualities from 1 to 100, as the library itself writes them."""
+    """(2, 100, 64) tables of brightness and colours, qualities from 1 to 100, as the library writes them."""
     from PIL import Image
     from PIL.JpegImagePlugin import JpegImageFile
 
     tables = []
     for quality in range(1, 101):
         coded = BytesIO()
-        Image.new("L", (8, 8)).save(coded, "JPEG", quality=quality)
+        Image.new("RGB", (8, 8)).save(coded, "JPEG", quality=quality)
         with Image.open(coded) as image:
             assert isinstance(image, JpegImageFile)
-            tables.append(image.quantization[_LUMINANCE])
-    return np.array(tables, float)
+            tables.append([image.quantization[number] for number in (_LUMINANCE, _CHROMINANCE)])
+    return np.moveaxis(np.array(tables, float), 1, 0)

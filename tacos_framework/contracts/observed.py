@@ -22,10 +22,13 @@ class FileCoding:
         As libjpeg counts it.
     subsampling
         Of the colours: 4:4:4, 4:2:2 or 4:2:0.
+    chroma_offset
+        Quality of the colours less `quality`.
     """
 
     quality: int
     subsampling: str
+    chroma_offset: int = 0
 
 
 class ObservedCapture(Protocol):

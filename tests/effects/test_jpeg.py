@@ -33,6 +33,19 @@ def test_it_agrees_with_pillow(quality, subsampling):
     assert np.sqrt(((theirs - COLOUR[0]) ** 2).mean()) > 1.5 * np.sqrt(((ours - theirs) ** 2).mean())
 
 
+def test_colours_coded_more_coarsely_agree_with_pillow_and_its_tables():
+    tables = {}
+    for quality in (90, 40):
+        file = io.BytesIO()
+        Image.new("RGB", (8, 8)).save(file, "JPEG", quality=quality)
+        tables[quality] = Image.open(file).quantization
+    theirs = through_pillow(COLOUR[0], qtables=[tables[90][0], tables[40][1]], subsampling=0)
+    alike = run(make(Jpeg, quality=90, subsampling="4:4:4"), COLOUR)[0]
+    ours = run(make(Jpeg, quality=90, chroma_offset=-50, subsampling="4:4:4"), COLOUR)[0]
+    assert np.abs(ours - theirs).mean() < 0.5
+    assert np.abs(alike - theirs).mean() > 4 * np.abs(ours - theirs).mean()
+
+
 def test_blocks_hold_multiples_of_the_tables_steps():
     decoded = run(make(Jpeg, quality=50), SCENE[None, ..., None])[0, ..., 0]
     blocks = (decoded - 128).reshape(8, 8, 12, 8).swapaxes(1, 2)

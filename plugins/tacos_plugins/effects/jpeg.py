@@ -44,6 +44,12 @@ class Jpeg:
             100, help="Quality as libjpeg counts it; 100 switches the effect off.", ge=1, le=100
         )
         subsampling: Literal["4:4:4", "4:2:2", "4:2:0"] = setting("4:2:0", help="Resolution of the colours.")
+        chroma_offset: int = setting(
+            0,
+            help="Quality of the colours less `quality`: phones and editors often code them more coarsely.",
+            ge=-99,
+            le=99,
+        )
 
     stage: ClassVar[Stage] = "codec"
     neutral: ClassVar[Mapping[str, Any]] = {"quality": 100}
@@ -66,10 +72,13 @@ class Jpeg:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """What the files themselves say; the middle quality of several, and the commonest subsampling."""
+        """What the files themselves say; the middle qualities of several, and the commonest subsampling."""
         if codings := [each.coding for each in captures if each.coding is not None]:
             quality = median_low(coding.quality for coding in codings)
-            yield {"quality": quality, "subsampling": mode(coding.subsampling for coding in codings)}
+            offset = median_low(coding.chroma_offset for coding in codings)
+            of_colours = {"chroma_offset": offset} if offset else {}
+            subsampling = mode(coding.subsampling for coding in codings)
+            yield {"quality": quality, "subsampling": subsampling, **of_colours}
 
     def on_array(
         self,
@@ -92,8 +101,11 @@ class Jpeg:
     def _through_jpeg(self, frame: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """One (H, W, C) frame, RGB or mono."""
         colour = frame.shape[-1] == 3
-        options = [cv2.IMWRITE_JPEG_QUALITY, self.config.quality]
+        quality = self.config.quality
+        options = [cv2.IMWRITE_JPEG_QUALITY, quality]
         if colour:
+            of_colours = min(max(quality + self.config.chroma_offset, 1), 100)
+            options = [cv2.IMWRITE_JPEG_LUMA_QUALITY, quality, cv2.IMWRITE_JPEG_CHROMA_QUALITY, of_colours]
             options += [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, _SAMPLING[self.config.subsampling]]
         _, code = cv2.imencode(".jpg", frame[..., ::-1] if colour else frame, options)
         image = cv2.imdecode(code, cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE)

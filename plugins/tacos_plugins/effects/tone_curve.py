@@ -148,7 +148,8 @@ class ToneCurve:
         place = np.minimum(t * _STEPS, _STEPS)
         step = np.minimum(place.astype(np.int32), _STEPS - 1)
         table = self._table.astype(t.dtype)
-        return table[step] + (place - step.astype(t.dtype)) * np.diff(table)[step]
+        beyond = place - step.astype(t.dtype)
+        return np.take(table, step) + beyond * np.take(np.diff(table), step)
 
     def on_array(
         self,

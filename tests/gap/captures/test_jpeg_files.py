@@ -39,7 +39,16 @@ def test_what_a_library_wrote_is_read_back(tmp_path_factory, quality, sampling, 
     Image.new(mode, (16, 16), 100 if mode == "L" else (90, 120, 60)).save(
         file, quality=quality, subsampling=number
     )
-    assert jpeg_coding(file) == JpegCoding(quality, name if mode == "RGB" else "4:4:4")
+    assert jpeg_coding(file) == JpegCoding(quality, name if mode == "RGB" else "4:4:4", 0)
+
+
+def test_colours_that_were_coded_more_coarsely_are_read_and_guessed(tmp_path):
+    tables = [_table_of(88, 0), _table_of(60, 1)]
+    Image.new("RGB", (16, 16), (90, 120, 60)).save(tmp_path / "own.jpg", qtables=tables, subsampling=0)
+    found = jpeg_coding(tmp_path / "own.jpg")
+    assert found == JpegCoding(88, "4:4:4", -28)
+    captures = [replace(capture(name, "flat", 100.0), coding=FileCoding(*found)) for name in "ab"]
+    assert {"quality": 88, "subsampling": "4:4:4", "chroma_offset": -28} in Jpeg.guesses_from(captures)
 
 
 def test_tables_of_a_camera_have_the_nearest_quality():
@@ -54,12 +63,12 @@ def test_other_files_say_nothing(tmp_path):
     assert jpeg_coding(tmp_path / "no.jpg") is None
 
 
-def _table_of(quality: int) -> list[int]:
+def _table_of(quality: int, number: int = 0) -> list[int]:
     from io import BytesIO
 
     coded = BytesIO()
-    Image.new("L", (8, 8)).save(coded, "JPEG", quality=quality)
-    return list(Image.open(coded).quantization[0])
+    Image.new("RGB", (8, 8)).save(coded, "JPEG", quality=quality)
+    return list(Image.open(coded).quantization[number])
 
 
 def patterned(sigma: float) -> NDArray[np.float64]:
