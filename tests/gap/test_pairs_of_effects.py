@@ -99,6 +99,16 @@ def test_a_search_ends_where_its_simulations_are_spent_and_says_so(simulations, 
     assert found.cut_short == (names == [])
 
 
+def test_simulations_of_a_search_before_do_not_count():
+    """As of one that was broken off since an effect raised."""
+    of = problem(4.0, 3.0)
+    first = ForwardSelection(of, EFFECTS, workers=1).run()
+    assert of.simulations > 20
+    again = ForwardSelection(of, EFFECTS, workers=1, simulations=of.simulations).run()
+    assert sorted(again.best.names) == sorted(first.best.names)
+    assert not again.cut_short
+
+
 def test_by_itself_the_third_does_more_than_either():
     of = problem(4.0, 3.0)
     alone = {

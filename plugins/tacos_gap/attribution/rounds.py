@@ -68,7 +68,7 @@ class Rounds:
     notify
         Told what is being done.
     simulations
-        Those of all captures after which no further effect is looked for.
+        How many of all captures may be made from now on before no further effect is looked for.
     """
 
     def __init__(
@@ -77,20 +77,20 @@ class Rounds:
         effects: Mapping[str, type[Any]],
         each: Map,
         notify: Notify,
-        simulations: int = SIMULATIONS,
+        simulations: int,
     ):
+        self._last = problem.simulations + simulations
         self.fits = Fits(problem, each)
         self.effects = effects
         self.directions: ScreeningDirections = {}
         self.each = each
         self.notify = notify
         self.cut_short = False
-        self._simulations = simulations
 
-    @property
-    def is_spent(self) -> bool:
-        """Whether no further effect is looked for."""
-        return self.problem.simulations >= self._simulations
+    def are_spent(self) -> bool:
+        """Whether all simulations were made, so that no further effect is looked for: it is cut short."""
+        self.cut_short |= self.problem.simulations >= self._last
+        return self.cut_short
 
     @property
     def problem(self) -> Problem:
@@ -105,8 +105,7 @@ class Rounds:
             left = unexplained(self.problem, residuals)
             if len(best.hypothesis) == LARGEST or not left.is_significant:
                 return best, left  # where nothing is significant, nothing is tried
-            if self.is_spent:
-                self.cut_short = True
+            if self.are_spent():
                 return best, left
             if not self.directions:
                 self.directions = try_all(self.problem, self.effects, self.each)

@@ -103,23 +103,18 @@ class ForwardSelection:
         """The best explanation from nothing on, or from another beginning where much stays unexplained."""
         rounds = self._rounds
         best, left = rounds.grown(null)
-        if self._goes_on(left) and (chance := self._by_chance(best)):
+        if left.probability >= 0.5 and not rounds.are_spent() and (chance := self._by_chance(best)):
             self._notify("what differs by chance")
             best, left = self._better_of(best, chance)
-        if not self._goes_on(left) or left.share < MUCH or len(self._on_files(rounds.fits.null)) < 2:
+        if left.probability < 0.5 or rounds.are_spent():
+            return best
+        if left.share < MUCH or len(self._on_files(rounds.fits.null)) < 2:
             return best
         self._notify("what the camera does to its files, together")
         block = rounds.through_files(rounds.fits.null)
         if set(block.names) <= set(best.names):
             return rounds.in_its_units(best)[0]
         return self._better_of(best, block)[0]
-
-    def _goes_on(self, left: Unexplained) -> bool:
-        """Whether something stays unexplained that simulations are left to look for."""
-        if left.probability < 0.5:
-            return False
-        self._rounds.cut_short |= self._rounds.is_spent
-        return not self._rounds.cut_short
 
     def _better_of(self, best: Fitted, beginning: Fitted) -> tuple[Fitted, Unexplained]:
         """An explanation, or one from another beginning, in the wider of their units; and what it leaves."""
