@@ -64,6 +64,9 @@ def headline(diagnosis: Diagnosis) -> str:
     else:
         said = f"{listed(names)} {'explains' if one else 'explain'}"
         removes = f"{'adding it removes' if one else 'together they remove'} {closed} of it"
+        doubtful = [effect_words(cause.effect) for cause in diagnosis.causes if not cause.is_proven]
+        if doubtful and len(doubtful) < len(names):
+            removes += f", but {listed(doubtful)} {'is' if len(doubtful) == 1 else 'are'} not proven"
     said = said[:1].upper() + said[1:]
     if diagnosis.verdict == "explained":
         return f"{said} the gap: {removes}."

@@ -134,6 +134,13 @@ def test_a_parameter_in_a_sentence_has_its_unit_once() -> None:
     assert "sigma 3 e" in words.cause_sentence(noise)
 
 
+def test_the_headline_says_which_of_several_is_not_proven() -> None:
+    both = (cause("motion-blur", 0.5, present=0.8), cause("jpeg", 0.1, present=0.0))
+    said = words.headline(found("partly_explained", *both))
+    assert said.startswith("Motion blur and JPEG explain part of the gap: together they remove")
+    assert ", but JPEG is not proven. The rest" in said
+
+
 def test_what_fits_and_is_not_proven_is_no_lack_of_the_simulator() -> None:
     said = words.cause_sentence(cause("jpeg", present=0.02))
     assert "may lack" in said
