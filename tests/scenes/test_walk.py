@@ -8,14 +8,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from pydantic import ValidationError
+from scipy import ndimage
 
 from tacos_framework.errors import UserError
 from tacos_framework.testing.samples import sample_episode
 from tacos_framework.values import Episode
 from tacos_worlds.indoor.building import Building
 from tacos_worlds.indoor.scene import IndoorScene
-from tacos_worlds.indoor.walk.free_space import FreeSpace
+from tacos_worlds.indoor.walk.band_loops import relax
+from tacos_worlds.indoor.walk.free_space import CELL_M, CLEARANCE_M, FreeSpace
 from tacos_worlds.indoor.walk.motion import MAX_YAW_RATE_DEG_S, Walk, draw_walk
 from tacos_worlds.indoor.walk.route import Route, draw_route
 from tacos_worlds.indoor.walk.trip import approaches, draw_walks, joined, spread
@@ -32,6 +35,13 @@ def routes(buildings: list[Building]) -> Routes:
     return made
 
 
+def _clearance_at(clearance_m: NDArray[np.float64], points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N,) distance to the nearest obstacle at (N, 2) points, between the middles of cells [m]."""
+    return np.asarray(
+        ndimage.map_coordinates(clearance_m, points_m.T / CELL_M - 0.5, order=1, mode="nearest")
+    )
+
+
 def test_a_route_visits_every_room(routes: Routes) -> None:
     for building, _, route in routes:
         plan = building.plan
@@ -43,12 +53,34 @@ def test_a_route_visits_every_room(routes: Routes) -> None:
 
 def test_a_route_stays_clear_of_walls_and_furniture(routes: Routes) -> None:
     for building, free, route in routes:
-        assert free.clearance_at(route.points_m).min() > 0.2
+        assert _clearance_at(free.clearance_m, route.points_m).min() > 0.2
         x, y = route.points_m.T
         for m in building.furniture:
             if m.blocks:
                 f = m.footprint
                 assert not np.any((x > f.x0) & (x < f.x1) & (y > f.y0) & (y < f.y1))
+
+
+def test_a_path_is_relaxed_to_the_bits_of_the_plain_formula() -> None:
+    rng = np.random.default_rng(3)
+    clearance_m = rng.uniform(0.2, 0.6, (40, 30))
+    points_m = np.array([0.1, 2.8]) + np.cumsum(rng.normal(0, 0.06, (90, 2)), axis=0)  # some beyond the grid
+    moves = rng.uniform(size=90) < 0.9
+    moves[[0, -1]] = False
+    reaches = np.repeat([50, 16, 3], 40)
+    x_m, y_m = points_m.T.copy()
+    relax(x_m, y_m, moves, reaches, clearance_m, CELL_M, CLEARANCE_M)
+    relaxed = np.column_stack([x_m, y_m])
+    plain = points_m.copy()
+    for reach in reaches[reaches < 45].tolist():
+        target = plain.copy()
+        target[reach:-reach] = (plain[: -2 * reach] + plain[2 * reach :]) / 2
+        target[1:-1] = 0.5 * target[1:-1] + 0.25 * (plain[:-2] + plain[2:])
+        wanted = plain + 0.5 * (target - plain)
+        allowed = moves & (_clearance_at(clearance_m, wanted) >= CLEARANCE_M)
+        plain[allowed] = wanted[allowed]
+    assert np.array_equal(relaxed, plain)
+    assert 0 < np.count_nonzero((relaxed != points_m).any(axis=1)) < moves.sum()
 
 
 def test_a_route_crosses_doors_through_the_middle(routes: Routes) -> None:

@@ -111,9 +111,3 @@ class FreeSpace:
         ahead = (onward @ heading) / np.maximum(distance, 1e-9)
         weight = np.clip(room - CLEARANCE_M, 0.02, 0.5) * distance * (1.05 + ahead) ** 2
         return np.asarray(centres[inside][rng.choice(len(cells), p=weight / weight.sum())])
-
-    def clearance_at(self, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(N,) distance to the nearest obstacle at (N, 2) points [m]."""
-        return np.asarray(
-            ndimage.map_coordinates(self.clearance_m, points_m.T / CELL_M - 0.5, order=1, mode="nearest")
-        )

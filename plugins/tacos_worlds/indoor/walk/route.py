@@ -11,7 +11,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from tacos_worlds.indoor.building import Building
 from tacos_worlds.indoor.floor_plan import FloorPlan
-from tacos_worlds.indoor.walk.free_space import CLEARANCE_M, FreeSpace
+from tacos_worlds.indoor.walk.band_loops import relax
+from tacos_worlds.indoor.walk.free_space import CELL_M, CLEARANCE_M, FreeSpace
 
 STEP_M = 0.05
 """Distance between points of a path [m]."""
@@ -163,17 +164,11 @@ def _smoothed(
     points_m: NDArray[np.float64], fixed: NDArray[np.bool_], free: FreeSpace
 ) -> NDArray[np.float64]:
     """The path relaxed like a stretched band: corners round off, but not through things and not at doors."""
-    points = points_m.copy()
+    x_m, y_m = points_m.T.copy()
     moves = ~fixed
     moves[[0, -1]] = False
-    for reach in np.repeat(_REACHES, _SMOOTHING_STEPS).tolist():
-        if len(points) <= 2 * reach:
-            continue
-        target = points.copy()
-        target[reach:-reach] = (points[: -2 * reach] + points[2 * reach :]) / 2
-        target[1:-1] = 0.5 * target[1:-1] + 0.25 * (points[:-2] + points[2:])
-        wanted = points + 0.5 * (target - points)
-        allowed = moves & (free.clearance_at(wanted) >= CLEARANCE_M)
-        points[allowed] = wanted[allowed]
+    reaches = np.repeat(_REACHES, _SMOOTHING_STEPS)
+    relax(x_m, y_m, moves, reaches, free.clearance_m, CELL_M, CLEARANCE_M)
+    points = np.column_stack([x_m, y_m])
     rounded = gaussian_filter1d(points, _ROUNDING_M / STEP_M, axis=0, mode="nearest")
     return np.asarray(rounded)
