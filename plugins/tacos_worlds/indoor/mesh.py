@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,55 +109,99 @@ def shaded(
     points = np.asarray(vertices_m, dtype=np.float64)
     faces = np.asarray(triangles, dtype=np.int64)
     corners = points[faces]
-    area_vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    doubled_area = np.linalg.norm(area_vectors, axis=1)
+    area_vectors = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled_area = _lengths(area_vectors)
     kept = doubled_area > 1e-10
-    faces, area_vectors, doubled_area = faces[kept], area_vectors[kept], doubled_area[kept]
+    if not kept.all():
+        faces, area_vectors, doubled_area = faces[kept], area_vectors[kept], doubled_area[kept]
     flat = area_vectors / doubled_area[:, None]
 
     normals = _corner_normals(faces, area_vectors, flat, math.cos(math.radians(crease_deg)))
-    axis = np.abs(normals if whole_bevels else np.repeat(flat, 3, axis=0)).argmax(axis=1)
-    key = np.concatenate(
-        [faces.reshape(-1, 1), np.rint(normals * 64).astype(np.int64), axis[:, None]], axis=1
-    )
-    code = key[:, 0]
-    for column, size in ((1, 129), (2, 129), (3, 129), (4, 3)):
-        code = code * size + key[:, column] + (64 if size == 129 else 0)
-    _, chosen, index = np.unique(code, return_index=True, return_inverse=True)
+    axis = np.abs(normals).argmax(axis=1) if whole_bevels else np.abs(flat).argmax(axis=1).repeat(3)
+    code = faces.reshape(-1) * _CODES_PER_VERTEX + axis
+    code += (np.rint(normals * 64) @ _CODE_OF_NORMAL).astype(np.int64)
+    chosen, index = _distinct(code)
     where = points[faces.reshape(-1)[chosen]]
     return Mesh(where, normals[chosen], _box_uv(where, axis[chosen], points), index.reshape(-1, 3))
 
 
+_NEXT, _AFTER_NEXT = np.array([1, 2, 0]), np.array([2, 0, 1])
+_CODE_OF_NORMAL = np.array([3.0 * 129 * 129, 3.0 * 129, 3.0])
+"""Makes one number of the components of a normal in 64ths, -64 to 64, with room for an axis below [1]."""
+_CODES_PER_VERTEX = 3 * 129**3
+
+
+def _cross(first: Floats, second: Floats) -> Floats:
+    """(N, 3) cross products of (N, 3) vectors, bit for bit as `np.cross`, which takes long to begin."""
+    return first.take(_NEXT, axis=1) * second.take(_AFTER_NEXT, axis=1) - first.take(
+        _AFTER_NEXT, axis=1
+    ) * second.take(_NEXT, axis=1)
+
+
+def _lengths(vectors: Floats) -> Floats:
+    """(N,) lengths of (N, 3) vectors."""
+    return np.asarray(np.sqrt(np.add.reduce(vectors * vectors, axis=1)))
+
+
+def _distinct(code: Indices) -> tuple[Indices, Indices]:
+    """Where each code, in rising order, occurs first, and (N,) the place of each code in that order."""
+    order = code.argsort(kind="stable")
+    rising = code[order]
+    starts = np.concatenate([[True], rising[1:] != rising[:-1]])
+    place = np.empty_like(order)
+    place[order] = np.cumsum(starts) - 1
+    return order[starts], place
+
+
 def _corner_normals(faces: Indices, area_vectors: Floats, flat: Floats, cos_crease: float) -> Floats:
     """(3 T, 3) unit normals, one for each corner of each face."""
-    vertex = faces.reshape(-1)
-    face = np.repeat(np.arange(len(faces)), 3)
+    corner, other_face, which, (one, other) = _corners_that_meet(faces.tobytes())
+    alike = np.einsum("ij,ij->i", flat.take(one, axis=0), flat.take(other, axis=0)) > cos_crease
+    meets = alike.take(which).nonzero()[0]
+    corner, other_face = corner.take(meets), other_face.take(meets)
+    total = np.empty((3 * len(faces), 3))
+    for component, area in zip(total.T, area_vectors.T, strict=True):
+        component[:] = np.bincount(corner, area.take(other_face))
+    return total / _lengths(total)[:, None]
+
+
+@lru_cache(maxsize=256)
+def _corners_that_meet(faces: bytes) -> tuple[Indices, Indices, Indices, tuple[Indices, Indices]]:
+    """All ordered pairs of corners that share a vertex.
+
+    Most things are boxes, or turned from equally many points: few lists of faces occur, each many times.
+
+    Parameters
+    ----------
+    faces
+        (T, 3) vertices of faces, as bytes of int64.
+
+    Returns
+    -------
+    corner
+        (P,) the one corner of each pair, rising.
+    other_face
+        (P,) the face of the other one; those of one corner rise too.
+    which
+        (P,) the pair of faces that both are of.
+    pairs
+        Both faces of each of these, once whatever the order.
+    """
+    vertex = np.frombuffer(faces, np.int64)
     order = np.argsort(vertex, kind="stable")
-    _, first, valence = np.unique(vertex[order], return_index=True, return_counts=True)
-    # All ordered pairs of corners that share a vertex.
-    per_corner = np.repeat(valence, valence)
-    left = np.repeat(np.arange(len(order)), per_corner)
-    within = np.arange(len(left)) - np.repeat(np.cumsum(per_corner) - per_corner, per_corner)
-    right = np.repeat(np.repeat(first, valence), per_corner) + within
-    left_corner, right_corner = order[left], order[right]
-    alike = np.einsum("ij,ij->i", flat[face[left_corner]], flat[face[right_corner]]) > cos_crease
-    left_corner, right_face = left_corner[alike], face[right_corner[alike]]
-    total = np.stack(
-        [np.bincount(left_corner, area_vectors[right_face, k], minlength=len(vertex)) for k in range(3)],
-        axis=1,
-    )
-    return total / np.linalg.norm(total, axis=1, keepdims=True)
+    _, group, valence = np.unique(vertex, return_inverse=True, return_counts=True)
+    first = np.cumsum(valence) - valence
+    others = valence[group]
+    corner = np.repeat(np.arange(len(vertex)), others)
+    within = np.arange(len(corner)) - np.repeat(np.cumsum(others) - others, others)
+    face, other_face = corner // 3, order[np.repeat(first[group], others) + within] // 3
+    code = np.minimum(face, other_face) * len(vertex) + np.maximum(face, other_face)
+    pairs, which = np.unique(code, return_inverse=True)
+    return corner, other_face, which, np.divmod(pairs, len(vertex))
 
 
 def _box_uv(points: Floats, axis: Indices, all_points: Floats) -> Floats:
     """(V, 2) coordinates in the plane across each vertex's axis, u along the longer extent."""
-    extent = np.ptp(all_points, axis=0)
-    uv = np.empty((len(points), 2))
-    for normal_axis in range(3):
-        chosen = axis == normal_axis
-        first, second = (k for k in range(3) if k != normal_axis)
-        if extent[second] > extent[first]:
-            first, second = second, first
-        uv[chosen, 0] = points[chosen, first]
-        uv[chosen, 1] = points[chosen, second]
-    return uv
+    extent = (all_points.max(axis=0) - all_points.min(axis=0)).tolist()
+    planes = np.array([(v, u) if extent[v] > extent[u] else (u, v) for u, v in ((1, 2), (0, 2), (0, 1))])
+    return points[np.arange(len(points))[:, None], planes[axis]]
