@@ -79,8 +79,8 @@ class Occlusion:
     def first_hits(self, origins_m: Vectors, directions: Vectors) -> WorldHits:
         """The first triangle each ray meets, from either side."""
         triangle = np.full(len(origins_m), -1, dtype=np.int32)
-        barycentric = np.zeros((len(origins_m), 3), dtype=np.float32)
-        distance = np.full(len(origins_m), np.inf, dtype=np.float32)
+        barycentric = np.empty((len(origins_m), 3), dtype=np.float32)
+        distance = np.empty(len(origins_m), dtype=np.float32)
         if len(self.triangles):
             for start in range(0, len(origins_m), _RAYS_PER_CALL):
                 batch = slice(start, start + _RAYS_PER_CALL)
@@ -89,9 +89,10 @@ class Occlusion:
                     np.ascontiguousarray(directions[batch], dtype=np.float32),
                     output=True,
                 )
-                hit = found["primID"] >= 0
-                triangle[batch] = found["primID"]
+                triangle[batch], distance[batch] = found["primID"], found["tfar"]
                 u, v = found["u"], found["v"]
-                barycentric[batch] = np.where(hit[:, None], np.stack([1 - u - v, u, v], axis=1), 0)
-                distance[batch] = np.where(hit, found["tfar"], np.inf)
+                for corner, weight in enumerate((1 - u - v, u, v)):
+                    barycentric[batch, corner] = weight
+        missed = triangle < 0
+        barycentric[missed], distance[missed] = 0, np.inf
         return WorldHits(triangle, barycentric, distance)

@@ -125,7 +125,7 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
     on_map = chart_of_vertex >= 0
     coordinates = np.zeros((len(mesh.position_m), 2), np.float32)
     coordinates[on_map] = charts.coordinates(chart_of_vertex[on_map], mesh.position_m[on_map])
-    return BakedMesh(
+    baked = BakedMesh(
         mesh=mesh,
         frames=frames,
         chunks=chunks,
@@ -136,6 +136,8 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
         bend_map=bend_map,
         opaque=opaque,
     )
+    vars(baked)["tracer"] = tracer  # as its property would make it anew
+    return baked
 
 
 def _split_vertices(
