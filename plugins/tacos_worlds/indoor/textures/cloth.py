@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tacos_worlds.indoor.colours import muted
 from tacos_worlds.indoor.textures.noise import fractal, smoothstep
-from tacos_worlds.indoor.textures.texture import Texture, blend, texture
+from tacos_worlds.indoor.textures.texture import Texture, blend, texels_near, texture
 
 
 def _threads(rng: np.random.Generator, size: int, count: int) -> NDArray[np.float64]:
@@ -30,7 +30,7 @@ def weave(rng: np.random.Generator, size: int) -> Texture:
         rng, size, exponent=0.6, stretch=(5.0, 1.0)
     )
     shade = 0.66 + 0.22 * height + 0.05 * melange + 0.025 * fractal(rng, size, exponent=1.5)
-    return texture(np.repeat(shade[..., None], 3, axis=2), 0.25, height_m=height * 8e-4)
+    return texture(shade, 0.25, height_m=height * 8e-4)
 
 
 def linen(rng: np.random.Generator, size: int) -> Texture:
@@ -40,7 +40,7 @@ def linen(rng: np.random.Generator, size: int) -> Texture:
     )
     folds = fractal(rng, size, exponent=2.0, highest=10)
     shade = 0.86 + 0.035 * slubs + 0.03 * folds
-    return texture(np.repeat(shade[..., None], 3, axis=2), 0.5, height_m=folds * 2.5e-3 + slubs * 1e-4)
+    return texture(shade, 0.5, height_m=folds * 2.5e-3 + slubs * 1e-4)
 
 
 def knit(rng: np.random.Generator, size: int) -> Texture:
@@ -52,7 +52,7 @@ def knit(rng: np.random.Generator, size: int) -> Texture:
     stitch = np.abs(np.sin(np.pi * (v + side * 0.8)))
     height = stitch * (1 - 0.75 * side**3)
     shade = 0.55 + 0.36 * height + 0.04 * fractal(rng, size, exponent=0.5)
-    return texture(np.repeat(shade[..., None], 3, axis=2), 0.3, height_m=height * 2.5e-3)
+    return texture(shade, 0.3, height_m=height * 2.5e-3)
 
 
 def plaid(rng: np.random.Generator, size: int) -> Texture:
@@ -88,17 +88,17 @@ def blossoms(rng: np.random.Generator, size: int) -> Texture:
     ground = np.array(muted(rng, saturation=(0.03, 0.15), value=(0.82, 0.95)))
     leaf = np.array([0.35, 0.48, 0.30]) * rng.uniform(0.8, 1.2, 3)
     colour = np.broadcast_to(ground, (size, size, 3)).copy()
-    row, column = np.indices((size, size)) / size
     for _ in range(26):
         u, v, radius, turn = *rng.uniform(0, 1, 2), rng.uniform(0.03, 0.075), rng.uniform(0, 6.28)
-        du, dv = (column - u + 0.5) % 1 - 0.5, (row - v + 0.5) % 1 - 0.5
+        at = np.ix_(texels_near(v, 1.1 * radius, size), texels_near(u, 1.1 * radius, size))
+        dv, du = (at[0] / size - v + 0.5) % 1 - 0.5, (at[1] / size - u + 0.5) % 1 - 0.5
         distance, angle = np.hypot(du, dv) / radius, np.arctan2(dv, du) + turn
         petals = int(rng.integers(4, 8))
         outline = 0.7 + 0.3 * np.cos(angle * petals)
         flower = 1 - smoothstep(distance / outline, 0.9, 1.05)
         ink = leaf if rng.uniform() < 0.35 else np.array(muted(rng, saturation=(0.25, 0.65)))
-        colour = blend(colour, ink, flower)
-        colour = blend(colour, ink * 0.5, 1 - smoothstep(distance, 0.18, 0.26))
+        petal = blend(colour[at], ink, flower)
+        colour[at] = blend(petal, ink * 0.5, 1 - smoothstep(distance, 0.18, 0.26))
     return texture(colour * (0.97 + 0.02 * fractal(rng, size, exponent=0.5)[..., None]), 0.5)
 
 
@@ -107,7 +107,7 @@ def pile(rng: np.random.Generator, size: int) -> Texture:
     tufts = fractal(rng, size, exponent=-0.4, lowest=20, highest=90)
     tread = fractal(rng, size, exponent=1.8, highest=12)
     shade = 0.74 + 0.085 * tufts + 0.045 * tread
-    return texture(np.repeat(shade[..., None], 3, axis=2), 0.5, height_m=tufts * 6e-4)
+    return texture(shade, 0.5, height_m=tufts * 6e-4)
 
 
 def rug(rng: np.random.Generator, size: int) -> Texture:
@@ -136,4 +136,4 @@ def leather(rng: np.random.Generator, size: int) -> Texture:
     creases = smoothstep(np.abs(fractal(rng, size, exponent=1.3, lowest=3, highest=30)), 0.0, 0.12)
     height = smoothstep(cells, 0.0, 0.5) * 0.6 + creases * 0.4
     shade = 0.62 + 0.24 * height + 0.035 * fractal(rng, size, exponent=1.6)
-    return texture(np.repeat(shade[..., None], 3, axis=2), 0.4, height_m=height * 5e-4)
+    return texture(shade, 0.4, height_m=height * 5e-4)

@@ -10,10 +10,6 @@ from tacos_worlds.indoor.textures.noise import fractal, smoothstep
 from tacos_worlds.indoor.textures.texture import Texture, blend, texture
 
 
-def _grey(shade: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.repeat(shade[..., None], 3, axis=2)
-
-
 def plaster(rng: np.random.Generator, size: int) -> Texture:
     """Painted plaster, 2 m of it: roller stipple, trowel marks, faint stains and scuffs."""
     stipple = fractal(rng, size, exponent=0.0, lowest=40)
@@ -21,7 +17,7 @@ def plaster(rng: np.random.Generator, size: int) -> Texture:
     stains = fractal(rng, size, exponent=1.9, highest=8)
     scuffs = smoothstep(fractal(rng, size, exponent=0.8, stretch=(5.0, 1.0), lowest=5), 2.6, 3.4)
     shade = 0.93 + 0.010 * stipple + 0.012 * trowel + 0.012 * stains - 0.06 * scuffs
-    return texture(_grey(shade), 2.0, height_m=stipple * 2.5e-4 + trowel * 5e-4)
+    return texture(shade, 2.0, height_m=stipple * 2.5e-4 + trowel * 5e-4)
 
 
 def woodchip(rng: np.random.Generator, size: int) -> Texture:
@@ -29,7 +25,7 @@ def woodchip(rng: np.random.Generator, size: int) -> Texture:
     chips = smoothstep(fractal(rng, size, exponent=0.2, stretch=(1.4, 1.0), lowest=10, highest=60), 0.8, 2.0)
     stains = fractal(rng, size, exponent=1.9, highest=6)
     shade = 0.90 + 0.05 * chips + 0.008 * stains + 0.008 * fractal(rng, size, exponent=0.3)
-    return texture(_grey(shade), 0.8, height_m=chips * 9e-4)
+    return texture(shade, 0.8, height_m=chips * 9e-4)
 
 
 def wallpaper(rng: np.random.Generator, size: int) -> Texture:
@@ -105,14 +101,14 @@ def marble(rng: np.random.Generator, size: int) -> Texture:
     veins = 1 - smoothstep(np.abs(fractal(rng, size, exponent=1.5, highest=60)), 0.0, 0.09)
     fine = 1 - smoothstep(np.abs(fractal(rng, size, exponent=1.1, lowest=4)), 0.0, 0.05)
     shade = 0.84 + 0.035 * cloud - 0.20 * veins - 0.07 * fine + 0.012 * fractal(rng, size, exponent=0.2)
-    return texture(_grey(shade), 0.8)
+    return texture(shade, 0.8)
 
 
 def glaze(rng: np.random.Generator, size: int) -> Texture:
     """Sanitary ceramic, 0.6 m of it: nearly even, with faint water marks."""
     marks = smoothstep(fractal(rng, size, exponent=1.0, stretch=(1.0, 4.0), lowest=4), 1.4, 3.0)
     shade = 0.955 + 0.008 * fractal(rng, size, exponent=1.5) - 0.035 * marks
-    return texture(_grey(shade), 0.6)
+    return texture(shade, 0.6)
 
 
 def brushed(rng: np.random.Generator, size: int) -> Texture:
@@ -121,7 +117,7 @@ def brushed(rng: np.random.Generator, size: int) -> Texture:
     marks = fractal(rng, size, exponent=1.6, highest=24)
     scratches = smoothstep(fractal(rng, size, exponent=0.5, stretch=(10.0, 1.0), lowest=8), 2.2, 3.4)
     shade = 0.83 + 0.05 * lines + 0.03 * marks - 0.18 * scratches
-    return texture(_grey(shade), 0.3)
+    return texture(shade, 0.3)
 
 
 def moulded(rng: np.random.Generator, size: int) -> Texture:
@@ -130,4 +126,4 @@ def moulded(rng: np.random.Generator, size: int) -> Texture:
     wear = fractal(rng, size, exponent=1.6)
     scratches = smoothstep(fractal(rng, size, exponent=0.7, stretch=(6.0, 1.0), lowest=6), 2.5, 3.4)
     shade = 0.92 + 0.012 * grain + 0.016 * wear - 0.10 * scratches
-    return texture(_grey(shade), 0.4)
+    return texture(shade, 0.4)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tacos_worlds.indoor.colours import muted
 from tacos_worlds.indoor.textures.noise import fractal, smoothstep
-from tacos_worlds.indoor.textures.texture import Texture, blend, texture
+from tacos_worlds.indoor.textures.texture import Texture, blend, texels_near, texture
 
 SPINES = 32
 """Book spines in a row of the texture of :func:`book_spines`."""
@@ -36,8 +36,9 @@ def landscape(rng: np.random.Generator, size: int) -> Texture:
             + np.array([0.06, 0.05, -0.03]) * depth
             + rng.normal(0, 0.03, 3)
         )
-        mottle = 1 + 0.18 * fractal(rng, size, exponent=0.9)[..., None]
-        colour = np.where((row < base + waves)[..., None], np.clip(ink * mottle, 0, 1), colour)
+        mottle, hill = 1 + 0.18 * fractal(rng, size, exponent=0.9), row < base + waves
+        for channel in range(3):
+            colour[hill, channel] = np.clip(ink[channel] * mottle[hill], 0, 1)
     strokes = fractal(rng, size, exponent=0.5, stretch=(5.0, 1.0), lowest=6)
     return texture(np.clip(colour * (1 + 0.05 * strokes[..., None]), 0, 1), 1.0)
 
@@ -85,7 +86,7 @@ def photograph(rng: np.random.Generator, size: int) -> Texture:
     margin = (
         np.minimum(np.minimum(column, 1 - column)[None, :], np.minimum(column, 1 - column)[:, None]) < 0.09
     )
-    return texture(np.repeat(np.where(margin, 0.93, np.clip(shade, 0, 1))[..., None], 3, axis=2), 1.0)
+    return texture(np.where(margin, 0.93, np.clip(shade, 0, 1)), 1.0)
 
 
 def view_outside(rng: np.random.Generator, size: int) -> Texture:
@@ -105,9 +106,10 @@ def view_outside(rng: np.random.Generator, size: int) -> Texture:
     colour = blend(colour, (0.17, 0.21, 0.13), lawn)
     for _ in range(12):
         u, v = rng.uniform(0, 1), rng.uniform(0.18, 0.4)
-        du = (np.arange(size)[None, :] / size - u + 0.5) % 1 - 0.5
-        glow = np.exp(-((du / 0.012) ** 2 + ((row - v) / 0.014) ** 2))
-        colour = blend(colour, (0.95, 0.75, 0.42), 0.8 * glow)
+        at = np.ix_(texels_near(v, 0.1, size), texels_near(u, 0.1, size))  # beyond, it changes no last bit
+        du = (at[1] / size - u + 0.5) % 1 - 0.5
+        glow = np.exp(-((du / 0.012) ** 2 + ((at[0] / size - v) / 0.014) ** 2))
+        colour[at] = blend(colour[at], (0.95, 0.75, 0.42), 0.8 * glow)
     return texture(colour, 2.0)
 
 

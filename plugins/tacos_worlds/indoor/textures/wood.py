@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep, warped
+from tacos_worlds.indoor.textures.noise import fractal, smoothstep
 from tacos_worlds.indoor.textures.texture import Texture, blend, texture
 
 _PALE = (0.93, 0.84, 0.70)
@@ -22,7 +22,8 @@ def _figure(rng: np.random.Generator, size: int, *, rings: float) -> NDArray[np.
         du = (np.arange(size)[None, :] / size - at[0] + 0.5) % 1 - 0.5
         dv = (v - at[1] + 0.5) % 1 - 0.5
         phase = phase + 1.6 * np.exp(-((du / 0.05) ** 2 + (dv / 0.025) ** 2))
-    ring = ((phase % 1) ** 2.2) * (1 - smoothstep(phase % 1, 0.93, 1.0))
+    across = phase % 1
+    ring = across**2.2 * (1 - smoothstep(across, 0.93, 1.0))
     pores = smoothstep(fractal(rng, size, exponent=0.3, stretch=(18.0, 1.0), lowest=12), 0.7, 2.4)
     streaks = fractal(rng, size, exponent=1.0, stretch=(14.0, 1.0))
     return np.asarray(np.clip(0.35 + 0.32 * ring + 0.28 * pores + 0.10 * streaks, 0, 1))
@@ -48,14 +49,16 @@ def _laid(
     shift = rng.integers(0, size, (count, 2))
     shade = rng.normal(0, 0.055, count) + rng.choice([0, 0, 0.09], count)
     warm = rng.normal(0, 0.018, count)
-    shift_u, shift_v = shift[board_of, 0], shift[board_of, 1]
-    grain = np.where(along_u, warped(figure, shift_u, shift_v), warped(figure.T, shift_u, shift_v))
+    row, column = np.indices((size, size))
+    column, row = (column + shift[board_of, 0]) % size, (row + shift[board_of, 1]) % size
+    grain = figure[np.where(along_u, row, column), np.where(along_u, column, row)]
     wear = 0.04 * fractal(rng, size, exponent=1.4)
     scratches = smoothstep(fractal(rng, size, exponent=0.6, stretch=(9.0, 1.0), lowest=6), 2.2, 3.2)
     gap = 1 - smoothstep(edge_texels, 0.4, 1.8)
     colour = blend(_PALE, _DARK, np.clip(0.85 * grain + shade[board_of] + wear - 0.15 * scratches, 0, 1))
-    colour *= 1 + warm[board_of][..., None] * np.array([1.0, 0.0, -1.5])
-    colour *= (1 - 0.45 * gap)[..., None]
+    for channel, warmer in enumerate((1.0, 0.0, -1.5)):
+        colour[..., channel] *= 1 + warm[board_of] * warmer
+        colour[..., channel] *= 1 - 0.45 * gap
     return texture(colour, size_m, height_m=-gap * 6e-4 - grain * 8e-5)
 
 
