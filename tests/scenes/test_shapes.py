@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tacos_worlds.indoor.finishes import draw_style
 from tacos_worlds.indoor.furnishing.catalogue import BUILDERS, FURNITURE_CLASSES
-from tacos_worlds.indoor.mesh import Mesh
+from tacos_worlds.indoor.mesh import Mesh, shaded
 from tacos_worlds.indoor.shapes import (
     box,
     cushion,
@@ -85,3 +85,10 @@ def test_no_two_pieces_of_a_kind_are_alike(kind: str) -> None:
         rng = np.random.default_rng(seed)
         sizes.add(BUILDERS[kind][1](rng, draw_style(rng)).size_m)
     assert len(sizes) == 4
+
+
+def test_a_slab_is_shaded_as_any_other_mesh() -> None:
+    made = slab((0.3, 0.002, 1.2), (1.0, -2.0, 0.5))
+    shaded_anew = shaded(made.vertices_m, made.triangles)
+    for field in ("vertices_m", "normals", "uv_m", "triangles"):
+        assert np.array_equal(getattr(made, field), getattr(shaded_anew, field)), field

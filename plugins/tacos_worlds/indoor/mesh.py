@@ -122,7 +122,7 @@ def shaded(
     code += (np.rint(normals * 64) @ _CODE_OF_NORMAL).astype(np.int64)
     chosen, index = _distinct(code)
     where = points[faces.reshape(-1)[chosen]]
-    return Mesh(where, normals[chosen], _box_uv(where, axis[chosen], points), index.reshape(-1, 3))
+    return Mesh(where, normals[chosen], box_uv(where, axis[chosen], points), index.reshape(-1, 3))
 
 
 _NEXT, _AFTER_NEXT = np.array([1, 2, 0]), np.array([2, 0, 1])
@@ -200,7 +200,7 @@ def _corners_that_meet(faces: bytes) -> tuple[Indices, Indices, Indices, tuple[I
     return corner, other_face, which, np.divmod(pairs, len(vertex))
 
 
-def _box_uv(points: Floats, axis: Indices, all_points: Floats) -> Floats:
+def box_uv(points: Floats, axis: Indices, all_points: Floats) -> Floats:
     """(V, 2) coordinates in the plane across each vertex's axis, u along the longer extent."""
     extent = (all_points.max(axis=0) - all_points.min(axis=0)).tolist()
     planes = np.array([(v, u) if extent[v] > extent[u] else (u, v) for u, v in ((1, 2), (0, 2), (0, 1))])

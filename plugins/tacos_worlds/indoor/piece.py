@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -80,7 +81,7 @@ class Piece:
     tops: tuple[Top, ...] = ()
     seats: tuple[Seat, ...] = ()
 
-    @property
+    @cached_property
     def bounds_m(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest corner [m]."""
         low = np.min([mesh.vertices_m.min(axis=0) for mesh, _ in self.parts], axis=0)

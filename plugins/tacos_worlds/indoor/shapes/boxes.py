@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tacos_worlds.indoor.mesh import Floats, Indices, Mesh, shaded
+from tacos_worlds.indoor.mesh import Floats, Indices, Mesh, box_uv, shaded
 
 Size = tuple[float, float, float]
 
@@ -30,8 +30,9 @@ def box(size_m: Size, at_m: Size = (0.0, 0.0, 0.0), *, bevel_m: float = 0.006) -
 
 def slab(size_m: Size, at_m: Size = (0.0, 0.0, 0.0)) -> Mesh:
     """A plain box with sharp edges (12 triangles), for small and thin things [m]."""
-    signs, triangles = _plain_box()
-    return shaded(signs * (np.array(size_m) / 2) + _centre(size_m, at_m), triangles)
+    cube, axis = _cube()
+    points = cube.vertices_m * (np.array(size_m) / 2) + _centre(size_m, at_m)
+    return Mesh(points, cube.normals, box_uv(points, axis, points), cube.triangles)
 
 
 def cushion(
@@ -96,12 +97,16 @@ def _bevelled_box() -> tuple[Floats, Indices]:
 
 
 @lru_cache(maxsize=1)
-def _plain_box() -> tuple[Floats, Indices]:
-    """(8, 3) corner signs, and 12 triangles."""
+def _cube() -> tuple[Mesh, Indices]:
+    """A cube with sharp edges from -1 to 1, and the axis across which the face of each vertex lies.
+
+    Slabs are stretched from it, by the hundred: its normals and faces stay what they are.
+    """
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     quads = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
     triangles = [t for q in quads for t in ([q[0], q[1], q[2]], [q[0], q[2], q[3]])]
-    return signs, _outward(signs, np.array(triangles))
+    cube = shaded(signs, _outward(signs, np.array(triangles)))
+    return cube, np.abs(cube.normals).argmax(axis=1)
 
 
 @lru_cache(maxsize=8)

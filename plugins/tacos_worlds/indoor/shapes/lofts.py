@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tacos_worlds.indoor.mesh import Floats, Mesh, shaded
+from tacos_worlds.indoor.mesh import Floats, Indices, Mesh, shaded
 
 
 def loft(rings: Sequence[Floats], *, capped: bool = True, crease_deg: float = 40.0) -> Mesh:
@@ -16,22 +17,33 @@ def loft(rings: Sequence[Floats], *, capped: bool = True, crease_deg: float = 40
 
     With `capped` the first and last rings are closed by a fan to their mean, which makes it a solid.
     """
-    count = len(rings[0])
     points = np.concatenate(rings)
+    if capped:
+        points = np.concatenate([points, [rings[0].mean(axis=0), rings[-1].mean(axis=0)]])
+    return shaded(points, _triangles(len(rings[0]), len(rings), capped), crease_deg=crease_deg)
+
+
+@lru_cache(maxsize=256)
+def _triangles(count: int, levels: int, capped: bool) -> Indices:
+    """(T, 3) of a loft through `levels` rings of `count` points, with two more points where it is capped."""
     here = np.arange(count)
     after = (here + 1) % count
     triangles = []
-    for level in range(len(rings) - 1):
-        low, high = level * count, (level + 1) * count
+    for low in range(0, (levels - 1) * count, count):
+        high = low + count
         triangles.append(np.stack([low + here, low + after, high + after], axis=1))
         triangles.append(np.stack([low + here, high + after, high + here], axis=1))
     if capped:
-        last = (len(rings) - 1) * count
-        bottom, top = len(points), len(points) + 1
-        points = np.concatenate([points, [rings[0].mean(axis=0), rings[-1].mean(axis=0)]])
+        last, bottom, top = (levels - 1) * count, levels * count, levels * count + 1
         triangles.append(np.stack([after, here, np.full(count, bottom)], axis=1))
         triangles.append(np.stack([last + here, last + after, np.full(count, top)], axis=1))
-    return shaded(points, np.concatenate(triangles), crease_deg=crease_deg)
+    return np.concatenate(triangles)
+
+
+def _cross(first: Floats, second: Floats) -> Floats:
+    """(3,) cross product of two vectors; numpy's own is made for many."""
+    (a, b, c), (x, y, z) = first.tolist(), second.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def disc_stack(
@@ -42,12 +54,10 @@ def disc_stack(
     A profile that turns back down inside makes a vessel.
     """
     turn = np.arange(sides) * 2 * math.pi / sides
-    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    rings = [
-        np.column_stack([radius * ring, np.full(sides, height)]) + np.array(at_m)
-        for radius, height in np.asarray(profile_m, dtype=np.float64)
-    ]
-    return loft(rings)
+    radius_m, height_m = np.asarray(profile_m, dtype=np.float64).T[..., None]
+    height_m = np.broadcast_to(height_m, (len(height_m), sides))
+    rings = np.stack([radius_m * np.cos(turn), radius_m * np.sin(turn), height_m], axis=2) + np.array(at_m)
+    return loft(list(rings))
 
 
 def superellipse(
@@ -75,6 +85,6 @@ def tube(
     for point, tangent, radius in zip(path, tangents, radii, strict=True):
         across = across - (across @ tangent) * tangent  # carried along without twist
         across /= np.linalg.norm(across)
-        up = np.cross(tangent, across)
+        up = _cross(tangent, across)
         rings.append(point + radius * (np.cos(turn)[:, None] * across + np.sin(turn)[:, None] * up))
     return loft(rings, crease_deg=crease_deg)
