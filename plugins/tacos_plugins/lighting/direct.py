@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from tacos_framework.values import Light
 from tacos_plugins.lighting.occlusion import Occlusion
 
-Samples = Iterator[tuple[NDArray[np.float32], NDArray[np.float64]]]
-"""Targets (N, 3) [m] and the irradiance there per flux (N,) [1/m2], for each part of a light."""
+Samples = Iterator[tuple[NDArray[np.intp], NDArray[np.float32], NDArray[np.float64]]]
+"""For each part of a light: the L points that face it, (L, 3) targets on it [m], and the irradiance of each
+point per flux (L,) [1/m2]."""
 
 SURFACE_OFFSET_M = 1e-3
 """Rays start this far off a surface, so that it does not shadow itself [m]."""
@@ -44,10 +45,9 @@ def direct_irradiance(
     for light in lights:
         sample = _sphere_samples if light.normal is None else _rectangle_samples
         weight_sum = np.zeros(len(points_m))
-        for targets, weight_per_m2 in sample(light, points_m, normals, samples_per_edge):
-            lit = np.flatnonzero(weight_per_m2 > 0)
-            seen = occlusion.visible(starts[lit], targets[lit])
-            weight_sum[lit[seen]] += weight_per_m2[lit[seen]]
+        for facing, targets, weight_per_m2 in sample(light, points_m, normals, samples_per_edge):
+            seen = occlusion.visible(starts[facing], targets)
+            weight_sum[facing[seen]] += weight_per_m2[seen]
         total += weight_sum[:, None] * light.flux_lm.astype(np.float64)
     return total
 
@@ -83,7 +83,8 @@ def _rectangle_samples(
         receiver = np.einsum("ij,ij->i", to_light, normals)
         emitter = -(to_light @ np.asarray(light.normal))
         weight = np.clip(receiver, 0, None) * np.clip(emitter, 0, None) / squared**2
-        yield np.broadcast_to(target, points_m.shape), weight * share / math.pi
+        facing = np.flatnonzero(weight > 0)
+        yield facing, np.broadcast_to(target, (len(facing), 3)), weight[facing] * share / math.pi
 
 
 def _sphere_samples(
@@ -97,17 +98,20 @@ def _sphere_samples(
     to_centre = light.position_m - points_m
     distance = np.maximum(np.linalg.norm(to_centre, axis=1, keepdims=True), 1e-6)
     forward = to_centre / distance
+    cosine = np.einsum("ij,ij->i", forward, normals)
+    facing = np.flatnonzero(cosine > 0)
+    points_m, distance, forward = points_m[facing], distance[facing], forward[facing]
     helper = np.where(np.abs(forward[:, 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
     right = np.cross(helper, forward)
     right /= np.linalg.norm(right, axis=1, keepdims=True)
     up = np.cross(forward, right)
     radius = light.radius_m
     beyond = np.maximum(distance[:, 0], radius)  # inside the sphere, as on its surface
+    weight = cosine[facing] / (4 * math.pi * beyond**2)
     cells = _cells(samples_per_edge)
     for u, v in cells:
         on_disc = light.position_m + 0.9 * radius * (u * right + v * up)
         sagitta = 1.02 * radius * math.sqrt(1 - 0.81 * (u * u + v * v))
         reach = np.maximum(1 - sagitta / distance, 0)
         targets = points_m + (on_disc - points_m) * reach
-        weight = np.clip(np.einsum("ij,ij->i", forward, normals), 0, None) / (4 * math.pi * beyond**2)
-        yield targets.astype(np.float32), weight / len(cells)
+        yield facing, targets.astype(np.float32), weight / len(cells)

@@ -60,7 +60,7 @@ class Occlusion:
         )
         self._scene = EmbreeScene(robust=True)
         if len(self.triangles):
-            TriangleMesh(self._scene, np.ascontiguousarray(self.vertices_m[self.triangles]))
+            TriangleMesh(self._scene, self.vertices_m, self.triangles)
 
     def visible(self, from_m: Vectors, to_m: Vectors) -> NDArray[np.bool_]:
         """(N,) whether nothing lies between each pair of (N, 3) points [m]."""

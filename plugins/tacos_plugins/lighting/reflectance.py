@@ -1,6 +1,8 @@
-"""Mean reflectance of a material."""
+"""Mean reflectance of materials."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +11,21 @@ from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Material
 
 
-def mean_reflectance(material: Material) -> NDArray[np.float64]:
-    """(3,) reflectance per linear-sRGB channel, averaged over the texture [1]."""
-    tint = material.base_colour.astype(np.float64)
-    if material.texture is None:
-        return tint
-    counts = [np.bincount(material.texture[..., channel].ravel(), minlength=256) for channel in range(3)]
-    return tint * (np.array(counts) @ LINEAR_OF_SRGB_BYTE) / material.texture[..., 0].size
+def mean_reflectances(materials: Sequence[Material]) -> NDArray[np.float64]:
+    """(materials, 3) reflectance per linear-sRGB channel, averaged over each texture [1]."""
+    sums: dict[int, NDArray[np.float64]] = {}  # by texture, as many materials are tints of one
+    found = []
+    for material in materials:
+        tint, image = material.base_colour.astype(np.float64), material.texture
+        if image is not None:
+            if id(image) not in sums:
+                sums[id(image)] = _summed(image)
+            tint = tint * sums[id(image)] / image[..., 0].size
+        found.append(tint)
+    return np.array(found).reshape(-1, 3)
+
+
+def _summed(image: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """(3,) sums of the reflectances that all pixels of an image stand for [1]."""
+    counts = [np.bincount(image[..., channel].ravel(), minlength=256) for channel in range(3)]
+    return np.asarray(np.array(counts) @ LINEAR_OF_SRGB_BYTE)

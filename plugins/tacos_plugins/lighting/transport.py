@@ -13,7 +13,7 @@ from tacos_framework.values import World
 from tacos_plugins.lighting.direct import SURFACE_OFFSET_M, direct_irradiance
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.lighting.refinement import refined
-from tacos_plugins.lighting.reflectance import mean_reflectance
+from tacos_plugins.lighting.reflectance import mean_reflectances
 from tacos_plugins.lighting.sites import Sites, merge_vertices
 
 LONGEST_EDGE_M = 0.8
@@ -79,9 +79,7 @@ class LightTransport:
     def _radiosity_lux(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(sites, 3) indirect irradiance, and exitance (reflected light, direct and indirect)."""
         sites = self._sites
-        reflectance = np.array([mean_reflectance(m) for m in self._world.materials]).reshape(-1, 3)[
-            sites.material
-        ]
+        reflectance = mean_reflectances(self._world.materials)[sites.material]
         gather, escaped = self._gather(sites.points_m, sites.normals)
         direct = direct_irradiance(self.occlusion, self._world.lights, sites.points_m, sites.normals)
         ambient = escaped[:, None] * self._ambient_lux
