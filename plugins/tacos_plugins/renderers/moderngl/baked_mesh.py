@@ -197,11 +197,8 @@ def _towards_triangles(mesh: FlatMesh) -> NDArray[np.float32]:
 
     Vertices where things touch lie exactly on both; a little inwards they see what their own side sees.
     """
-    centre = mesh.corners_m.mean(axis=1)
-    total = np.zeros((len(mesh.position_m), 3), np.float64)
+    total = mesh.summed_at_vertices(mesh.corners_m.mean(axis=1))
     uses = np.bincount(mesh.triangles.reshape(-1), minlength=len(total))
-    for corner in range(3):
-        np.add.at(total, mesh.triangles[:, corner], centre)
     return (total / np.maximum(uses, 1)[:, None] - mesh.position_m).astype(np.float32)
 
 

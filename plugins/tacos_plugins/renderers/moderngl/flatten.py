@@ -57,6 +57,12 @@ class FlatMesh:
         """(T, 3, 3) corner positions of each triangle [m]."""
         return self.position_m[self.triangles]
 
+    def summed_at_vertices(self, per_triangle: NDArray[np.floating]) -> NDArray[np.float64]:
+        """(V, 3) sums of (T, 3) values over the triangles around each vertex."""
+        vertex, count = self.triangles.T.reshape(-1), len(self.position_m)
+        sums = [np.bincount(vertex, np.tile(values, 3), minlength=count) for values in per_triangle.T]
+        return np.stack(sums, axis=1)
+
 
 @dataclass(frozen=True, eq=False)
 class Chunks:
@@ -167,10 +173,10 @@ def cut_into_chunks(
     lower, upper = corners.min(axis=1), corners.max(axis=1)
     large = (upper - lower).max(axis=1) > LARGE_TRIANGLE_M
     runs: list[NDArray[np.intp]] = []
-    groups, group = np.unique(np.column_stack([mover, kind]), axis=0, return_inverse=True)
-    for each in range(len(groups)):
+    group = mover.astype(np.int64) * (int(kind.max(initial=0)) + 1) + kind
+    for each in np.unique(group):
         for big in (False, True):
-            members = np.flatnonzero((group.reshape(-1) == each) & (large == big))
+            members = np.flatnonzero((group == each) & (large == big))
             runs += _halve(members, (lower + upper) / 2)
     counts = np.array([len(run) for run in runs], dtype=np.int32)
     order = np.concatenate([np.zeros(0, np.intp), *runs])

@@ -97,9 +97,10 @@ def look_around(place_m: NDArray[np.float64], lights: Sequence[Light], view: Fac
         pose[:3, :3], pose[:3, 3] = rotation, place_m
         faces[face], depth = view(camera, pose)
         reach[face] = min(float(np.median(depth[middle, middle])), _BEYOND_M)
+        rays_of_face = rays @ rotation.T
         for light in lights:
             if may_show(rotation, light.position_m - place_m, light):
-                paint_light(faces[face], depth, rays @ rotation.T, place_m, light)
+                paint_light(faces[face], depth, rays_of_face, place_m, light)
     forward, left, back, right, up, down = reach
     return Probe(
         position_m=place_m,

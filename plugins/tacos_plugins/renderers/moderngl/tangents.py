@@ -19,18 +19,11 @@ def tangent_frames(mesh: FlatMesh) -> NDArray[np.float32]:
     side = np.sign(du * ev - eu * dv)[:, None]  # mirrored texture coordinates turn the frame
     along_u = (edge * ev[:, None] - other * dv[:, None]) * side
     along_v = (other * du[:, None] - edge * eu[:, None]) * side
-    tangent = _square_to(mesh.normal, _summed(mesh, along_u), fallback=_any_square_to(mesh.normal))
+    tangent = _square_to(mesh.normal, mesh.summed_at_vertices(along_u), fallback=_any_square_to(mesh.normal))
     bitangent = np.cross(mesh.normal, tangent)
-    mirrored = np.einsum("ij,ij->i", bitangent, _summed(mesh, along_v)) < 0
+    mirrored = np.einsum("ij,ij->i", bitangent, mesh.summed_at_vertices(along_v)) < 0
     bitangent[mirrored] *= -1
     return np.stack([tangent, bitangent], axis=1).astype(np.float32)
-
-
-def _summed(mesh: FlatMesh, per_triangle: NDArray[np.float64]) -> NDArray[np.float64]:
-    total = np.zeros((len(mesh.position_m), 3))
-    for corner in range(3):
-        np.add.at(total, mesh.triangles[:, corner], per_triangle)
-    return total
 
 
 def _square_to(

@@ -38,11 +38,12 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
     in linear light and encoded then, so that distant surfaces keep their mean reflectance.
     """
     images, _ = _distinct([material.texture for material in materials])
-    encoded = _square_roots(linear_of_bytes(np.arange(256, dtype=np.uint8)))
+    linear = linear_of_bytes(np.arange(256, dtype=np.uint8))
+    encoded = _square_roots(linear)
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
-        coarser = pyramid(linear_of_bytes(image))[1:]
-        return [encoded[image], *map(_square_roots, coarser)]
+        coarser = pyramid(linear.take(image))[1:]
+        return [encoded.take(image), *map(_square_roots, coarser)]
 
     return _stack(context, np.full((1, 1, 3), 255, np.uint8), images, levels)
 
