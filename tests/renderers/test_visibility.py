@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.renderers.moderngl.covered import nothing_drawn
-from tacos_plugins.renderers.moderngl.visibility import draw
+from tacos_plugins.renderers.moderngl.projected import project
+from tacos_plugins.renderers.moderngl.visibility import look
 
 SHAPE = (40, 50)
 NEAR_M = 0.1
@@ -23,7 +23,7 @@ def drawn(corners, closed=False):
 
 
 def drawn_rows(corners, first_row, rows, closed=False):
-    """Inverse depth and triangle number of some rows, each triangle a run with a box of its own."""
+    """Inverse depth and triangle number of some rows, each triangle a run of its own."""
     corners = np.asarray(corners, np.float32)
     count = len(corners)
     shape = (rows, SHAPE[1])
@@ -31,8 +31,7 @@ def drawn_rows(corners, first_row, rows, closed=False):
     vertices = np.arange(3 * count, dtype=np.int32)
     runs = np.column_stack([np.arange(count), np.ones(count, np.int64)])
     mesh = (corners.reshape(-1, 3), vertices.reshape(-1, 3), vertices // 3 + 1)
-    boxes_m = np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1).astype(np.float64)
-    draw(inverse, number, nothing_drawn(shape), *mesh, runs, boxes_m, PIXEL, first_row, NEAR_M, closed)
+    look([project(*mesh, runs, PIXEL, SHAPE, NEAR_M, closed)], inverse, number, first_row)
     return inverse, number
 
 
@@ -102,6 +101,15 @@ def test_triangles_about_a_point_cover_each_sample_once(middle):
     fan = [[to_camera @ (u / 4, v / 4, 1) for u, v in ((x, y), rim[i], rim[(i + 1) % 4])] for i in range(4)]
     covered = sum((drawn([part])[1] > 0).astype(int) for part in fan)
     assert (covered == 1).all()
+
+
+def test_more_triangles_than_there_was_room_for_at_first_are_all_drawn():
+    # One about each pixel's centre, which covers that and no other.
+    column, row = (grid.reshape(-1) for grid in np.meshgrid(np.arange(50.0), np.arange(40.0)))
+    at = np.stack([column, row, np.ones_like(row)], axis=-1)
+    corners = at[:, None] + np.array([(-0.4, -0.4, 0), (0.5, 0, 0), (-0.4, 0.5, 0)])
+    _, number = drawn(corners @ np.linalg.inv(PIXEL[:, :3]).T)
+    np.testing.assert_array_equal(number, np.arange(1, 2001).reshape(SHAPE))
 
 
 @pytest.mark.parametrize("closed", [False, True])

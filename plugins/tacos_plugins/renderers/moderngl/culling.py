@@ -21,15 +21,12 @@ class DrawList:
     ----------
     commands
         (N, 5) uint32: index count, instances, first index, base vertex, base instance.
-    boxes_m
-        (N, 2, 3) lower and upper corners of the boxes around what each draws [m].
     groups
         The moving object (0 for what stands still) and the bits of `SurfaceKind` of each group, its first
         command and its number of commands.
     """
 
     commands: NDArray[np.uint32]
-    boxes_m: NDArray[np.float64]
     groups: tuple[tuple[int, int, int, int], ...]
 
     def runs(self, first: int, count: int) -> NDArray[np.int64]:
@@ -95,8 +92,7 @@ class Culling:
         numbers, first, count = np.unique(group, return_index=True, return_counts=True)
         mover, bits = np.divmod(numbers, _KINDS)
         groups = zip(mover.tolist(), bits.tolist(), first.tolist(), count.tolist(), strict=True)
-        boxes_m = np.stack([chunks.lower_m[chunk], chunks.upper_m[chunk]], axis=1)
-        return DrawList(commands, boxes_m, tuple(groups))
+        return DrawList(commands, tuple(groups))
 
 
 def frustum_planes(clip_from_world: NDArray[np.float64]) -> NDArray[np.float64]:

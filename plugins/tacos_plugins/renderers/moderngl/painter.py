@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
@@ -21,6 +22,9 @@ from tacos_plugins.renderers.moderngl.probes import MOST_PROBES
 from tacos_plugins.renderers.moderngl.programs import compile_program
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
 from tacos_plugins.renderers.moderngl.targets import RenderTarget
+
+if TYPE_CHECKING:
+    from tacos_plugins.renderers.moderngl.projected import Projected
 
 _UNITS = ("colours", "normals", "light_map", "bend_map", "materials", "probe_map", "probes")
 
@@ -117,46 +121,32 @@ class Painter:
         """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing."""
         self._clear(target, (np.inf, 0.0, 0.0, 0.0))
         program = self._programs.geometry
-        draws = self.to_see(view, chunks)
+        draws = self._to_see(view, chunks)
         for mover, bits, first, count in draws.groups:
             seen = self._seen(view, mover)
             _write(program, "clip_from_world", _columns(seen.clip_from_world))
             _write(program, "depth_from_world", seen.camera_from_world[2].astype("f4").tobytes())
             self._draw(self._geometry, SurfaceKind(bits), draws.commands[first : first + count])
 
-    def visibility(
-        self,
-        view: Viewpoint,
-        inverse_depth: NDArray[np.float32],
-        surface: NDArray[np.int32],
-        draws: DrawList,
-        first_row: int = 0,
-    ) -> None:
-        """Draw rows of inverse depth [1/m] and surface number without OpenGL; 0 for nothing.
-
-        Parameters
-        ----------
-        inverse_depth, surface
-            (rows, W) are filled, from a row of the view on.
-        draws
-            See `to_see`.
-        """
+    def projected(self, view: Viewpoint, chunks: NDArray[np.intp]) -> list[Projected]:
+        """The triangles of some chunks on the image, for what is seen to be drawn without OpenGL."""
         # Compiled loops take a moment to import, which checking a recipe need not wait for.
-        from tacos_plugins.renderers.moderngl.covered import nothing_drawn
-        from tacos_plugins.renderers.moderngl.visibility import draw, pixel_from_camera
+        from tacos_plugins.renderers.moderngl.projected import pixel_from_camera, project
 
-        inverse_depth.fill(0)
-        surface.fill(0)
-        lowest = nothing_drawn(surface.shape)
-        world, from_camera = self.world, pixel_from_camera(view.camera)
+        camera, world = view.camera, self.world
         mesh = (world.position_m, world.triangles, world.surface_of_vertex)
+        shape = (camera.height_px, camera.width_px)
+        draws = self._to_see(view, chunks)
+        found = []
         for mover, bits, first, count in draws.groups:
-            pixel_from_world = from_camera @ self._seen(view, mover).camera_from_world[:3]
-            what = (*mesh, draws.runs(first, count), draws.boxes_m[first : first + count])
+            camera_from_world = self._seen(view, mover).camera_from_world[:3]
+            pixel_from_world = pixel_from_camera(camera) @ camera_from_world
             closed = bool(bits & SurfaceKind.CLOSED)
-            draw(inverse_depth, surface, lowest, *what, pixel_from_world, first_row, view.near_m, closed)
+            runs = draws.runs(first, count)
+            found.append(project(*mesh, runs, pixel_from_world, shape, view.near_m, closed))
+        return found
 
-    def to_see(self, view: Viewpoint, chunks: NDArray[np.intp]) -> DrawList:
+    def _to_see(self, view: Viewpoint, chunks: NDArray[np.intp]) -> DrawList:
         """What is to be drawn of some chunks to know what is seen."""
         return self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
 

@@ -164,14 +164,14 @@ class EdgeBlending:
         them; those of a band stay in the cache.
         """
         from tacos_plugins.renderers.moderngl.coverage import seeing_several
-        from tacos_plugins.renderers.moderngl.visibility import at_centres
+        from tacos_plugins.renderers.moderngl.visibility import at_centres, look
 
-        draws, several = painter.to_see(fine, chunks), []
+        projected, several = painter.projected(fine, chunks), []
         for first in range(0, self._shape[0], self._rows):
             here = slice(first, min(first + self._rows, self._shape[0]))
             lines = slice(2 * (here.stop - first) + 1)
             inverse_depth, surface = self._inverse_depth[lines], self._surface[lines]
-            painter.visibility(fine, inverse_depth, surface, draws, 2 * first)
+            look(projected, inverse_depth, surface, 2 * first)
             of_rows = (depth_m[here], self._seen[here], self._behind[here])
             at_centres(inverse_depth, surface, view.window_of_inverse, *of_rows)
             several.append(seeing_several(surface, first))

@@ -8,23 +8,53 @@ which is linear in the image (Blinn, "Hyperbolic interpolation", IEEE CG&A 1992)
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.compiled import compiled, inlined
-from tacos_framework.values import Camera
-from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
-from tacos_plugins.renderers.moderngl.covered import BLOCK, along, box_is_hidden, is_hidden
+from tacos_plugins.renderers.moderngl.covered import BLOCK, is_hidden, nothing_drawn
+from tacos_plugins.renderers.moderngl.projected import (
+    ALONG_X,
+    ALONG_Y,
+    FARTHEST,
+    FIRST_COLUMN,
+    FIRST_ROW,
+    LAST_COLUMN,
+    LAST_ROW,
+    LEVEL,
+    NEAREST,
+    SUB,
+    SURFACE,
+    Projected,
+    X,
+    Y,
+)
 
-_SUB = 256  # places a sample's width is divided into
-_QUOTIENT, _REST, _MORE, _MORE_REST, _DIVISOR, _SIDE = range(6)  # what is kept of an edge from row to row
 _ROUNDING = 2.0**-19  # between a depth found here and by OpenGL, of the depth of its window
 
 
-def pixel_from_camera(camera: Camera) -> NDArray[np.float64]:
-    """(3, 3) from camera coordinates [m] to homogeneous pixels, their centres integers; last is depth [m]."""
-    (cx, cy), focal = camera.centre_px, camera.focal_length_px
-    return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
+def look(
+    projected: Sequence[Projected],
+    inverse_depth: NDArray[np.float32],
+    surface: NDArray[np.int32],
+    first_row: int,
+) -> None:
+    """Draw some rows of an image, from one of them on.
+
+    Parameters
+    ----------
+    projected
+        Triangles on the image.
+    inverse_depth, surface
+        (rows, W) are filled: inverse depth [1/m] and surface number, 0 for nothing.
+    """
+    inverse_depth.fill(0)
+    surface.fill(0)
+    lowest = nothing_drawn(surface.shape)
+    for triangles in projected:
+        draw(inverse_depth, surface, lowest, triangles, first_row)
 
 
 @compiled
@@ -70,17 +100,10 @@ def draw(
     inverse_depth: NDArray[np.float32],
     surface: NDArray[np.int32],
     lowest: NDArray[np.float32],
-    position_m: NDArray[np.float32],
-    triangles: NDArray[np.int32],
-    surface_of_vertex: NDArray[np.int32],
-    runs: NDArray[np.int64],
-    boxes_m: NDArray[np.float64],
-    pixel_from_world: NDArray[np.float64],
+    projected: Projected,
     first_row: int,
-    near_m: float,
-    closed: bool,
 ) -> None:
-    """Draw runs of triangles over what is there; of equal depths the first counts.
+    """Draw triangles over what is there; of equal depths the first counts.
 
     A band of rows drawn by itself is, bit by bit, that part of the whole image.
 
@@ -91,67 +114,22 @@ def draw(
     lowest
         (H, blocks) at most the least inverse depth in each block of a row, by which what is hidden is passed
         over; 0 for nothing [1/m].
-    position_m, surface_of_vertex
-        (V, 3) and (V,) places of vertices and the surfaces they belong to [m, 1].
-    triangles
-        (T, 3) vertices of each triangle.
-    runs
-        (R, 2) first triangle and number of triangles of each run.
-    boxes_m
-        (R, 2, 3) lower and upper corners of boxes that hold them [m].
-    pixel_from_world
-        (3, 4) see `pixel_from_camera`.
+    projected
+        The triangles on the whole image.
     first_row
         Row of the whole image that the first one here is.
-    near_m
-        What is nearer is cut off [m].
-    closed
-        Whether backs are never seen, and need not be drawn.
     """
-    corners = np.empty((CORNERS, 3))
-    spare = np.empty((CORNERS, 3))
-    edges = np.empty((3, 6), np.int64)
-    height, width = surface.shape
-    for run in range(len(runs)):
-        if box_is_hidden(lowest, boxes_m[run], pixel_from_world, first_row, width, near_m):
-            continue
-        for triangle in range(runs[run, 0], runs[run, 0] + runs[run, 1]):
-            for corner in range(3):
-                vertex = triangles[triangle, corner]
-                x, y, z = position_m[vertex, 0], position_m[vertex, 1], position_m[vertex, 2]
-                for axis in range(3):
-                    corners[corner, axis] = along(pixel_from_world[axis], x, y, z)
-            if _beyond(corners, width, first_row, first_row + height - 1):
-                continue
-            count = 3
-            if needs_cutting(corners, near_m):
-                count = cut(corners, spare, near_m)
-            for corner in range(count):
-                inverse = 1 / corners[corner, 2]
-                corners[corner, 0] *= inverse
-                corners[corner, 1] *= inverse
-                corners[corner, 2] = inverse
-            number = surface_of_vertex[triangles[triangle, 0]]
-            for corner in range(2, count):
-                for axis in range(3):
-                    spare[0, axis] = corners[0, axis]
-                    spare[1, axis] = corners[corner - 1, axis]
-                    spare[2, axis] = corners[corner, axis]
-                _fill(inverse_depth, surface, lowest, spare, first_row, number, closed, edges)
-
-
-@compiled
-def _beyond(corners: NDArray[np.float64], width: int, first_row: int, last_row: int) -> bool:
-    """Whether a triangle of homogeneous pixels lies beyond one side of some rows, and so shows nowhere."""
-    left, right, over, under = True, True, True, True
-    for corner in range(3):
-        x, y, w = corners[corner, 0], corners[corner, 1], corners[corner, 2]
-        left &= x < 0
-        right &= x > (width - 1) * w
-        over &= y < first_row * w
-        under &= y > last_row * w
-    ahead = max(corners[0, 2], corners[1, 2], corners[2, 2]) > 0
-    return left or right or over or under or not ahead
+    places, levels = projected
+    last_row = first_row + len(surface) - 1
+    for triangle in range(len(places)):
+        first = max(places[triangle, FIRST_ROW], first_row)
+        last = min(places[triangle, LAST_ROW], last_row)
+        if first <= last:
+            least, most = places[triangle, FIRST_COLUMN], places[triangle, LAST_COLUMN]
+            nearest = np.float32(levels[triangle, NEAREST])
+            if not is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
+                rows = (first, last, first_row)
+                _fill(inverse_depth, surface, lowest, places[triangle], levels[triangle], rows)
 
 
 @compiled
@@ -159,80 +137,72 @@ def _fill(
     inverse_depth: NDArray[np.float32],
     surface: NDArray[np.int32],
     lowest: NDArray[np.float32],
-    corners: NDArray[np.float64],
-    first_row: int,
-    number: int,
-    closed: bool,
-    edges: NDArray[np.int64],
+    places: NDArray[np.int64],
+    levels: NDArray[np.float64],
+    rows: tuple[int, int, int],
 ) -> None:
-    """Draw one triangle of (x [px], y [px], inverse depth [1/m]) row by row.
+    """Draw one triangle between two rows of the whole image; the third row is the first that is drawn into.
 
-    Of each edge a row needs floor(c / d): samples within are those x that are at most this, or at least its
-    negative. From row to row c changes by a constant, so quotient and remainder follow without a division.
+    Above its middle corner a row lies between two edges, and below it between two.
     """
-    height, width = surface.shape
-    x0, y0, x1 = round(_SUB * corners[0, 0]), round(_SUB * corners[0, 1]), round(_SUB * corners[1, 0])
-    y1, x2, y2 = round(_SUB * corners[1, 1]), round(_SUB * corners[2, 0]), round(_SUB * corners[2, 1])
-    area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-    if area == 0 or (closed and area > 0):  # clockwise in an image whose rows go down: a back
-        return
-    if area < 0:
-        x1, y1, x2, y2 = x2, y2, x1, y1
-    first = max(-(-min(y0, y1, y2) // _SUB), first_row)
-    last = min(max(y0, y1, y2) // _SUB, first_row + height - 1)
-    least = max(-(-min(x0, x1, x2) // _SUB), 0)
-    most = min(max(x0, x1, x2) // _SUB, width - 1)
-    if first > last or least > most:
-        return
-    nearest = np.float32(max(corners[0, 2], corners[1, 2], corners[2, 2]))
-    farthest = np.float32(min(corners[0, 2], corners[1, 2], corners[2, 2]))
-    if is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
-        return
-
-    _lay(edges[0], x0, y0, x1, y1, first)
-    _lay(edges[1], x1, y1, x2, y2, first)
-    _lay(edges[2], x2, y2, x0, y0, first)
-    along_x, along_y = _slopes(corners)
-    for y in range(first, last + 1):
-        left, right = _next_span(edges, least, most)
-        if left <= right:
-            level = corners[0, 2] + along_x * (left - corners[0, 0]) + along_y * (y - corners[0, 1])
-            row = y - first_row
-            _fill_row(
-                inverse_depth[row], surface[row], lowest[row], left, right, number,
-                np.float32(level), np.float32(along_x), farthest, nearest,
-            )  # fmt: skip
+    first, last, first_row = rows
+    least, most = places[FIRST_COLUMN], places[LAST_COLUMN]
+    along_x, along_y = levels[ALONG_X], levels[ALONG_Y]
+    farthest, nearest = np.float32(levels[FARTHEST]), np.float32(levels[NEAREST])
+    above = _middle(places[1], places[3], places[5]) // SUB
+    for part in range(2):
+        begin = first if part == 0 else max(first, above + 1)
+        end = min(last, above) if part == 0 else last
+        if begin > end:
+            continue
+        low, low_rest, low_more, low_more_rest, low_divisor = _laid(places, -1, part, begin)
+        high, high_rest, high_more, high_more_rest, high_divisor = _laid(places, 1, part, begin)
+        for y in range(begin, end + 1):
+            left, right = max(least, -low), min(most, high)
+            if left <= right:
+                level = levels[LEVEL] + along_x * (left - levels[X]) + along_y * (y - levels[Y])
+                row = y - first_row
+                _fill_row(
+                    inverse_depth[row], surface[row], lowest[row], left, right, places[SURFACE],
+                    np.float32(level), np.float32(along_x), farthest, nearest,
+                )  # fmt: skip
+            low, low_rest = low + low_more, low_rest + low_more_rest
+            if low_rest >= low_divisor:
+                low, low_rest = low + 1, low_rest - low_divisor
+            high, high_rest = high + high_more, high_rest + high_more_rest
+            if high_rest >= high_divisor:
+                high, high_rest = high + 1, high_rest - high_divisor
 
 
-@inlined
-def _lay(edge: NDArray[np.int64], ax: int, ay: int, bx: int, by: int, first: int) -> None:
-    """Keep what the rows from `first` on need of the edge from a to b, in parts of a sample."""
+@compiled
+def _laid(places: NDArray[np.int64], side: int, part: int, first: int) -> tuple[int, int, int, int, int]:
+    """What the rows from `first` on need of the edge on a side: -1 the left, 1 the right one.
+
+    Samples within are those x that are at most floor(c / d), or at least its negative on the left. From row
+    to row c changes by a constant, so quotient and remainder follow without a division: both, their changes,
+    and the divisor.
+
+    Parameters
+    ----------
+    part
+        0 for the edge from the upper corner, 1 for that to the lower one.
+    """
+    top, bottom = min(places[1], places[3], places[5]), max(places[1], places[3], places[5])
+    for corner in range(3):
+        following = 2 * ((corner + 1) % 3)
+        ax, ay, bx, by = places[2 * corner], places[2 * corner + 1], places[following], places[following + 1]
+        reaches = max(ay, by) == bottom if part else min(ay, by) == top
+        if np.sign(by - ay) == side and reaches:
+            break
     dx, dy = bx - ax, by - ay
-    owns = dy < 0 or (dy == 0 and dx > 0)  # samples on left and top edges belong to the triangle
-    c, divisor = dx * (_SUB * first - ay) + dy * ax - (0 if owns else 1), _SUB * max(abs(dy), 1)
-    edge[_QUOTIENT], edge[_REST] = c // divisor, c % divisor
-    edge[_MORE], edge[_MORE_REST] = (_SUB * dx) // divisor, (_SUB * dx) % divisor
-    edge[_DIVISOR], edge[_SIDE] = divisor, np.sign(dy)
+    # Samples on left edges belong to the triangle, those on right ones to the next.
+    c, divisor = dx * (SUB * first - ay) + dy * ax - (0 if side < 0 else 1), SUB * abs(dy)
+    return c // divisor, c % divisor, (SUB * dx) // divisor, (SUB * dx) % divisor, divisor
 
 
 @inlined
-def _next_span(edges: NDArray[np.int64], least: int, most: int) -> tuple[int, int]:
-    """The first and last sample of a row that lie within all edges, which then go on to the next row."""
-    left, right = least, most
-    for edge in range(3):
-        quotient = edges[edge, _QUOTIENT]
-        if edges[edge, _SIDE] < 0:
-            left = max(left, -quotient)
-        elif edges[edge, _SIDE] > 0:
-            right = min(right, quotient)
-        elif quotient < 0:
-            right = -1  # level, and the row lies beyond it
-        edges[edge, _QUOTIENT] += edges[edge, _MORE]
-        edges[edge, _REST] += edges[edge, _MORE_REST]
-        if edges[edge, _REST] >= edges[edge, _DIVISOR]:
-            edges[edge, _QUOTIENT] += 1
-            edges[edge, _REST] -= edges[edge, _DIVISOR]
-    return left, right
+def _middle(a: int, b: int, c: int) -> int:
+    return max(min(a, b), min(max(a, b), c))
 
 
 @inlined
@@ -259,7 +229,8 @@ def _fill_row(
         if max(at_start, at_end) > lowest[block]:
             depths, numbers = inverse_depth[start:end], surface[start:end]
             for x in range(len(depths)):
-                here = level + slope * np.float32(start - left + x)
+                # Of a narrow number, which is made a float eight at a time.
+                here = level + slope * np.float32(np.int32(start - left + x))
                 here = min(max(here, farthest), nearest)
                 before = depths[x]
                 is_nearer = here > before
@@ -268,15 +239,3 @@ def _fill_row(
             if start == BLOCK * block and (end - start == BLOCK or end == len(surface)):
                 lowest[block] = max(lowest[block], min(at_start, at_end))
         start = end
-
-
-@compiled
-def _slopes(corners: NDArray[np.float64]) -> tuple[float, float]:
-    """Change of inverse depth per pixel along rows and along columns [1/m]."""
-    ux, vx = corners[1, 0] - corners[0, 0], corners[2, 0] - corners[0, 0]
-    uy, vy = corners[1, 1] - corners[0, 1], corners[2, 1] - corners[0, 1]
-    uz, vz = corners[1, 2] - corners[0, 2], corners[2, 2] - corners[0, 2]
-    twice_area = ux * vy - uy * vx
-    if twice_area == 0:
-        return 0.0, 0.0
-    return (uz * vy - vz * uy) / twice_area, (ux * vz - vx * uz) / twice_area
