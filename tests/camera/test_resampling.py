@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import shift
 
+from tacos_framework.camera import resampling
 from tacos_framework.camera.resampling import nearest, resample, resample_inverse_depth
 
 Y, X = np.mgrid[:40, :50].astype(np.float64)
@@ -67,3 +68,14 @@ def test_depth_is_exact_on_a_plane_and_never_between_two_surfaces():
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_types_stay(dtype):
     assert resample_inverse_depth(np.ones((1, 40, 50), dtype), X, Y).dtype == dtype
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_an_even_picture_looks_the_same_from_everywhere_without_a_spline(dtype, monkeypatch):
+    rows, columns = np.mgrid[-30:70:2.5, -40:90:3.25]
+    even = np.full((2, 40, 50, 3), [0.1, 7.3, 211.7], dtype)
+    by_spline = resample(even + np.linspace(0, 1e-3, 50, dtype=dtype)[:, None], columns, rows)
+    monkeypatch.setattr(resampling, "spline_filter", lambda *args, **kwargs: pytest.fail("filtered"))
+    seen = resample(even, columns, rows)
+    np.testing.assert_array_equal(seen, np.broadcast_to(even[:, :1, :1], seen.shape))
+    np.testing.assert_allclose(seen, by_spline, atol=2e-3)

@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import j1
 
 from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
+from tacos_plugins.effects import blur
 from tacos_plugins.effects.defocus import Defocus
 from tacos_plugins.effects.depth_of_field import signed_radius
 from tacos_plugins.effects.lens_blur import LensBlur
@@ -154,3 +155,15 @@ def test_the_blur_at_the_hyperfocal_distance_is_that_of_the_textbook(focal_mm, f
     depth_m = np.array([hyperfocal_m / 2, hyperfocal_m, np.inf])
     radius_px = signed_radius(depth_m, geometry, f_number=f_number, focus_m=hyperfocal_m)
     assert 2 * radius_px == pytest.approx([-circle_um, 0.0, circle_um], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("effect", "config"), [(LensBlur, {"sigma_px": 1.3}), (MotionBlur, {"length_px": 5.0})]
+)
+def test_even_light_stays_as_it_is_and_is_not_convolved(effect, config, monkeypatch):
+    even = light(lambda x, y: 0 * x + 0.1, channels=3)
+    speck = even.copy()
+    speck[:, 7, 9] += 1.0
+    assert not np.array_equal(run(effect, speck, **config), speck)
+    monkeypatch.setattr(blur.cv2, "filter2D", lambda *args, **kwargs: pytest.fail("convolved"))
+    np.testing.assert_array_equal(run(effect, even, **config), even)

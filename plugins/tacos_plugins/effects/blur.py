@@ -109,6 +109,10 @@ def blur(frames: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDArray[n
     """
     blurred = np.empty_like(frames)
     for frame, out in zip(frames, blurred, strict=True):
+        least, most = frame.min(), frame.max()
+        if least == most:  # an even frame stays as it is, to the bit
+            out[...] = frame
+            continue
         filtered = cv2.filter2D(np.ascontiguousarray(frame), -1, kernel, borderType=cv2.BORDER_REPLICATE)
-        np.clip(filtered.reshape(frame.shape), frame.min(), frame.max(), out=out)
+        np.clip(filtered.reshape(frame.shape), least, most, out=out)
     return blurred
