@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
-from tacos_plugins.effects.alignment import aligned
+from tacos_plugins.effects import alignment
+from tacos_plugins.effects.alignment import aligned, aligned_with_expected
 from tacos_plugins.effects.focal_length_error import FocalLengthError
 from tests.gap.small_captures import BLACK_DN, capture
 
@@ -83,3 +84,17 @@ def test_an_edge_alone_aligns_with_no_squeezed_picture():
     noise = np.random.default_rng(1).normal(0, 0.01, (2, 120, 160))
     found = aligned(*(np.asarray(e + n, np.float32) for e, n in zip(edges, noise, strict=True)))
     assert found is None or np.linalg.svd(found[:, :2], compute_uv=False) == pytest.approx([1, 1], abs=0.5)
+
+
+def test_a_capture_is_aligned_once(monkeypatch):
+    expected, real = (BLACK_DN + 200 * picture for picture in (rectangles(), seen(1.01, 1.5, -0.5)))
+    of = replace(
+        capture("scene", "scene", 0.0),
+        expected_dn=expected[None, :, :, None],
+        real_dn=real[None, :, :, None],
+        valid=np.ones((HEIGHT, WIDTH), bool),
+    )
+    first = aligned_with_expected(of)
+    assert first is not None
+    monkeypatch.setattr(alignment, "aligned", lambda *args: pytest.fail("aligned again"))
+    np.testing.assert_array_equal(aligned_with_expected(of), first)

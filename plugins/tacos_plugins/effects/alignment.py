@@ -7,6 +7,7 @@ percent: both agree on what is large first.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,14 +35,25 @@ _SMOOTHED_PX = 5
 Picture = NDArray[np.float32]
 
 
+_ALIGNED: WeakKeyDictionary[ObservedCapture, NDArray[np.float64] | None] = WeakKeyDictionary()
+
+
 def aligned_with_expected(capture: ObservedCapture) -> NDArray[np.float64] | None:
     """(2, 3) affine map of the expectation's points to the picture's; None where nothing aligns.
+
+    Worked out once per capture.
 
     Parameters
     ----------
     capture
         Real frames with an expectation.
     """
+    if capture not in _ALIGNED:
+        _ALIGNED[capture] = _aligned_with_expected(capture)
+    return _ALIGNED[capture]
+
+
+def _aligned_with_expected(capture: ObservedCapture) -> NDArray[np.float64] | None:
     if capture.expected_dn is None:
         return None
     one = len(capture.expected_dn) == 1

@@ -49,7 +49,7 @@ def disc_radius_px(capture: ObservedCapture) -> float | None:
         return None
 
     def left(radius_px: float) -> float:
-        passed = disc_transfer(radius_px)(fx[None, :], fy[:, None]) ** 2 * expected
+        passed = _passed_by_disc(radius_px, fx, fy) * expected
         shown = np.bincount(rings[inside], passed[inside], _RINGS)[kept] / weights[kept]
         return _unexplained(seen, shown, weights[kept])
 
@@ -59,6 +59,19 @@ def disc_radius_px(capture: ObservedCapture) -> float | None:
     cost = np.array([left(radius) for radius in radii])
     best = int(np.argmin(cost))
     return float(radii[best]) if best and cost[best] < LEAST_SHARE * left(0.0) else None
+
+
+def _passed_by_disc(
+    radius_px: float, fx: NDArray[np.float64], fy: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(H, W) share of power that a disc lets pass at (W,) and (H,) frequencies of an FFT [1].
+
+    Frequencies of either sign pass alike, so a quarter of them is worked out.
+    """
+    above = [np.abs(frequencies[: len(frequencies) // 2 + 1]) for frequencies in (fx, fy)]
+    columns, rows = (np.minimum(n := np.arange(len(each)), len(each) - n) for each in (fx, fy))
+    quarter = disc_transfer(radius_px)(above[0][None, :], above[1][:, None]) ** 2
+    return quarter[np.ix_(rows, columns)]
 
 
 def _power(frames: NDArray[np.float32], valid: NDArray[np.bool_]) -> NDArray[np.float64]:
