@@ -109,3 +109,11 @@ def test_what_an_effect_leaves_as_it_is_is_not_measured_again(
     lifted = simulations.of([effect(plugins, "black-level", offset_dn=3.0)], 0)
     assert len(measured) == 1
     assert not np.array_equal(lifted, plain)
+
+
+def test_a_single_pixel_that_a_glimpse_misses_is_touched() -> None:
+    even = np.full((1, 48, 64, 3), 90.0, np.float32)
+    assert simulated_statistics._are_alike(even * np.float32(1 + 1e-7), even)
+    spotted = even.copy()
+    spotted[0, 20, 31, 1] += 0.01
+    assert not simulated_statistics._are_alike(spotted, even)

@@ -17,7 +17,7 @@ from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.diagnosis import diagnose
-from tacos_gap.evidence import ImageEvidence
+from tacos_gap.evidence import ImageEvidence, moved_expectation, simulated_statistics
 from tacos_gap.findings import Diagnosis
 from tacos_gap.formation import lit_by, simulate
 from tacos_gap.nuisances import (
@@ -177,6 +177,39 @@ def test_a_misregistered_scene_is_as_good_as_a_registered_one():
     assert rms[0] > 4
     assert rms[1] < 1.3
     assert after.nuisances(())["shift_px"] == pytest.approx([0.6, 0.3], abs=0.05)
+
+
+def count_simulations(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """What is simulated from now on."""
+    made: list[Any] = []
+    monkeypatch.setattr(simulated_statistics, "simulate", lambda *of: made.append(of) or simulate(*of))
+    return made
+
+
+@pytest.mark.parametrize("forgets", [False, True])
+def test_nuisances_that_were_tried_before_are_not_simulated_again(monkeypatch, forgets):
+    scene = scenes()[0]
+    (seen,) = taken([scene], [moved(scene, 0.6, 0.3, turn_deg=0.1)])
+    if forgets:
+        monkeypatch.setattr(moved_expectation, "_KEPT", 0)
+    stated = ImageEvidence(seen, seed=1, replicates=6)
+    first = stated.renuisanced(())
+    made = count_simulations(monkeypatch)
+    again = stated.renuisanced(())
+    assert bool(made) == forgets
+    np.testing.assert_array_equal(again.residual(()), first.residual(()))
+
+
+def test_back_at_no_nuisance_everything_is_as_it_was(monkeypatch):
+    scene = scenes()[0]
+    (seen,) = taken([scene], [moved(scene, 0.6, 0.3)])
+    stated = ImageEvidence(seen, seed=1, replicates=6)
+    moved_there = stated.renuisanced(())
+    assert moved_there.real is not stated.real
+    made = count_simulations(monkeypatch)
+    back = moved_there._at(np.zeros_like(moved_there._nu))
+    assert not made
+    np.testing.assert_array_equal(back._difference(()), stated._difference(()))
 
 
 def tilted(each: RealCapture, degrees: float) -> RealCapture:

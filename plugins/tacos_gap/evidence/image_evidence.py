@@ -18,6 +18,7 @@ from tacos_framework.formation import PlacedEffect
 from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence.contract import N_NULL_REPLICATES, Label, ReplicateResiduals
+from tacos_gap.evidence.moved_expectation import MovedExpectation, MovedExpectations
 from tacos_gap.evidence.simulated_statistics import SimulatedStatistics
 from tacos_gap.nuisances import POSE_TERMS, Marginal, disturbed, freedoms_of, registered, stated
 
@@ -72,17 +73,27 @@ class ImageEvidence:
         self._taken = every.finite_in(draws)
         kept = self._taken.kept[every.kept]
         draws, self._luck = draws[:, kept], luck[kept]
-        self._simulations = first.taking(self._taken, kept)
         self._draws = draws
         self.mean = draws.mean(axis=0)
         self.sigma = self._sigma(draws)
-        self.real = self._taken.values(self._taken.blocks)
+        real = self._taken.values(self._taken.blocks)
+        self._there = MovedExpectation(first.taking(self._taken, kept), real, draws)
+        self._expectations = MovedExpectations()
+        self._expectations.at(self._freedoms, self._nu, lambda: self._there)
         self.labels = [
             Label(capture.id, capture.kind, block.statistic, block.stage, at)
             for block, at in self._taken.described()
         ]
         self._base = self.mean
-        self._base_draws = draws
+
+    @property
+    def real(self) -> NDArray[np.float64]:
+        """(K,) the statistics of the real frames."""
+        return self._there.real
+
+    @property
+    def _simulations(self) -> SimulatedStatistics:
+        return self._there.simulations
 
     @property
     def left_out(self) -> list[str]:
@@ -195,11 +206,15 @@ class ImageEvidence:
         for name in ("_marginal", "null_replicates"):
             moved.__dict__.pop(name, None)
         moved._nu = nu
-        moved._simulations = self._simulations.expecting(disturbed(self.capture, self._freedoms, nu))
-        moved.real = moved._simulations.real()
-        moved._base_draws = np.stack([moved.simulated((), draw) for draw in range(_BASE_DRAWS)])
-        moved._base = self.mean + (moved._base_draws - self._draws[:_BASE_DRAWS]).mean(axis=0)
+        moved._there = there = self._expectations.at(self._freedoms, nu, lambda: self._expecting(nu))
+        moved._base = self.mean + (there.base_draws[:_BASE_DRAWS] - self._draws[:_BASE_DRAWS]).mean(axis=0)
         return moved
+
+    def _expecting(self, nu: NDArray[np.float64]) -> MovedExpectation:
+        """What the capture gives with the expectation at other nuisances."""
+        there = self._simulations.expecting(disturbed(self.capture, self._freedoms, nu))
+        draws = np.stack([there.of((), draw) for draw in range(_BASE_DRAWS)])
+        return MovedExpectation(there, there.real(), draws)
 
     def _better_of(self, moved: ImageEvidence, effects: Sequence[PlacedEffect]) -> ImageEvidence:
         """The other where it leaves less, prior included; much less where no effect was found yet."""
@@ -213,6 +228,10 @@ class ImageEvidence:
 
     @cached_property
     def _marginal(self) -> Marginal:
+        """How the numbers move with the nuisances."""
+        return self._there.marginal(self._freedoms, self._simulated_marginal)
+
+    def _simulated_marginal(self) -> Marginal:
         """How the numbers move with the nuisances, by simulations with the noise of the first draw."""
         here = self._base_draw(0) if self._freedoms else self._base
         share = self._simulations.noise_share
@@ -246,7 +265,8 @@ class ImageEvidence:
         return self._simulations.of(effects, draw)
 
     def _base_draw(self, draw: int) -> NDArray[np.float64]:
-        return self._base_draws[draw] if draw < len(self._base_draws) else self.simulated((), draw)
+        known = self._there.base_draws
+        return known[draw] if draw < len(known) else self.simulated((), draw)
 
 
 def _variance_with_noise(simulations: SimulatedStatistics) -> NDArray[np.float64]:

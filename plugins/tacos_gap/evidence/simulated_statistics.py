@@ -121,11 +121,7 @@ class SimulatedStatistics:
         assert self.capture.expected_dn is not None
         frame = self.capture.expected_dn[:1] - np.float32(self.capture.context.black_level_dn)
         draws = EpisodeDraws(self._seed, ("untouched",))
-        return all(
-            (changed := lit_by(self.capture, [effect], frame, draws)) is frame
-            or np.allclose(changed, frame, rtol=1e-6)
-            for effect in effects
-        )
+        return all(_are_alike(lit_by(self.capture, [effect], frame, draws), frame) for effect in effects)
 
     @cached_property
     def _range_dn(self) -> tuple[float, float]:
@@ -167,6 +163,16 @@ class SimulatedStatistics:
     def _expected_dn(self) -> NDArray[np.float32]:
         assert self.expectation.expected_dn is not None
         return self.expectation.expected_dn
+
+
+def _are_alike(changed: NDArray[np.float32], frame: NDArray[np.float32]) -> bool:
+    """Whether light is what it was but for rounding; a glimpse tells most that is not."""
+    if changed is frame:
+        return True
+    return all(
+        np.allclose(changed.reshape(-1)[::step], frame.reshape(-1)[::step], rtol=1e-6)
+        for step in (_GLIMPSE, 1)
+    )
 
 
 def _are_equal(frames: NDArray[np.float32], files: NDArray[np.uint16]) -> bool:
