@@ -7,10 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tacos_gap.statistics import Sample
 from tacos_gap.statistics.codes import _looked_at
 from tacos_gap.statistics.grid import tiles
 from tacos_gap.statistics.masked import only_in
-from tests.gap.small_captures import capture
+from tacos_gap.statistics.steady_light import in_steady_light
+from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture
 
 
 @given(seed=st.integers(0, 2**32), channels=st.sampled_from([1, 3]), frames=st.sampled_from([None, 2]))
@@ -36,3 +38,18 @@ def test_codes_are_those_of_pixels_that_count():
     seen = _looked_at(of, frames.astype(np.float32))
     assert seen.min() >= 0
     np.testing.assert_array_equal(seen, frames[:, of.valid].ravel())
+
+
+@pytest.mark.parametrize(("count", "channels"), [(2, 3), (5, 1)])
+def test_noise_is_what_frames_in_steady_light_differ_from_their_mean_by(count, channels, monkeypatch):
+    rng = np.random.default_rng(8)
+    monkeypatch.setattr("tacos_gap.statistics.sampled.NOISE_SAMPLES", 10_000)
+    of = capture("flat", "flat", 110.0, frames=count)
+    shape = (count, HEIGHT, WIDTH, channels)
+    lamp = rng.normal(1.0, 0.002, (count, 1, 1, 1))
+    frames = np.rint(BLACK_DN + 100 * lamp + rng.normal(0, 3, shape)).astype(np.float32)
+    sample = Sample(of, frames, np.full((1, *shape[1:]), 110.0, np.float32))
+    assert 0 < sample.bands.size < HEIGHT
+    steady = in_steady_light(of, frames, sample.light_of_frames)
+    wanted = (steady - frames.mean(axis=0)) * np.sqrt(count / (count - 1))
+    np.testing.assert_allclose(sample.temporal, wanted[:, sample.bands.ravel()], atol=2e-4)

@@ -7,12 +7,14 @@ fixed patterns are measured behind, and lost in the mean of a tile.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.statistics.block import Sample, StatisticBlock, mean_signal
-from tacos_gap.statistics.even_cells import CELL_PX, even_cells
+from tacos_gap.statistics.even_cells import CELL_PX, EvenCells, even_cells
 from tacos_gap.statistics.grid import has_even_areas
 
 SIZES_PX = ((4, 20), (20, 60))
@@ -37,21 +39,70 @@ def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     if not sample.repeats or capture.kind not in ("dark", "flat", "bracket") or not has_even_areas(capture):
         return
     even = even_cells(capture)
-    whole = even.whole
     one, other = (even.without_smooth(half) for half in sample.halves)
-    for size_px in SIZES_PX:
-        counted = _counted(whole, size_px[1])
-        if not counted.any():
+    for looked in _looked_for(even):
+        if not looked.places.size:
             continue
-        product = _band(one, whole, size_px) * _band(other, whole, size_px)
-        nearby = _mean_around(product * counted[..., None], sum(size_px) // 2)
+        product = looked.band(one) * looked.band(other)
+        nearby = _mean_around(product * looked.counted, sum(looked.size_px) // 2)
         for channel, name in enumerate(sample.channels):
-            values = np.array([product[counted, channel].mean(), nearby[counted, channel].max()], np.float64)
+            here, around = (looked.counting(cells, channel) for cells in (product, nearby))
+            values = np.array([here.mean(), around.max()], np.float64)
             level = mean_signal(capture)[channel]
             amplitude = np.hypot(RELATIVE * level, OFFSET_DN) * np.array([1.0, AT_ITS_STRONGEST])
             margin = np.hypot(amplitude**2, LUCK * np.abs(values))
-            at = [{"size_px": list(size_px), "of": of, "channel": name} for of in ("all", "strongest")]
+            at = [{"size_px": list(looked.size_px), "of": of, "channel": name} for of in ("all", "strongest")]
             yield StatisticBlock("blemishes", "pixel", values, at, margin)
+
+
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """Where blemishes of a size are looked for.
+
+    Parameters
+    ----------
+    size_px
+        What is wider than the one and narrower than the other.
+    around
+        (h, w, 1) share of the square around each cell that is even, for either size.
+    counted
+        (h, w, 1) 1 of cells that count, else 0.
+    places
+        (M,) flat indices of those.
+    """
+
+    size_px: tuple[int, int]
+    around: tuple[NDArray[np.float32], NDArray[np.float32]]
+    counted: NDArray[np.float32]
+    places: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, whole: NDArray[np.float32], size_px: tuple[int, int]) -> _Looked:
+        """Where (h, w, 1) cells are `whole`."""
+        finer, coarser = (np.maximum(_mean_around(whole, size), 1e-6) for size in size_px)
+        counted = _counted(whole, size_px[1])
+        return cls(size_px, (finer, coarser), counted[..., None].astype(np.float32), np.flatnonzero(counted))
+
+    def band(self, cells: NDArray[np.float32]) -> NDArray[np.float32]:
+        """(h, w, C) what is wider than one size and narrower than the other, of cells that are whole."""
+        finer, coarser = (
+            _mean_around(cells, size) / around for size, around in zip(self.size_px, self.around, strict=True)
+        )
+        return np.asarray(finer - coarser, np.float32)
+
+    def counting(self, cells: NDArray[np.float32], channel: int) -> NDArray[np.float32]:
+        """(M,) those of the cells that count, of a channel."""
+        return np.take(cells[..., channel], self.places)
+
+
+_LOOKED: WeakKeyDictionary[EvenCells, tuple[_Looked, ...]] = WeakKeyDictionary()
+
+
+def _looked_for(even: EvenCells) -> tuple[_Looked, ...]:
+    """Worked out once per capture."""
+    if even not in _LOOKED:
+        _LOOKED[even] = tuple(_Looked.of(even.whole, size_px) for size_px in SIZES_PX)
+    return _LOOKED[even]
 
 
 def _mean_around(cells: NDArray[np.float32], size_px: int) -> NDArray[np.float32]:
@@ -60,16 +111,6 @@ def _mean_around(cells: NDArray[np.float32], size_px: int) -> NDArray[np.float32
 
     side = size_px // CELL_PX
     return cells if side == 1 else np.asarray(cv2.blur(cells, (side, side)), np.float32).reshape(cells.shape)
-
-
-def _band(
-    cells: NDArray[np.float32], whole: NDArray[np.float32], size_px: tuple[int, int]
-) -> NDArray[np.float32]:
-    """What is wider than one size and narrower than the other, of cells that are whole."""
-    finer, coarser = (
-        _mean_around(cells, size) / np.maximum(_mean_around(whole, size), 1e-6) for size in size_px
-    )
-    return np.asarray(finer - coarser, np.float32)
 
 
 def _counted(whole: NDArray[np.float32], widest_px: int) -> NDArray[np.bool_]:

@@ -144,19 +144,17 @@ class Sample:
 
         [DN]
         """
-        count, rows = len(self.frames), self.bands.ravel()
-        whole = len(rows) == self.frames.shape[1]
-        frames, mean = (self.frames, self.mean) if whole else (self.frames[:, rows], self.mean[rows])
+        from tacos_gap.statistics.noise_loops import part_from_mean
+
+        count, height, width, channels = self.frames.shape
+        rows = self.bands.ravel()
         scale = np.float32(np.sqrt(count / (count - 1)))
         black = np.float32(self.capture.context.black_level_dn)
-        width = frames.shape[2]
-        scaled_mean, noise = scale * mean, np.empty_like(frames)
-        for each, frame, light in zip(noise, frames, self.light_of_frames, strict=True):
-            over = np.tile(scale / light, (width, 1))  # numpy is several times slower along three channels
-            np.multiply(frame, over, out=each)  # in place: as `in_steady_light`, in half the time
-            each -= scaled_mean
-            each += black * (scale - over)
-        return noise
+        over = np.tile((scale / self.light_of_frames)[:, 0], width)  # as `in_steady_light`, in one pass
+        noise = np.empty((count, len(rows), width * channels), np.float32)
+        in_rows = self.frames.reshape(count, height, -1), self.mean.reshape(height, -1)
+        part_from_mean(*in_rows, rows, over, black * (scale - over), scale, noise)
+        return noise.reshape(count, len(rows), width, channels)
 
     @cached_property
     def planes(self) -> NDArray[np.float32]:
