@@ -14,6 +14,7 @@ from tacos_framework.formation import PlacedSensor, SensorAt
 from tacos_framework.plugins.guarded import calling
 from tacos_framework.values import Camera, Exposure, Rig
 from tacos_gap.captures import Noise, RealCapture
+from tacos_plugins.sensors.kept_numbers import KeptNumbers
 from tacos_plugins.sensors.noise import add_noise
 
 Samples = NDArray[np.float32]
@@ -26,6 +27,9 @@ NODE = "sensor"
 
 HIGHEST = 0.6
 """The signal over full scale up to which noise is taken for affine: below any full well."""
+
+_KEPT = KeptNumbers(most_bytes=1 << 27)
+"""Hypotheses share their noise: that of the first draw of each capture is asked for hundreds of times."""
 
 
 class CapturedNoise:
@@ -73,6 +77,7 @@ class CapturedNoise:
             photon_dn=np.asarray(self.noise.photon_dn, np.float32) * np.float32(photon_scale),
             thermal_dn2=np.asarray(self.noise.thermal_dn2, np.float32),
             rng=rng,
+            kept=_KEPT,
         )
         return noisy
 

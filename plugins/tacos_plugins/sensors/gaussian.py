@@ -35,11 +35,13 @@ class NormalNumbers:
     Parameters
     ----------
     rng
-        Of the frame: gives the keys of its two streams of bits, one for the bins and one for the tails.
+        Of the frame: gives the keys of its two streams of bits, one for the bins and one for the tails; from
+        them, as `key`, all of its numbers follow.
     """
 
     def __init__(self, rng: np.random.Generator):
-        bins_key, tails_key = rng.integers(0, 1 << 64, (2, 2), np.uint64)
+        bins_key, tails_key = keys = rng.integers(0, 1 << 64, (2, 2), np.uint64)
+        self.key = keys.tobytes()
         self._bins = np.random.Generator(np.random.Philox(key=bins_key))
         self._tails = np.random.Generator(np.random.Philox(key=tails_key))
         self._place = 0

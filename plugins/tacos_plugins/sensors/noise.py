@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tacos_framework.camera.exposure import gain_factor
 from tacos_plugins.sensors.gaussian import PLACES, NormalNumbers
+from tacos_plugins.sensors.kept_numbers import KeptNumbers
 
 _AT_ONCE = 1 << 20
 """Samples drawn in one go: each of many small steps would have threads wait for one another."""
@@ -132,6 +133,7 @@ def add_noise(
     photon_dn: NDArray[np.float32],
     thermal_dn2: NDArray[np.float32],
     rng: np.random.Generator,
+    kept: KeptNumbers | None = None,
 ) -> None:
     """Write samples with Gaussian noise of affine variance into `out`.
 
@@ -151,6 +153,8 @@ def add_noise(
         applied [DN, DN^2].
     rng
         Draws the key of this frame's numbers; they then follow from the places of the samples.
+    kept
+        Remembers them, where frames are drawn again and again.
     """
     from tacos_plugins.sensors.sample_loops import add_scaled
 
@@ -162,7 +166,7 @@ def add_noise(
     thermal = np.tile(np.broadcast_to(thermal_dn2, channels), pixels)
     without_signal = thermal - photon * np.float32(black_level_dn)
     expected, noisy = samples_dn.reshape(-1), out.reshape(-1)
-    normal = NormalNumbers(rng)
+    normal = NormalNumbers(rng) if kept is None else kept.of(rng, len(expected))
     step = max(_AT_ONCE // len(photon), 1) * len(photon)
     for start in range(0, len(expected), step):
         drawn = noisy[start : start + step]
