@@ -26,9 +26,7 @@ def _refined(part: MeshPart, edge_m: float) -> MeshPart:
     attributes = np.hstack([part.vertices_m, part.normals, part.uv_m]).astype(np.float32)
     small: list[NDArray[np.int32]] = []
     triangles = part.triangles
-    while len(triangles):
-        corners = attributes[triangles, :3]
-        long = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1) > edge_m
+    while (long := _has_long_edge(attributes[triangles, :3], edge_m)).any():
         small.append(triangles[~long])
         a, b, c = triangles[long].T
         first = len(attributes) + 3 * np.arange(len(a), dtype=np.int32)
@@ -37,8 +35,9 @@ def _refined(part: MeshPart, edge_m: float) -> MeshPart:
         attributes = np.concatenate([attributes, middles.transpose(1, 0, 2).reshape(-1, 8)])
         fans = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         triangles = np.concatenate([np.column_stack(fan) for fan in fans]).astype(np.int32)
-    if len(attributes) == len(part.vertices_m):
+    if not small:
         return part
+    small.append(triangles)
     normals = attributes[:, 3:6]
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return replace(
@@ -48,3 +47,9 @@ def _refined(part: MeshPart, edge_m: float) -> MeshPart:
         uv_m=attributes[:, 6:],
         triangles=np.concatenate(small),
     )
+
+
+def _has_long_edge(corners_m: NDArray[np.float32], edge_m: float) -> NDArray[np.bool_]:
+    """(T,) whether an edge of (T, 3, 3) triangles is longer than `edge_m` [m]."""
+    edges_m = corners_m - corners_m.take([1, 2, 0], axis=1)
+    return np.asarray((np.linalg.norm(edges_m, axis=2) > edge_m).any(axis=1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,5 +28,5 @@ def mean_reflectances(materials: Sequence[Material]) -> NDArray[np.float64]:
 
 def _summed(image: NDArray[np.uint8]) -> NDArray[np.float64]:
     """(3,) sums of the reflectances that all pixels of an image stand for [1]."""
-    counts = [np.bincount(image[..., channel].ravel(), minlength=256) for channel in range(3)]
-    return np.asarray(np.array(counts) @ LINEAR_OF_SRGB_BYTE)
+    counts = [cv2.calcHist([image], [channel], None, [256], [0, 256]).ravel() for channel in range(3)]
+    return np.asarray(np.array(counts, np.float64) @ LINEAR_OF_SRGB_BYTE)

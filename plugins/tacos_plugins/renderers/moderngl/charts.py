@@ -107,16 +107,15 @@ def find_charts(mesh: FlatMesh, texel_m: float) -> Charts:
     normal = cross / np.maximum(twice_area, 1e-12)[:, None]
     offset = np.einsum("ij,ij->i", normal, corners.mean(axis=1))
     plane = np.column_stack([mesh.part, np.round(normal * 500), np.round(offset * 500)]).astype(np.int64)
-    _, leader, group = np.unique(plane, axis=0, return_index=True, return_inverse=True)
-    group = group.reshape(-1)
+    order, starts = _alike(plane)
+    leader, group = order[starts], np.empty(len(order), np.intp)
+    group[order] = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(order)))
 
     group_normal = normal[leader]
     axes = _axes_in_plane(group_normal)
     along = np.einsum("tij,tcj->tci", axes[group], corners)  # (T, corner, axis)
-    lower = np.full((len(leader), 2), np.inf)
-    upper = np.full((len(leader), 2), -np.inf)
-    np.minimum.at(lower, group, along.min(axis=1))
-    np.maximum.at(upper, group, along.max(axis=1))
+    lower = np.minimum.reduceat(along.min(axis=1)[order], starts)
+    upper = np.maximum.reduceat(along.max(axis=1)[order], starts)
     extent = upper - lower
     area = np.bincount(group, weights=twice_area / 2, minlength=len(leader))
     worthy = (
@@ -144,6 +143,18 @@ def find_charts(mesh: FlatMesh, texel_m: float) -> Charts:
         place=place + _PADDING_TEXELS,
         map_size=map_size,
     )
+
+
+def _alike(rows: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """(N,) order in which equal rows stand together, the first of them first, and where each kind starts.
+
+    Kinds rise as `np.unique` has them, which is slow at rows.
+    """
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    changes = np.ones(len(rows), dtype=bool)
+    changes[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    return order, np.flatnonzero(changes)
 
 
 def _axes_in_plane(normal: NDArray[np.float64]) -> NDArray[np.float64]:
