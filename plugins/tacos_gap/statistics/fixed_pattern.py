@@ -31,10 +31,10 @@ def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
     even = smooth_areas(sample.capture) & sample.valid
     first, second = (_fine(half, sample.capture.context.cfa) for half in sample.halves)
     count = [even.sum(axis=axis) for axis in (0, 1)]
-    product = first * second
-    np.clip(product, -400, 400, out=product)
     one, two = (only_in(even, half) for half in (first, second))
     lines = [[line_means(half, axis) * even.shape[axis] for half in (one, two)] for axis in (0, 1)]
+    product = np.multiply(first, second, out=first)
+    np.clip(product, -400, 400, out=product)
     for channel, label in enumerate(sample.channels):
         bins = levels(sample.capture, channel, even)
         if not bins.at:
@@ -71,5 +71,5 @@ def _fine(image: NDArray[np.float32], cfa: str | None) -> NDArray[np.float32]:
 def _less_local_mean(image: NDArray[np.float32], window: int) -> NDArray[np.float32]:
     import cv2
 
-    blurred = cv2.blur(image, (window, window)).reshape(image.shape)
-    return np.asarray(image - blurred, np.float32)
+    blurred = np.asarray(cv2.blur(image, (window, window)), np.float32).reshape(image.shape)
+    return np.subtract(image, blurred, out=blurred)

@@ -35,7 +35,8 @@ def hot_pixel_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     above = _above(sample)
     noise_dn = float(np.sqrt(max(sample.capture.noise.thermal_dn2)))
     heights = (ROUNDING_DN + _SPREADS * noise_dn) * np.array(STEPS)
-    alone = above[isolated(above > heights[0]) & sample.valid[..., None]]
+    bright = isolated(above > heights[0])
+    alone = above[bright if sample.valid.all() else bright & sample.valid[..., None]]
     counts = np.array([np.count_nonzero(alone > height) for height in heights], float)
     few = 1 + _FEW * above.size / np.array(STEPS)
     yield StatisticBlock(
