@@ -24,6 +24,7 @@ from tacos_gap.captures import RealCapture
 from tacos_gap.nuisances.mosaic import resampled_mosaic
 from tacos_gap.sensing import dark_signal, sensor_at
 from tacos_plugins.effects.mosaic import bilinear, mosaic
+from tacos_plugins.sensors.kept_numbers import KeptNumbers
 
 Samples = NDArray[np.float32]
 Step = Callable[[Samples, EpisodeDraws, int], Samples]
@@ -31,7 +32,11 @@ Step = Callable[[Samples, EpisodeDraws, int], Samples]
 
 
 def simulate(
-    capture: RealCapture, effects: Sequence[PlacedEffect], draws: EpisodeDraws, frames: int | None = None
+    capture: RealCapture,
+    effects: Sequence[PlacedEffect],
+    draws: EpisodeDraws,
+    frames: int | None = None,
+    kept: KeptNumbers | None = None,
 ) -> Samples:
     """Frames the simulator would have given instead of the real ones.
 
@@ -46,6 +51,8 @@ def simulate(
         Generators by frame: the same draws give noise that is comparable between hypotheses.
     frames
         How many; as many as are real by default.
+    kept
+        Remembers the noise of these draws, where it is asked for again and again.
 
     Returns
     -------
@@ -55,7 +62,7 @@ def simulate(
     assert capture.expected_dn is not None
     expected = capture.expected_dn
     draws = EpisodeDraws(draws.seed, draws.names)  # nothing is remembered of another simulation
-    sensor = sensor_at(capture)
+    sensor = sensor_at(capture, kept)
     context = replace(capture.context, dn_per_electron=sensor.context.dn_per_electron)
     chain = _where_known(EffectChain.of(effects, capture.geometry, context))
     pedestal = np.float32(context.black_level_dn) - dark_signal(sensor, expected.shape[-1])

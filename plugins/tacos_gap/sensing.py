@@ -28,9 +28,6 @@ NODE = "sensor"
 HIGHEST = 0.6
 """The signal over full scale up to which noise is taken for affine: below any full well."""
 
-_KEPT = KeptNumbers(most_bytes=1 << 27)
-"""Hypotheses share their noise: that of the first draw of each capture is asked for hundreds of times."""
-
 
 class CapturedNoise:
     """The affine noise of a capture as a sensor; its light is in DN above the pedestal already.
@@ -41,10 +38,15 @@ class CapturedNoise:
         Of ``captures.yaml``, or estimated.
     black_level_dn, white_level_dn
         Of its files [DN].
+    kept
+        Remembers the normal numbers of its frames, where these are drawn again and again.
     """
 
-    def __init__(self, noise: Noise, black_level_dn: float, white_level_dn: float):
+    def __init__(
+        self, noise: Noise, black_level_dn: float, white_level_dn: float, kept: KeptNumbers | None = None
+    ):
         self.noise = noise
+        self._kept = kept
         self.black_level_dn = black_level_dn
         self.white_level_dn = white_level_dn
 
@@ -77,7 +79,7 @@ class CapturedNoise:
             photon_dn=np.asarray(self.noise.photon_dn, np.float32) * np.float32(photon_scale),
             thermal_dn2=np.asarray(self.noise.thermal_dn2, np.float32),
             rng=rng,
-            kept=_KEPT,
+            kept=self._kept,
         )
         return noisy
 
@@ -86,11 +88,11 @@ class CapturedNoise:
         return float(self.noise.photon_dn[len(self.noise.photon_dn) // 2]) or None
 
 
-def sensor_at(capture: RealCapture) -> SensorAt:
-    """The sensor that simulates a capture, at its camera and exposure."""
+def sensor_at(capture: RealCapture, kept: KeptNumbers | None = None) -> SensorAt:
+    """The sensor that simulates a capture, at its camera and exposure; `kept` is of `CapturedNoise`."""
     context = capture.context
     if capture.sensor is None:
-        own = CapturedNoise(capture.noise, context.black_level_dn, context.white_level_dn)
+        own = CapturedNoise(capture.noise, context.black_level_dn, context.white_level_dn, kept)
         return SensorAt(CAPTURED, NODE, own, camera_of(capture), exposure_of(capture))
     placed = capture.sensor
     return SensorAt(placed.use, placed.name, placed.sensor, camera_of(capture), exposure_of(capture))

@@ -17,6 +17,8 @@ from tacos_gap.statistics import Sample, measure
 from tacos_gap.statistics.grid import tile_means, tiles
 from tacos_gap.statistics.line_means import line_means, over_channels, over_frames, over_image
 from tacos_gap.statistics.sampled import BAND_ROWS, NOISE_SAMPLES, noise_bands, sampled
+from tacos_plugins.sensors import kept_numbers
+from tacos_plugins.sensors.gaussian import NormalNumbers
 from tests.gap.taken import capture, effect, patchwork, taken
 
 
@@ -109,6 +111,26 @@ def test_what_an_effect_leaves_as_it_is_is_not_measured_again(
     lifted = simulations.of([effect(plugins, "black-level", offset_dn=3.0)], 0)
     assert len(measured) == 1
     assert not np.array_equal(lifted, plain)
+
+
+def test_noise_that_hypotheses_share_is_drawn_once(plugins: Plugins, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = noisy(plugins)
+    drawn: list[bytes] = []
+
+    class Counted(NormalNumbers):
+        def fill(self, out: Any) -> None:
+            drawn.append(self.key)
+            super().fill(out)
+
+    monkeypatch.setattr(kept_numbers, "NormalNumbers", Counted)
+    simulations = SimulatedStatistics(seen, seen, seed=3)
+    chain = [effect(plugins, "black-level", offset_dn=3.0)]
+    found = [simulations.of((), 0), simulations.of(chain, 0), simulations.expecting(seen).of((), 0)]
+    assert len(drawn) == seen.frames
+    monkeypatch.setattr(simulated_statistics, "_NUMBERS_BYTES", 0)
+    anew = SimulatedStatistics(seen, seen, seed=3)
+    np.testing.assert_array_equal(found, [anew.of((), 0), anew.of(chain, 0), anew.of((), 0)])
+    assert len(drawn) > seen.frames
 
 
 def test_a_single_pixel_that_a_glimpse_misses_is_touched() -> None:

@@ -21,6 +21,10 @@ from tacos_gap.formation import lit_by, simulate
 from tacos_gap.nuisances import expectation_noise, with_noise_of_expectation
 from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tacos_gap.taken_statistics import TakenStatistics
+from tacos_plugins.sensors.kept_numbers import KeptNumbers
+
+_NUMBERS_BYTES = 1 << 25
+"""Noise of a capture that is remembered at most, of the draw that hundreds of hypotheses share."""
 
 _GLIMPSE = 997  # every so manieth value is compared before all of them are
 
@@ -38,6 +42,8 @@ class SimulatedStatistics:
         Seeds the noise.
     taken
         Which numbers are taken; all that are finite in the real frames by default.
+    numbers
+        Remembers the noise of the first draw; by default nobody else's.
     """
 
     def __init__(
@@ -46,21 +52,23 @@ class SimulatedStatistics:
         expectation: RealCapture,
         seed: int,
         taken: TakenStatistics | None = None,
+        numbers: KeptNumbers | None = None,
     ):
         self.capture = capture
         self.expectation = expectation
         self._seed = seed
+        self._numbers = numbers or KeptNumbers(_NUMBERS_BYTES)
         self._kept: dict[tuple[str, int], NDArray[np.float64]] = {}
         self._plain: tuple[NDArray[np.uint16], NDArray[np.float64]] | None = None
         self.taken = taken or TakenStatistics.of(self.real_blocks())
 
     def expecting(self, expectation: RealCapture) -> SimulatedStatistics:
         """The same numbers of the capture with something else expected."""
-        return SimulatedStatistics(self.capture, expectation, self._seed, self.taken)
+        return SimulatedStatistics(self.capture, expectation, self._seed, self.taken, self._numbers)
 
     def taking(self, taken: TakenStatistics, kept: NDArray[np.bool_]) -> SimulatedStatistics:
         """Fewer numbers of the same simulations: (K,) those `kept` of what was taken."""
-        fewer = SimulatedStatistics(self.capture, self.expectation, self._seed, taken)
+        fewer = SimulatedStatistics(self.capture, self.expectation, self._seed, taken, self._numbers)
         fewer._kept = {key: values[kept] for key, values in self._kept.items()}
         if self._plain is not None:
             fewer._plain = self._plain[0], self._plain[1][kept]
@@ -96,7 +104,8 @@ class SimulatedStatistics:
         noise_share
             Variance of the noise in the expectation, over that of a frame.
         """
-        frames = simulate(of, effects, EpisodeDraws(self._seed, ("gap", self.capture.id, draw)))
+        draws = EpisodeDraws(self._seed, ("gap", self.capture.id, draw))
+        frames = simulate(of, effects, draws, kept=None if draw else self._numbers)
         known = draw == 0 and of is self.expectation and noise_share == self.noise_share
         if known and effects and self._plain is not None and _are_equal(frames, self._plain[0]):
             return self._plain[1]

@@ -1,4 +1,4 @@
-"""Normal numbers of the frames drawn last, which are not drawn again when one is simulated many times."""
+"""Normal numbers of a few frames that are simulated again and again: they are drawn once."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from tacos_plugins.sensors.gaussian import NormalNumbers
 _AT_ONCE = 1 << 18
 """Samples drawn in one go, a multiple of 16."""
 
+_SAMPLE_BYTES = np.dtype(np.float32).itemsize
+
 
 class KeptNumbers:
     """The same numbers as `NormalNumbers`, to the bit, remembered by frame. Threads may share it.
@@ -19,38 +21,25 @@ class KeptNumbers:
     Parameters
     ----------
     most_bytes
-        What is remembered at most; the frames asked for last stay.
+        What is remembered at most; frames for which there is no room are drawn each time.
     """
 
     def __init__(self, most_bytes: int):
-        self._most_bytes = most_bytes
+        self._room_bytes = most_bytes
         self._frames: dict[tuple[bytes, int], NDArray[np.float32]] = {}
-        self._kept_bytes = 0
         self._lock = Lock()
 
-    def of(self, rng: np.random.Generator, count: int) -> NumbersInTurn:
+    def of(self, rng: np.random.Generator, count: int) -> NormalNumbers | NumbersInTurn:
         """Those of a frame of so many samples, whose generator is `rng`."""
         fresh = NormalNumbers(rng)
-        numbers = self._known(fresh.key, count)
-        if numbers is None:
-            numbers = _drawn(fresh, count)
-            self._keep(fresh.key, numbers)
-        return NumbersInTurn(numbers)
-
-    def _known(self, key: bytes, count: int) -> NDArray[np.float32] | None:
         with self._lock:
-            numbers = self._frames.pop((key, count), None)
-            if numbers is not None:
-                self._frames[key, count] = numbers  # the last now
-            return numbers
-
-    def _keep(self, key: bytes, numbers: NDArray[np.float32]) -> None:
-        with self._lock:
-            if (key, len(numbers)) not in self._frames:  # another thread may have drawn them, too
-                self._frames[key, len(numbers)] = numbers
-                self._kept_bytes += numbers.nbytes
-            while self._kept_bytes > self._most_bytes:
-                self._kept_bytes -= self._frames.pop(next(iter(self._frames))).nbytes
+            if (numbers := self._frames.get((fresh.key, count))) is not None:
+                return NumbersInTurn(numbers)
+            if count * _SAMPLE_BYTES > self._room_bytes:
+                return fresh
+            self._room_bytes -= count * _SAMPLE_BYTES
+            numbers = self._frames[fresh.key, count] = _drawn(fresh, count)
+            return NumbersInTurn(numbers)
 
 
 class NumbersInTurn:
