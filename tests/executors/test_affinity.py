@@ -45,6 +45,14 @@ def test_what_another_has_is_made_anew_only_where_that_is_sooner():
     assert assigned(waiting, [{"attic"}], busy={"attic"}, cost_of_making=5) == {0: 0}
 
 
+def test_two_jobs_of_one_world_are_done_side_by_side_where_the_first_has_just_begun():
+    # One after the other takes two jobs' time; to read what the other has, and do one, takes 1.8.
+    assert assigned(["attic"] * 2, [{"attic"}, set()], busy=set(), cost_of_making=1.8) == {0: 0, 1: 1}
+    assert assigned(["attic"] * 2, [{"attic"}, set()], busy=set(), cost_of_making=2.1) == {0: 0}
+    # One that is at it since longer may be done before that.
+    assert assigned(["attic"], [set()], busy={"attic"}, cost_of_making=1.8) == {}
+
+
 def test_the_cost_of_making_is_what_was_seen():
     times = JobTimes()
     assert times.cost_of_making == 1

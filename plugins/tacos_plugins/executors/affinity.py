@@ -77,8 +77,9 @@ def assigned(
     """The job each idle worker is to do: ``{worker: job}``.
 
     A worker goes on with what it has at hand; then it takes up what no worker has yet; and before it idles it
-    makes anew what another has, the last job of those most wait for, where so many wait that it is done with
-    it before the other would be.
+    makes anew what another has, the last job of those most wait for, where it is done with it before the
+    other would be. What another was given just now, that one has to do first; of what it does since longer,
+    nothing may be left.
 
     Parameters
     ----------
@@ -97,6 +98,8 @@ def assigned(
     {1: 0, 0: 1}
     >>> assigned(["attic", "attic"], idle=[set()], busy={"attic"})
     {0: 1}
+    >>> assigned(["attic", "attic"], idle=[{"attic"}, set()], busy=set(), cost_of_making=1.8)
+    {0: 0, 1: 1}
     """
     left = dict(enumerate(waiting))
     given: dict[int, int] = {}
@@ -113,8 +116,10 @@ def assigned(
         )
     for worker in (each for each in range(len(idle)) if each not in given):
         give(worker, next((job for job, needs in left.items() if needs is None or needs not in taken), None))
+    begun = Counter(waiting[job] for job in given.values())
     for worker in (each for each in range(len(idle)) if each not in given):
         wanted = Counter(left.values())
         last = max(left, key=lambda job: (wanted[left[job]], job), default=None)
-        give(worker, last if last is not None and wanted[left[last]] >= cost_of_making else None)
+        pays = last is not None and wanted[left[last]] + begun[left[last]] >= cost_of_making
+        give(worker, last if pays else None)
     return given
