@@ -182,7 +182,12 @@ def test_a_misregistered_scene_is_as_good_as_a_registered_one():
 def count_simulations(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """What is simulated from now on."""
     made: list[Any] = []
-    monkeypatch.setattr(simulated_statistics, "simulate", lambda *of: made.append(of) or simulate(*of))
+
+    def counted(*of: Any, **settings: Any) -> Any:
+        made.append(of)
+        return simulate(*of, **settings)
+
+    monkeypatch.setattr(simulated_statistics, "simulate", counted)
     return made
 
 
