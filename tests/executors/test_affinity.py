@@ -63,6 +63,9 @@ def test_the_cost_of_making_is_what_was_seen():
     for seconds in (40.0, 12.0, 15.0):  # the first waited for another worker, which was still making it
         times.saw(seconds, made="again")
     assert times.cost_of_making == pytest.approx(4)
+    for _ in range(8):  # jobs may grow: the latest tell what the next one takes
+        times.saw(8.0, made="nothing")
+    assert times.cost_of_making == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize("scenes", [2, 5, 9])

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Collection, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 Affinity = Hashable | None
@@ -34,12 +34,14 @@ def making(needs: Affinity, at_hand: Collection[Affinity], anywhere: Collection[
     return "nothing" if needs in at_hand else "again" if needs in anywhere else "first"
 
 
+_RECENT = 8  # jobs whose mean says what the next one takes: a search comes to cameras of more pixels
+
+
 @dataclass
 class JobTimes:
     """What jobs took, by what was made for them: what another worker has may be kept where it is read."""
 
-    _at_hand_s: float = 0.0
-    _at_hand: int = 0
+    _at_hand_s: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT))
     _again_s: float = math.inf  # the least: others waited until the worker that had it first had made it
     _longest_s: float = 0.0
 
@@ -47,7 +49,7 @@ class JobTimes:
         """A job took so long [s]."""
         self._longest_s = max(self._longest_s, seconds)
         if made == "nothing":
-            self._at_hand_s, self._at_hand = self._at_hand_s + seconds, self._at_hand + 1
+            self._at_hand_s.append(seconds)
         elif made == "again":
             self._again_s = min(self._again_s, seconds)
 
@@ -65,7 +67,7 @@ class JobTimes:
         """How many jobs could be done in the time of one that makes again what another has; 1 if unknown."""
         if not self._at_hand_s or math.isinf(self._again_s):
             return 1.0
-        return max(1.0, self._again_s * self._at_hand / self._at_hand_s)
+        return max(1.0, self._again_s * len(self._at_hand_s) / sum(self._at_hand_s))
 
 
 def assigned(
