@@ -41,14 +41,16 @@ def look(
     surface: NDArray[np.int32],
     first_row: int,
 ) -> None:
-    """Draw some rows of an image, from one of them on.
+    """Draw a band of rows of an image.
 
     Parameters
     ----------
     projected
-        Triangles on the image.
+        Triangles on the whole image.
     inverse_depth, surface
         (rows, W) are filled: inverse depth [1/m] and surface number, 0 for nothing.
+    first_row
+        Row of the whole image that the first one here is.
     """
     inverse_depth.fill(0)
     surface.fill(0)
