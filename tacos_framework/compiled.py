@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}  # division by zero is not looked for
 
@@ -19,10 +20,16 @@ def compiled(loop: Loop) -> Loop:
     module, in the user's cache folder where that cannot be written, or where NUMBA_CACHE_DIR says; where none
     can be written, it is compiled anew in each process.
     """
-    try:
-        return cast(Loop, numba.njit(loop, cache=True, **_OPTIONS))
-    except RuntimeError:  # "no locator available": numba found no folder to write to
-        return cast(Loop, numba.njit(loop, **_OPTIONS))
+    return _kept(loop)
+
+
+def unaliased(loop: Loop) -> Loop:
+    """A `compiled` loop of which no two arguments share memory; where they do, its numbers are wrong.
+
+    What it writes is then never what it reads next from a table, so that LLVM makes wide instructions of it
+    which fetch from several places of the table at once.
+    """
+    return _kept(loop, pipeline_class=_Unaliased)
 
 
 def inlined(part: Loop) -> Loop:
@@ -32,3 +39,18 @@ def inlined(part: Loop) -> Loop:
     code that is kept on disk is compiled anew where its own file has changed, and no other.
     """
     return cast(Loop, numba.njit(part, inline="always", **_OPTIONS))
+
+
+class _Unaliased(CompilerBase):
+    """numba's compiler, which tells LLVM that arguments do not overlap."""
+
+    def define_pipelines(self) -> list[Any]:
+        self.state.flags.noalias = True
+        return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+
+
+def _kept(loop: Loop, **more: Any) -> Loop:
+    try:
+        return cast(Loop, numba.njit(loop, cache=True, **_OPTIONS, **more))
+    except RuntimeError:  # "no locator available": numba found no folder to write to
+        return cast(Loop, numba.njit(loop, **_OPTIONS, **more))

@@ -13,7 +13,9 @@ from tacos_plugins.renderers.moderngl.coverage import find_edges, seeing_several
 def blended(colour, surface):
     copy = np.array(colour, np.float32)
     surface = np.asarray(surface, np.int32)
-    find_edges(*seeing_several(surface, 0), surface[1::2, 1::2].astype(np.float32)).blend(copy)
+    as_triangles = np.arange(surface.max() + 1, dtype=np.int32)
+    seen = surface[1::2, 1::2].astype(np.float32)
+    find_edges(*seeing_several(surface, as_triangles, 0), seen).blend(copy)
     return copy
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from tacos_framework.values import Light
-from tacos_plugins.renderers.moderngl.gpu_world import looked_up
+from tacos_plugins.renderers.moderngl.culling import looked_up
 from tacos_plugins.renderers.moderngl.probes import (
     face_camera,
     face_rotations,

@@ -30,7 +30,7 @@ def drawn_rows(corners, first_row, rows, closed=False):
     inverse, number = np.zeros(shape, np.float32), np.zeros(shape, np.int32)
     vertices = np.arange(3 * count, dtype=np.int32)
     runs = np.column_stack([np.arange(count), np.ones(count, np.int64)])
-    mesh = (corners.reshape(-1, 3), vertices.reshape(-1, 3), vertices // 3 + 1)
+    mesh = (corners.reshape(-1, 3), vertices.reshape(-1, 3))
     look([project(*mesh, runs, PIXEL, SHAPE, NEAR_M, closed)], inverse, number, first_row)
     return inverse, number
 

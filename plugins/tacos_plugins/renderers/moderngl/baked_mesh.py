@@ -87,6 +87,13 @@ class BakedMesh:
     bend_map: NDArray[np.float32]
     opaque: NDArray[np.intp]
 
+    @property
+    def tangents(self) -> NDArray[np.float32]:
+        """(V, 4) tangent at each vertex, and the sign of its bitangent [1]."""
+        tangent, bitangent = self.frames[:, 0], self.frames[:, 1]
+        side = np.einsum("ij,ij->i", np.cross(self.mesh.normal, tangent), bitangent)
+        return np.column_stack([tangent, np.where(side < 0, -1, 1)]).astype(np.float32)
+
     @cached_property
     def tracer(self) -> RayTracer:
         """The opaque triangles, for further rays."""

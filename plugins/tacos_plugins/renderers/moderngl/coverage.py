@@ -66,8 +66,10 @@ def find_edges(pixel: NDArray[np.int32], wanted: NDArray[np.int32], seen: NDArra
     Examples
     --------
     >>> colour = np.float32([[[0, 0, 0], [8, 8, 8]]])
-    >>> surface = np.int32([[1, 1, 1, 2, 2]] * 3)  # the edge lies between the half pixels 2 and 3
-    >>> find_edges(*seeing_several(surface, 0), surface[1::2, 1::2].astype(np.float32)).blend(colour)
+    >>> triangle = np.int32([[1, 1, 1, 2, 2]] * 3)  # the edge lies between the half pixels 2 and 3
+    >>> of_surface = np.int32([0, 1, 2])
+    >>> seen = of_surface[triangle[1::2, 1::2]].astype(np.float32)
+    >>> find_edges(*seeing_several(triangle, of_surface, 0), seen).blend(colour)
     >>> colour[..., 0].tolist()
     [[0.0, 6.0]]
     """
@@ -75,14 +77,18 @@ def find_edges(pixel: NDArray[np.int32], wanted: NDArray[np.int32], seen: NDArra
 
 
 @compiled
-def seeing_several(surface: NDArray[np.int32], first_row: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def seeing_several(
+    triangle: NDArray[np.int32], surface_of_triangle: NDArray[np.int32], first_row: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """The pixels whose nine places see more than one surface.
 
     Parameters
     ----------
-    surface
-        (2 R + 1, 2 W + 1) number of the surface seen at every half pixel of R rows: row 2 y + 1 and column
+    triangle
+        (2 R + 1, 2 W + 1) number of the triangle seen at every half pixel of R rows: row 2 y + 1 and column
         2 x + 1 belong to the centre of a pixel.
+    surface_of_triangle
+        (T + 1,) the surface that each triangle is of, 0 for no triangle.
     first_row
         Row of the image that the first of them is.
 
@@ -93,12 +99,12 @@ def seeing_several(surface: NDArray[np.int32], first_row: int) -> tuple[NDArray[
     wanted
         (K, 8) surface seen at each place around.
     """
-    height, width = surface.shape[0] // 2, surface.shape[1] // 2
+    height, width = triangle.shape[0] // 2, triangle.shape[1] // 2
     several = np.empty(width, np.bool_)
     pixel = np.empty(height * width, np.int32)
     count = 0
     for y in range(height):
-        above, middle, below = surface[2 * y], surface[2 * y + 1], surface[2 * y + 2]
+        above, middle, below = triangle[2 * y], triangle[2 * y + 1], triangle[2 * y + 2]
         for x in range(width):
             left, right = 2 * x, 2 * x + 2
             own = middle[left + 1]
@@ -113,15 +119,24 @@ def seeing_several(surface: NDArray[np.int32], first_row: int) -> tuple[NDArray[
                 | (below[right] != own)
             )
         for x in range(width):
-            if several[x]:
-                pixel[count] = y * width + x
-                count += 1
+            if several[x]:  # triangles, which may be of one surface
+                left, right = 2 * x, 2 * x + 2
+                own = surface_of_triangle[middle[left + 1]]
+                for column in range(left, right + 1):
+                    if (
+                        surface_of_triangle[above[column]] != own
+                        or surface_of_triangle[middle[column]] != own
+                        or surface_of_triangle[below[column]] != own
+                    ):
+                        pixel[count] = y * width + x
+                        count += 1
+                        break
     wanted = np.empty((count, 8), np.int32)
     for index in range(count):
         y, x = pixel[index] // width, pixel[index] % width
         for place in range(8):
             dy, dx = _PLACES[place, 0], _PLACES[place, 1]
-            wanted[index, place] = surface[2 * y + 1 + dy, 2 * x + 1 + dx]
+            wanted[index, place] = surface_of_triangle[triangle[2 * y + 1 + dy, 2 * x + 1 + dx]]
     return pixel[:count] + np.int32(first_row * width), wanted
 
 

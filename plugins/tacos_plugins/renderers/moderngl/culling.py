@@ -118,3 +118,11 @@ def frustum_planes(clip_from_world: NDArray[np.float64]) -> NDArray[np.float64]:
     x, y, z, w = clip_from_world
     planes = np.stack([w + x, w - x, w + y, w - y, w + z, w - z])
     return planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+
+
+def looked_up(of_surface: NDArray[np.int32], surface: NDArray[np.float32]) -> NDArray[np.int32]:
+    """What stands in a table for each pixel of an image of surface numbers, of which few pixels differ."""
+    flat = surface.reshape(-1)
+    start = np.concatenate([[0], np.flatnonzero(flat[1:] != flat[:-1]) + 1])
+    length = np.diff(start, append=len(flat))
+    return np.repeat(of_surface[flat[start].astype(np.intp)], length).reshape(surface.shape)

@@ -14,14 +14,16 @@ from tacos_framework.cache import LRUCache
 from tacos_framework.values import Camera, World
 from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, light_world
 from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
+from tacos_plugins.renderers.moderngl.drawn_world import DrawnWorld
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
-from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
+from tacos_plugins.renderers.moderngl.gl_drawing import Programs
 from tacos_plugins.renderers.moderngl.kept_light import kept
-from tacos_plugins.renderers.moderngl.painter import Painter, Programs
+from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import FaceStore
+from tacos_plugins.renderers.moderngl.pixel_batch import PixelBatch
 from tacos_plugins.renderers.moderngl.probe_map import ProbeMap, map_probes
 from tacos_plugins.renderers.moderngl.probes import Probe, look_around, probe_places
-from tacos_plugins.renderers.moderngl.rendered_views import Multisampling
+from tacos_plugins.renderers.moderngl.rendered_views import EdgeBlending
 from tacos_plugins.renderers.moderngl.targets import TargetPool
 
 log = logging.getLogger(__name__)
@@ -47,6 +49,7 @@ class Device:
         self.most_samples = context.max_samples
         self.context = context
         self._programs = Programs(context)
+        self._batches = (PixelBatch(), PixelBatch())
         self.faces = FaceStore(0)
         self.painters: LRUCache[Painter] = LRUCache(
             _MOST_WORLDS, bytes_of=lambda painter: painter.world.nbytes, let_go=Painter.release
@@ -62,6 +65,10 @@ class Device:
         """
         return self.painters.get((world.key, texel_m), lambda: self._prepare(world, texel_m))
 
+    def blending_edges(self, camera: Camera, near_m: float) -> EdgeBlending:
+        """What takes pictures with edges blended: by loops where OpenGL is software."""
+        return EdgeBlending(self.targets, camera, near_m, by_loops=self.is_software)
+
     def _prepare(self, world: World, texel_m: float) -> Painter:
         start = perf_counter()
 
@@ -70,10 +77,12 @@ class Device:
             return light_world(world, _indirect_lux(world), texel_m)
 
         lit = kept("light", world, texel_m, light)
-        painter = Painter(self._programs, GpuWorld(self.context, world, lit))
+        painter = Painter(DrawnWorld(self._programs, self._batches, world, lit))
         if np.any(lit.chunks.kind & SurfaceKind.GLOSSY):
             around = kept("probes", world, texel_m, lambda: self._look_around(painter, world, lit))
-            painter.world.set_probes(*around)
+            painter.world.mirror(*around)
+        if not self.is_software:
+            painter.world.upload()
         log.info("lit and uploaded %d triangles in %.1f s", world.triangle_count, perf_counter() - start)
         return painter
 
@@ -88,7 +97,7 @@ class Device:
         def view(
             camera: Camera, pose: NDArray[np.float64]
         ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-            picture = Multisampling(self.targets, camera, _PROBE_NEAR_M, samples=1).take(painter, pose)
+            picture = self.blending_edges(camera, _PROBE_NEAR_M).take(painter, pose)
             return picture.luminance_cd_m2, picture.depth_m
 
         places = probe_places(world, lit.tracer)

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import World
 from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh
-from tacos_plugins.renderers.moderngl.culling import Culling
 from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
 from tacos_plugins.renderers.moderngl.probe_map import ProbeMap
 from tacos_plugins.renderers.moderngl.probes import Probe
 from tacos_plugins.renderers.moderngl.textures import (
-    colour_stack,
+    colour_levels,
     material_table,
-    normal_stack,
+    normal_levels,
     texture_layers,
+    uploaded,
 )
 
 SURFACE_VERTEX = np.dtype(
@@ -55,10 +55,6 @@ class GpuWorld:
 
     def __init__(self, context: moderngl.Context, world: World, lit: BakedMesh):
         self._context = context
-        self.culling = Culling(lit.chunks, lit.mesh.triangles, lit.surface)
-        self.object_of_surface = np.zeros(int(lit.surface.max(initial=0)) + 1, np.int32)
-        self.object_of_surface[lit.surface] = lit.mesh.object_id
-        self.lower_m, self.upper_m = _bounds(lit.mesh.position_m)
         self.ambient_cd_m2 = world.ambient_cd_m2
         self.has_sky = world.sky_cd_m2 is not None
         self.probe_boxes_m = np.zeros((1, 3, 3), np.float32)  # of each: place, lower and upper corner
@@ -69,13 +65,10 @@ class GpuWorld:
         self.gloss = _buffer(context, _gloss_vertices(lit))
         self.geometry = _buffer(context, _geometry_vertices(lit))
         self.indices = _buffer(context, lit.mesh.triangles)
-        # Also kept where software draws without OpenGL (see `visibility`).
-        self.position_m, self.triangles = lit.mesh.position_m, lit.mesh.triangles
-        self.surface_of_vertex = lit.surface
         self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
         self.textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
-            "colours": colour_stack(context, world.materials),
-            "normals": normal_stack(context, world.materials),
+            "colours": uploaded(context, colour_levels(world.materials)),
+            "normals": uploaded(context, normal_levels(world.materials)),
             "light_map": _map(context, lit.light_map),
             "bend_map": _map(context, lit.bend_map),
             "materials": _table(context, material_table(world.materials, level_of_material)),
@@ -101,11 +94,6 @@ class GpuWorld:
     def geometry_arrays(self, program: moderngl.Program) -> moderngl.VertexArray:
         """Vertex array that feeds the geometry-buffer program."""
         return self._arrays(program, (self.geometry, GEOMETRY_VERTEX))
-
-    def far_m(self, eye_m: NDArray[np.float64]) -> float:
-        """A depth beyond everything that can be seen from an optical centre [m]."""
-        farthest = np.maximum(np.abs(self.lower_m - eye_m), np.abs(self.upper_m - eye_m))
-        return 1.01 * float(np.linalg.norm(farthest)) + 1.0
 
     @property
     def nbytes(self) -> int:
@@ -142,14 +130,6 @@ def _format(layout: np.dtype[np.void], program: moderngl.Program) -> str:
     return " ".join(words)
 
 
-def looked_up(of_surface: NDArray[np.int32], surface: NDArray[np.float32]) -> NDArray[np.int32]:
-    """What stands in a table for each pixel of an image of surface numbers, of which few pixels differ."""
-    flat = surface.reshape(-1)
-    start = np.concatenate([[0], np.flatnonzero(flat[1:] != flat[:-1]) + 1])
-    length = np.diff(start, append=len(flat))
-    return np.repeat(of_surface[flat[start].astype(np.intp)], length).reshape(surface.shape)
-
-
 def _surface_vertices(world: World, lit: BakedMesh) -> NDArray[np.void]:
     mesh = lit.mesh
     vertices = np.zeros(len(mesh.position_m), SURFACE_VERTEX)
@@ -164,12 +144,9 @@ def _surface_vertices(world: World, lit: BakedMesh) -> NDArray[np.void]:
 
 def _gloss_vertices(lit: BakedMesh) -> NDArray[np.void]:
     mesh = lit.mesh
-    tangent, bitangent = lit.frames[:, 0], lit.frames[:, 1]
-    side = np.einsum("ij,ij->i", np.cross(mesh.normal, tangent), bitangent)
     vertices = np.zeros(len(mesh.position_m), GLOSS_VERTEX)
     vertices["in_normal"] = mesh.normal
-    vertices["in_tangent"][:, :3] = tangent
-    vertices["in_tangent"][:, 3] = np.where(side < 0, -1, 1)
+    vertices["in_tangent"] = lit.tangents
     vertices["in_share"] = lit.vertex_light.unshadowed_share
     vertices["in_gloss"] = mesh.material
     return vertices
@@ -180,11 +157,6 @@ def _geometry_vertices(lit: BakedMesh) -> NDArray[np.void]:
     vertices["in_position"] = lit.mesh.position_m
     vertices["in_surface"] = lit.surface
     return vertices
-
-
-def _bounds(position_m: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    points = position_m.astype(np.float64) if len(position_m) else np.zeros((1, 3))
-    return points.min(axis=0), points.max(axis=0)
 
 
 def _buffer(context: moderngl.Context, data: NDArray[Any]) -> moderngl.Buffer:

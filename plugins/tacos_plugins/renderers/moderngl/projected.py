@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.compiled import compiled
-from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
 
 Number = TypeVar("Number", bound=np.generic)
@@ -20,7 +19,7 @@ SUB = 256
 """Places a sample's width is divided into."""
 
 # Columns of `Projected.places`, after the six of the corners.
-FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN, SURFACE = range(6, 11)
+FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN, TRIANGLE = range(6, 11)
 # Columns of `Projected.inverse_depth`.
 X, Y, LEVEL, ALONG_X, ALONG_Y, FARTHEST, NEAREST = range(7)
 
@@ -32,7 +31,7 @@ class Projected(NamedTuple):
     ----------
     places
         (N, 11) int64: x and y of three corners, clockwise in an image whose rows go down [1/256 px]; first
-        and last row, first and last column of the samples among them [px]; surface.
+        and last row, first and last column of the samples among them [px]; number of the triangle, from 1.
     inverse_depth
         (N, 7) float64: x and y of a corner [px], inverse depth there [1/m], its change along rows and columns
         [1/m/px], and the least and greatest inverse depth [1/m].
@@ -42,17 +41,10 @@ class Projected(NamedTuple):
     inverse_depth: NDArray[np.float64]
 
 
-def pixel_from_camera(camera: Camera) -> NDArray[np.float64]:
-    """(3, 3) from camera coordinates [m] to homogeneous pixels, their centres integers; last is depth [m]."""
-    (cx, cy), focal = camera.centre_px, camera.focal_length_px
-    return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
-
-
 @compiled
 def project(
     position_m: NDArray[np.float32],
     triangles: NDArray[np.int32],
-    surface_of_vertex: NDArray[np.int32],
     runs: NDArray[np.int64],
     pixel_from_world: NDArray[np.float64],
     shape: tuple[int, int],
@@ -63,14 +55,14 @@ def project(
 
     Parameters
     ----------
-    position_m, surface_of_vertex
-        (V, 3) and (V,) places of vertices and the surfaces they belong to [m, 1].
+    position_m
+        (V, 3) places of vertices [m].
     triangles
         (T, 3) vertices of each triangle.
     runs
         (R, 2) first triangle and number of triangles of each run.
     pixel_from_world
-        (3, 4) see `pixel_from_camera`.
+        (3, 4) see `Viewpoint`.
     shape
         Rows and columns of the image [px].
     near_m
@@ -108,7 +100,7 @@ def project(
                     spare[1, axis] = corners[corner - 1, axis]
                     spare[2, axis] = corners[corner, axis]
                 if _place(places[found], spare, shape, closed):
-                    places[found, SURFACE] = surface_of_vertex[triangles[triangle, 0]]
+                    places[found, TRIANGLE] = triangle + 1
                     _level(inverse_depth[found], spare)
                     found += 1
     return Projected(places[:found], inverse_depth[:found])

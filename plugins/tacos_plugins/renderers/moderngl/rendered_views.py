@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
 from tacos_plugins.renderers.moderngl.context import flush
-from tacos_plugins.renderers.moderngl.painter import Painter, Viewpoint
+from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.targets import RenderTarget, TargetPool
+from tacos_plugins.renderers.moderngl.viewpoint import Viewpoint
 
 _BAND_ROWS = 64  # of pixels whose half pixels are drawn together, so that they stay in the cache
 
@@ -110,7 +111,7 @@ class Multisampling:
 
 
 class EdgeBlending:
-    """Shades each pixel once and blends where surfaces meet: for software OpenGL (see `coverage`).
+    """Shades each pixel once and blends where surfaces meet (see `coverage`).
 
     Parameters
     ----------
@@ -118,9 +119,12 @@ class EdgeBlending:
         Where to render.
     camera, near_m
         The camera, and the least depth it sees [m].
+    by_loops
+        Whether compiled loops shade rather than OpenGL, as is faster where that is software.
     """
 
-    def __init__(self, targets: TargetPool, camera: Camera, near_m: float):
+    def __init__(self, targets: TargetPool, camera: Camera, near_m: float, by_loops: bool):
+        self._by_loops = by_loops
         self._targets, self._camera, self._near_m = targets, camera, near_m
         self._half_pixels = half_pixel_camera(camera)
         height, width = camera.height_px, camera.width_px
@@ -128,8 +132,10 @@ class EdgeBlending:
         self._rows = min(_BAND_ROWS, height)
         band = (2 * self._rows + 1, 2 * width + 1)
         self._inverse_depth = targets.scratch("inverse depth", band)
-        self._surface = targets.scratch("surface", band).view(np.int32)
-        self._seen, self._behind = (targets.scratch(name, self._shape) for name in ("seen", "behind"))
+        self._triangle = targets.scratch("triangle", band).view(np.int32)
+        self._seen = targets.scratch("seen", self._shape)
+        self._seen_triangle = targets.scratch("seen triangle", self._shape).view(np.int32)
+        self._behind = targets.scratch("behind", self._shape)
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
@@ -141,12 +147,16 @@ class EdgeBlending:
         depth_m = np.empty(self._shape, np.float32)
         pixel, wanted = self._look(painter, view, fine, chunks, depth_m)
 
-        colour = self._targets.get(self._shape[::-1], channels=4, fills_depth=True)
-        painter.colour(view, colour, painter.with_surfaces(chunks, self._seen), self._behind)
-        flush()
-        edges = find_edges(pixel, wanted, self._seen)  # while other threads draw colour
-        luminance = np.empty((*self._shape, 3), np.float32)
-        colour.read(luminance)
+        if self._by_loops:
+            luminance = painter.shade(view, self._seen_triangle, depth_m)
+            edges = find_edges(pixel, wanted, self._seen)
+        else:
+            colour = self._targets.get(self._shape[::-1], channels=4, fills_depth=True)
+            painter.colour(view, colour, painter.with_surfaces(chunks, self._seen), self._behind)
+            flush()
+            edges = find_edges(pixel, wanted, self._seen)  # while others draw colour
+            luminance = np.empty((*self._shape, 3), np.float32)
+            colour.read(luminance)
         edges.blend(luminance)
         return RenderedView(luminance, depth_m, self._seen)
 
@@ -164,17 +174,20 @@ class EdgeBlending:
         them; those of a band stay in the cache.
         """
         from tacos_plugins.renderers.moderngl.coverage import seeing_several
-        from tacos_plugins.renderers.moderngl.visibility import at_centres, look
+        from tacos_plugins.renderers.moderngl.visibility import at_centres, farthest_behind, look
 
         projected, several = painter.projected(fine, chunks), []
+        of_surface = painter.world.surface_of_triangle
         for first in range(0, self._shape[0], self._rows):
             here = slice(first, min(first + self._rows, self._shape[0]))
             lines = slice(2 * (here.stop - first) + 1)
-            inverse_depth, surface = self._inverse_depth[lines], self._surface[lines]
-            look(projected, inverse_depth, surface, 2 * first)
-            of_rows = (depth_m[here], self._seen[here], self._behind[here])
-            at_centres(inverse_depth, surface, view.window_of_inverse, *of_rows)
-            several.append(seeing_several(surface, first))
+            inverse_depth, triangle = self._inverse_depth[lines], self._triangle[lines]
+            look(projected, inverse_depth, triangle, 2 * first)
+            of_rows = (depth_m[here], self._seen_triangle[here], self._seen[here])
+            at_centres(inverse_depth, triangle, of_surface, *of_rows)
+            if not self._by_loops:
+                farthest_behind(inverse_depth, view.window_of_inverse, self._behind[here])
+            several.append(seeing_several(triangle, of_surface, first))
         pixel, wanted = zip(*several, strict=True)
         return np.concatenate(pixel), np.concatenate(wanted)
 

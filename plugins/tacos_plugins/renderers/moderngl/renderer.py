@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from tacos_framework.camera.geometry import world_from_camera
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View
+from tacos_plugins.renderers.moderngl.culling import looked_up
 from tacos_plugins.renderers.moderngl.device import Device, device
-from tacos_plugins.renderers.moderngl.gpu_world import looked_up
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import cube_camera
 from tacos_plugins.renderers.moderngl.rendered_views import (
-    EdgeBlending,
     Multisampling,
     Photographer,
     RenderedView,
@@ -161,7 +160,7 @@ class ModernglRenderer:
         config = self._config
         method = config.antialiasing
         if method in ("auto", "edges"):
-            return EdgeBlending(used.targets, camera, config.near_m)
+            return used.blending_edges(camera, config.near_m)
         samples = min(config.samples, used.most_samples) if method == "multisampling" else 1
         return Multisampling(used.targets, camera, config.near_m, samples)
 

@@ -31,7 +31,7 @@ def linear_of_bytes(encoded: NDArray[np.uint8]) -> NDArray[np.float32]:
     return LINEAR_OF_SRGB_BYTE.astype(np.float32)[encoded]
 
 
-def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> moderngl.TextureArray:
+def colour_levels(materials: Sequence[Material]) -> list[NDArray[np.uint8]]:
     """One layer per material that has a texture, after a white layer 0: square roots of linear reflectance.
 
     Eight bits hold square roots well and software OpenGL filters bytes fastest. Each mipmap level is averaged
@@ -45,17 +45,17 @@ def colour_stack(context: moderngl.Context, materials: Sequence[Material]) -> mo
         coarser = pyramid(linear.take(image))[1:]
         return [encoded.take(image), *map(_square_roots, coarser)]
 
-    return _stack(context, np.full((1, 1, 3), 255, np.uint8), images, levels)
+    return _stack(np.full((1, 1, 3), 255, np.uint8), images, levels)
 
 
-def normal_stack(context: moderngl.Context, materials: Sequence[Material]) -> moderngl.TextureArray:
+def normal_levels(materials: Sequence[Material]) -> list[NDArray[np.uint8]]:
     """One layer per normal map, after a flat layer 0."""
     images, _ = _distinct([material.normal_map for material in materials])
 
     def levels(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
         return [image, *(np.rint(level).astype(np.uint8) for level in pyramid(image.astype(np.float32))[1:])]
 
-    return _stack(context, np.full((1, 1, 3), 128, np.uint8), images, levels)
+    return _stack(np.full((1, 1, 3), 128, np.uint8), images, levels)
 
 
 def texture_layers(materials: Sequence[Material]) -> NDArray[np.int32]:
@@ -118,11 +118,10 @@ def _square_roots(linear: NDArray[np.float32]) -> NDArray[np.uint8]:
 
 
 def _stack(
-    context: moderngl.Context,
     first: NDArray[np.uint8],
     images: Sequence[NDArray[np.uint8]],
     levels_of: Callable[[NDArray[np.uint8]], list[NDArray[np.uint8]]],
-) -> moderngl.TextureArray:
+) -> list[NDArray[np.uint8]]:
     """Stack `first` and `images`, all scaled to the edge of the largest, each with its own mipmap levels."""
     edge = min(max((len(image) for image in images), default=1), GREATEST_TEXTURE_PX)
     depth = edge.bit_length()
@@ -136,10 +135,10 @@ def _stack(
             if len(level) != size:
                 level = cv2.resize(level, (size, size), interpolation=cv2.INTER_LINEAR).astype(np.uint8)
             cv2.cvtColor(level, cv2.COLOR_RGB2RGBA, dst=place[layer])
-    return _upload(context, stacked)
+    return stacked
 
 
-def _upload(context: moderngl.Context, levels: Sequence[NDArray[np.uint8]]) -> moderngl.TextureArray:
+def uploaded(context: moderngl.Context, levels: Sequence[NDArray[np.uint8]]) -> moderngl.TextureArray:
     layers, edge = levels[0].shape[:2]
     texture = context.texture_array((edge, edge, layers), 4, levels[0])
     texture.repeat_x = texture.repeat_y = True

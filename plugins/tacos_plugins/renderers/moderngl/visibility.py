@@ -1,4 +1,4 @@
-"""Which surface is seen at each sample of an image, and how far away, without OpenGL.
+"""Which triangle is seen at each sample of an image, and how far away, without OpenGL.
 
 Where OpenGL is software, a pass that only says what is seen costs it mostly bookkeeping; here a row of a
 triangle is one short loop. Coverage is exact on a grid of 1/256 of a sample, with the usual rule for samples
@@ -26,7 +26,7 @@ from tacos_plugins.renderers.moderngl.projected import (
     LEVEL,
     NEAREST,
     SUB,
-    SURFACE,
+    TRIANGLE,
     Projected,
     X,
     Y,
@@ -48,7 +48,7 @@ def look(
     projected
         Triangles on the whole image.
     inverse_depth, surface
-        (rows, W) are filled: inverse depth [1/m] and surface number, 0 for nothing.
+        (rows, W) are filled: inverse depth [1/m] and number of the triangle, 0 for nothing.
     first_row
         Row of the whole image that the first one here is.
     """
@@ -62,37 +62,58 @@ def look(
 @compiled
 def at_centres(
     inverse_depth: NDArray[np.float32],
-    surface: NDArray[np.int32],
-    window_of_inverse: tuple[float, float],
+    triangle: NDArray[np.int32],
+    surface_of_triangle: NDArray[np.int32],
     depth_m: NDArray[np.float32],
-    seen: NDArray[np.float32],
-    behind: NDArray[np.float32],
+    seen: NDArray[np.int32],
+    surface: NDArray[np.float32],
 ) -> None:
-    """What pixel centres see in an image of half pixels, and a depth buffer that hides what none sees.
+    """What pixel centres see in an image of half pixels.
 
     Parameters
     ----------
-    inverse_depth, surface
+    inverse_depth, triangle
         (2 H + 1, 2 W + 1) as drawn [1/m, 1].
+    surface_of_triangle
+        (T + 1,) the surface that each triangle is of, 0 for no triangle.
+    depth_m, seen, surface
+        (H, W) are filled: depth, infinite for nothing [m]; triangle and surface, 0 for nothing.
+    """
+    height, width = depth_m.shape
+    for y in range(height):
+        for x in range(width):
+            depth_m[y, x] = np.float32(1) / inverse_depth[2 * y + 1, 2 * x + 1]
+            number = triangle[2 * y + 1, 2 * x + 1]
+            seen[y, x] = number
+            surface[y, x] = surface_of_triangle[number]
+
+
+@compiled
+def farthest_behind(
+    inverse_depth: NDArray[np.float32],
+    window_of_inverse: tuple[float, float],
+    behind: NDArray[np.float32],
+) -> None:
+    """A depth buffer that hides from OpenGL what no pixel sees.
+
+    Parameters
+    ----------
+    inverse_depth
+        (2 H + 1, 2 W + 1) as drawn [1/m].
     window_of_inverse
         Constant and slope that make a depth of OpenGL's window out of an inverse depth [1, m].
-    depth_m, seen
-        (H, W) are filled: depth, infinite for nothing, and surface, 0 for nothing [m, 1].
     behind
         (H, W) is filled: the window depth of the farthest place in each pixel, as OpenGL may round an edge to
         the other side of a centre [1].
     """
     constant, slope = np.float32(window_of_inverse[0] + _ROUNDING), np.float32(window_of_inverse[1])
-    height, width = depth_m.shape
+    height, width = behind.shape
     lowest = np.empty(2 * width + 1, np.float32)
     for y in range(height):
         above, middle, below = inverse_depth[2 * y], inverse_depth[2 * y + 1], inverse_depth[2 * y + 2]
         for x in range(2 * width + 1):
             lowest[x] = min(min(above[x], middle[x]), below[x])
-        numbers = surface[2 * y + 1]
         for x in range(width):
-            depth_m[y, x] = np.float32(1) / middle[2 * x + 1]
-            seen[y, x] = numbers[2 * x + 1]
             farthest = min(min(lowest[2 * x], lowest[2 * x + 1]), lowest[2 * x + 2])
             behind[y, x] = min(constant + slope * farthest, np.float32(1))
 
@@ -131,41 +152,51 @@ def draw(
             nearest = np.float32(levels[triangle, NEAREST])
             if not is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
                 rows = (first, last, first_row)
-                _fill(inverse_depth, surface, lowest, places[triangle], levels[triangle], rows)
+                _fill(inverse_depth, surface, lowest, places, levels, triangle, rows)
 
 
-@compiled
+@inlined
 def _fill(
     inverse_depth: NDArray[np.float32],
     surface: NDArray[np.int32],
     lowest: NDArray[np.float32],
     places: NDArray[np.int64],
     levels: NDArray[np.float64],
+    triangle: int,
     rows: tuple[int, int, int],
 ) -> None:
     """Draw one triangle between two rows of the whole image; the third row is the first that is drawn into.
 
     Above its middle corner a row lies between two edges, and below it between two.
     """
-    first, last, first_row = rows
-    least, most = places[FIRST_COLUMN], places[LAST_COLUMN]
-    along_x, along_y = levels[ALONG_X], levels[ALONG_Y]
-    farthest, nearest = np.float32(levels[FARTHEST]), np.float32(levels[NEAREST])
-    above = _middle(places[1], places[3], places[5]) // SUB
+    begin_row, end_row, first_row = rows
+    leftmost, rightmost = places[triangle, FIRST_COLUMN], places[triangle, LAST_COLUMN]
+    along_x, along_y = levels[triangle, ALONG_X], levels[triangle, ALONG_Y]
+    farthest, nearest = np.float32(levels[triangle, FARTHEST]), np.float32(levels[triangle, NEAREST])
+    x0, y0, level0 = levels[triangle, X], levels[triangle, Y], levels[triangle, LEVEL]
+    number = np.int32(places[triangle, TRIANGLE])
+    corners = (
+        places[triangle, 0],
+        places[triangle, 1],
+        places[triangle, 2],
+        places[triangle, 3],
+        places[triangle, 4],
+        places[triangle, 5],
+    )
+    above = _middle(corners[1], corners[3], corners[5]) // SUB
     for part in range(2):
-        begin = first if part == 0 else max(first, above + 1)
-        end = min(last, above) if part == 0 else last
+        begin = begin_row if part == 0 else max(begin_row, above + 1)
+        end = min(end_row, above) if part == 0 else end_row
         if begin > end:
             continue
-        low, low_rest, low_more, low_more_rest, low_divisor = _laid(places, -1, part, begin)
-        high, high_rest, high_more, high_more_rest, high_divisor = _laid(places, 1, part, begin)
+        low, low_rest, low_more, low_more_rest, low_divisor = _laid(corners, -1, part, begin)
+        high, high_rest, high_more, high_more_rest, high_divisor = _laid(corners, 1, part, begin)
         for y in range(begin, end + 1):
-            left, right = max(least, -low), min(most, high)
+            left, right = max(leftmost, -low), min(rightmost, high)
             if left <= right:
-                level = levels[LEVEL] + along_x * (left - levels[X]) + along_y * (y - levels[Y])
-                row = y - first_row
+                level = level0 + along_x * (left - x0) + along_y * (y - y0)
                 _fill_row(
-                    inverse_depth[row], surface[row], lowest[row], left, right, places[SURFACE],
+                    inverse_depth, surface, lowest, y - first_row, left, right, number,
                     np.float32(level), np.float32(along_x), farthest, nearest,
                 )  # fmt: skip
             low, low_rest = low + low_more, low_rest + low_more_rest
@@ -177,7 +208,9 @@ def _fill(
 
 
 @compiled
-def _laid(places: NDArray[np.int64], side: int, part: int, first: int) -> tuple[int, int, int, int, int]:
+def _laid(
+    corners: tuple[int, int, int, int, int, int], side: int, part: int, first: int
+) -> tuple[int, int, int, int, int]:
     """What the rows from `first` on need of the edge on a side: -1 the left, 1 the right one.
 
     Samples within are those x that are at most floor(c / d), or at least its negative on the left. From row
@@ -189,10 +222,15 @@ def _laid(places: NDArray[np.int64], side: int, part: int, first: int) -> tuple[
     part
         0 for the edge from the upper corner, 1 for that to the lower one.
     """
-    top, bottom = min(places[1], places[3], places[5]), max(places[1], places[3], places[5])
+    top, bottom = min(corners[1], corners[3], corners[5]), max(corners[1], corners[3], corners[5])
     for corner in range(3):
         following = 2 * ((corner + 1) % 3)
-        ax, ay, bx, by = places[2 * corner], places[2 * corner + 1], places[following], places[following + 1]
+        ax, ay, bx, by = (
+            corners[2 * corner],
+            corners[2 * corner + 1],
+            corners[following],
+            corners[following + 1],
+        )
         reaches = max(ay, by) == bottom if part else min(ay, by) == top
         if np.sign(by - ay) == side and reaches:
             break
@@ -212,32 +250,32 @@ def _fill_row(
     inverse_depth: NDArray[np.float32],
     surface: NDArray[np.int32],
     lowest: NDArray[np.float32],
+    row: int,
     left: int,
     right: int,
-    number: int,
+    own: np.int32,
     level: np.float32,
     slope: np.float32,
     farthest: np.float32,
     nearest: np.float32,
 ) -> None:
     """Draw a span of a row, block by block: `level` is the inverse depth at its left end [1/m]."""
-    own, start = np.int32(number), left
+    start, width = left, surface.shape[1]
     for block in range(left // BLOCK, right // BLOCK + 1):
         end = min(BLOCK * (block + 1), right + 1)
         at_start = level + slope * np.float32(start - left)
         at_end = level + slope * np.float32(end - 1 - left)
         at_start = min(max(at_start, farthest), nearest)  # slivers have wild slopes
         at_end = min(max(at_end, farthest), nearest)
-        if max(at_start, at_end) > lowest[block]:
-            depths, numbers = inverse_depth[start:end], surface[start:end]
-            for x in range(len(depths)):
+        if max(at_start, at_end) > lowest[row, block]:
+            for x in range(np.uint64(start), np.uint64(end)):
                 # Of a narrow number, which is made a float eight at a time.
-                here = level + slope * np.float32(np.int32(start - left + x))
+                here = level + slope * np.float32(np.int32(x - np.uint64(left)))
                 here = min(max(here, farthest), nearest)
-                before = depths[x]
+                before = inverse_depth[row, x]
                 is_nearer = here > before
-                depths[x] = here if is_nearer else before
-                numbers[x] = own if is_nearer else numbers[x]
-            if start == BLOCK * block and (end - start == BLOCK or end == len(surface)):
-                lowest[block] = max(lowest[block], min(at_start, at_end))
+                inverse_depth[row, x] = here if is_nearer else before
+                surface[row, x] = own if is_nearer else surface[row, x]
+            if start == BLOCK * block and (end - start == BLOCK or end == width):
+                lowest[row, block] = max(lowest[row, block], min(at_start, at_end))
         start = end

@@ -1,0 +1,129 @@
+"""Colour without OpenGL: first which triangle each pixel sees, then its shading, a batch of pixels at a time.
+
+Every pixel is shaded once, whatever lies behind it, and pixels of one kind of surface go through the same
+loops (`shading_loops`) together. After Burns and Hunt, "The visibility buffer: a cache-friendly approach to
+deferred shading", JCGT 2013.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
+from tacos_plugins.renderers.moderngl.pixel_batch import PixelBatch
+from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
+from tacos_plugins.renderers.moderngl.shading_tables import ShadingTables, TexelStack
+
+
+@dataclass(frozen=True, eq=False)
+class Views:
+    """A camera as each moving thing of a world sees it, first all that rests.
+
+    Parameters
+    ----------
+    pixel_from_world
+        (M, 3, 4) to homogeneous pixels [px m, m].
+    rays
+        (M, 4, 3) as `seen_triangles.interpolate` takes them.
+    """
+
+    pixel_from_world: NDArray[np.float64]
+    rays: NDArray[np.float64]
+
+
+class DeferredShading:
+    """Shades pixels of which it is known what they see.
+
+    Parameters
+    ----------
+    batch, between
+        Memory for pixels that are shaded together, and for those of them that mirror a second probe.
+    tables
+        What surfaces are shaded by.
+    """
+
+    def __init__(self, batch: PixelBatch, between: PixelBatch, tables: ShadingTables):
+        self._batch, self._between, self.tables = batch, between, tables
+
+    def shade(
+        self,
+        views: Views,
+        triangle: NDArray[np.int32],
+        depth_m: NDArray[np.float32],
+        luminance_cd_m2: NDArray[np.float32],
+    ) -> None:
+        """Fill in (H, W, 3) luminance [cd/m2].
+
+        Parameters
+        ----------
+        triangle, depth_m
+            (H, W) number of the triangle seen, 0 for none, and how far away it is [m].
+        """
+        # Compiled loops take a moment to import, which checking a recipe need not wait for.
+        from tacos_plugins.renderers.moderngl.seen_triangles import interpolate, planes, put, runs_by_kind
+
+        tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
+        self._behind_all(views, triangle, luminance_cd_m2)
+        runs, first, seen = runs_by_kind(triangle, tables.kind_of_triangle, len(tables.kinds))
+        mesh = (tables.triangles, tables.position_m, tables.attributes, tables.mover_of_triangle)
+        of_seen = planes(seen, *mesh, views.pixel_from_world)
+        of_triangles = (depth_m, views.rays, tables.mover_of_triangle, tables.flat)
+        for number, kind in enumerate(tables.kinds):
+            of_kind, begin = runs[first[number] : first[number + 1]], (0, 0)
+            wanted = bool(kind & (SurfaceKind.TEXTURED | SurfaceKind.BUMPY)), SurfaceKind.GLOSSY in kind
+            rows = tables.rows_of_kind[number]
+            while begin[0] < len(of_kind):
+                count, begin = interpolate(
+                    of_kind, begin, of_seen, rows, wanted, *of_triangles, floats, integers
+                )
+                self._scatter(kind, count)
+                if SurfaceKind.GLOSSY in kind:
+                    self._mirror(kind, count)
+                put(luminance_cd_m2.reshape(-1, 3), floats, integers, count)
+
+    def _behind_all(
+        self, views: Views, triangle: NDArray[np.int32], luminance_cd_m2: NDArray[np.float32]
+    ) -> None:
+        from tacos_plugins.renderers.moderngl.background_loops import even, sky
+
+        if self.tables.sky is None:
+            even(self.tables.ambient_cd_m2, triangle, luminance_cd_m2)
+        else:
+            sky(self.tables.sky, views.rays[0], triangle, luminance_cd_m2)
+
+    def _scatter(self, kind: SurfaceKind, count: int) -> None:
+        """Light that surfaces send into all directions."""
+        from tacos_plugins.renderers.moderngl.texture_loops import colours, light_of_maps, scatter, tilts
+
+        tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
+        textured, bumpy = SurfaceKind.TEXTURED in kind, SurfaceKind.BUMPY in kind
+        if SurfaceKind.MAPPED in kind:
+            light_of_maps(tables.light_map, tables.bend_map, floats, count)
+        if bumpy:
+            tilts(*_looked_up(tables.normals), floats, integers, count)
+        if textured:
+            colours(*_looked_up(tables.colours), floats, integers, count)
+        scatter(floats, count, textured, bumpy)
+
+    def _mirror(self, kind: SurfaceKind, count: int) -> None:
+        """Light that glossy surfaces mirror, from one probe or between two, and that they emit."""
+        from tacos_plugins.renderers.moderngl import reflection_loops as loops
+
+        tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
+        second = (self._between.floats, self._between.integers)
+        probes = (tables.probes, tables.probe_boxes_m, len(tables.levels), PROBE_SCALE)
+        if SurfaceKind.BUMPY in kind:
+            loops.tilt_normals(floats, count)
+        loops.mirror_rays(tables.probe_map, tables.map_origin, tables.materials, floats, integers, count)
+        loops.look_into_probes(*probes, floats, integers, count)
+        between = loops.between_two(floats, integers, count, *second)
+        loops.look_into_probes(*probes, *second, between)
+        loops.add_second(floats, *second, between)
+        loops.reflect(tables.materials, floats, integers, count)
+
+
+def _looked_up(stack: TexelStack) -> tuple[NDArray[np.int32], NDArray[np.int32], int]:
+    return stack.texels, stack.offsets, stack.edge
