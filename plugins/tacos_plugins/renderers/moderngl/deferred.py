@@ -1,8 +1,8 @@
 """Colour without OpenGL: first which triangle each pixel sees, then its shading, a batch of pixels at a time.
 
 Every pixel is shaded once, whatever lies behind it, and pixels of one kind of surface go through the same
-loops (`shading_loops`) together. After Burns and Hunt, "The visibility buffer: a cache-friendly approach to
-deferred shading", JCGT 2013.
+loops (`lookup_loops`, `light_loops`) together. After Burns and Hunt, "The visibility buffer: a cache-friendly
+approach to deferred shading", JCGT 2013.
 """
 
 from __future__ import annotations
@@ -96,7 +96,8 @@ class DeferredShading:
 
     def _scatter(self, kind: SurfaceKind, count: int) -> None:
         """Light that surfaces send into all directions."""
-        from tacos_plugins.renderers.moderngl.texture_loops import colours, light_of_maps, scatter, tilts
+        from tacos_plugins.renderers.moderngl.light_loops import scatter
+        from tacos_plugins.renderers.moderngl.lookup_loops import colours, light_of_maps, tilts
 
         tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
         textured, bumpy = SurfaceKind.TEXTURED in kind, SurfaceKind.BUMPY in kind
@@ -110,7 +111,8 @@ class DeferredShading:
 
     def _mirror(self, kind: SurfaceKind, count: int) -> None:
         """Light that glossy surfaces mirror, from one probe or between two, and that they emit."""
-        from tacos_plugins.renderers.moderngl import reflection_loops as loops
+        from tacos_plugins.renderers.moderngl import light_loops as loops
+        from tacos_plugins.renderers.moderngl.lookup_loops import look_into_probes
 
         tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
         second = (self._between.floats, self._between.integers)
@@ -118,9 +120,9 @@ class DeferredShading:
         if SurfaceKind.BUMPY in kind:
             loops.tilt_normals(floats, count)
         loops.mirror_rays(tables.probe_map, tables.map_origin, tables.materials, floats, integers, count)
-        loops.look_into_probes(*probes, floats, integers, count)
+        look_into_probes(*probes, floats, integers, count)
         between = loops.between_two(floats, integers, count, *second)
-        loops.look_into_probes(*probes, *second, between)
+        look_into_probes(*probes, *second, between)
         loops.add_second(floats, *second, between)
         loops.reflect(tables.materials, floats, integers, count)
 

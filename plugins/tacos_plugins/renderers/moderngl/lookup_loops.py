@@ -1,4 +1,4 @@
-"""Textures and light maps looked up for a batch of pixels, as `surface.frag` and `texture_filter.glsl` do.
+"""Textures, light maps and probes looked up for a batch of pixels, as `surface.frag` and what it includes do.
 
 Loops without branches over rows that do not overlap, with narrow indices: LLVM takes eight pixels at once,
 and fetches their texels together. What becomes an index is bounded by `max(bound, number)`, in this order,
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from tacos_framework.compiled import inlined, unaliased
 from tacos_plugins.renderers.moderngl.pixel_batch import (
+    AROUND_BLUE,
+    AROUND_GREEN,
+    AROUND_RED,
     BEND_U,
     BEND_V,
     BLUE,
@@ -21,7 +24,15 @@ from tacos_plugins.renderers.moderngl.pixel_batch import (
     MAP_U,
     MAP_V,
     NORMAL_LAYER,
+    NORMAL_X,
+    NORMAL_Y,
+    NORMAL_Z,
+    PLACE_X,
+    PLACE_Y,
+    PLACE_Z,
+    PROBE,
     RED,
+    ROUGHNESS,
     SHARE,
     TAPS,
     TEXEL_BLUE,
@@ -34,6 +45,7 @@ from tacos_plugins.renderers.moderngl.pixel_batch import (
     U_Y,
     V_X,
     V_Y,
+    WEIGHT,
     U,
     V,
 )
@@ -47,6 +59,7 @@ _TOGETHER = 64  # pixels that take as many taps as that of them with the most
 _SIXTEEN_BITS = np.float32(1 / (255 * 256))
 
 _ZERO, _HALF, _ONE, _TINY = np.float32(0), np.float32(0.5), np.float32(1), np.float32(1e-20)
+_OF_BOX = np.int32(9)  # numbers: centre, lower and upper corner
 _NONE, _NEXT, _BYTE, _WHOLE = np.int32(0), np.int32(1), np.int32(8), np.int32(256)
 _EVEN_BYTES, _LOW_BYTE, _LOW_BYTES = np.int32(0xFF00FF), np.int32(0xFF), np.int32(0xFFFF)
 
@@ -202,6 +215,68 @@ def light_of_maps(light_map: Floats, bend_map: Floats, floats: Floats, count: in
         floats[BEND_V + i] = _between(bend, texels, np.int32(1), shares)
 
 
+@unaliased
+def look_into_probes(
+    probes: Floats, boxes: Floats, levels: int, scale: float, floats: Floats, integers: Integers, count: int
+) -> None:
+    """Luminance that probes show along directions, with the parallax of their boxes.
+
+    Parameters
+    ----------
+    probes
+        (probes * levels, E, E, 3) octahedral luminance with a border [cd/m2].
+    boxes
+        (probes, 3, 3) place, and lower and upper corner of the room [m].
+    levels, scale
+        Layers of a probe, and of octahedral coordinates into one.
+    floats, integers
+        Rows of a `PixelBatch`: directions stand in those of the normal.
+    count
+        Pixels in it.
+    """
+    layers, corners, edge = probes.reshape(-1), boxes.reshape(-1), np.int32(probes.shape[1])
+    last, half_edge = np.float32(probes.shape[1] - 1), np.float32(probes.shape[1] / 2 - 0.5)
+    scaled = np.float32(scale * probes.shape[1])
+    for i in range(count):
+        x, y, z = floats[NORMAL_X + i], floats[NORMAL_Y + i], floats[NORMAL_Z + i]
+        probe, weight = integers[PROBE + i], floats[WEIGHT + i]
+        box = _OF_BOX * probe
+        lower_x, upper_x = corners[np.uint32(box + np.int32(3))], corners[np.uint32(box + np.int32(6))]
+        lower_y, upper_y = corners[np.uint32(box + np.int32(4))], corners[np.uint32(box + np.int32(7))]
+        lower_z, upper_z = corners[np.uint32(box + np.int32(5))], corners[np.uint32(box + np.int32(8))]
+        from_x = min(upper_x, max(lower_x, floats[PLACE_X + i]))
+        from_y = min(upper_y, max(lower_y, floats[PLACE_Y + i]))
+        from_z = min(upper_z, max(lower_z, floats[PLACE_Z + i]))
+        far_x = max((lower_x - from_x) / x, (upper_x - from_x) / x)
+        far_y = max((lower_y - from_y) / y, (upper_y - from_y) / y)
+        far_z = max((lower_z - from_z) / z, (upper_z - from_z) / z)
+        far = min(min(far_x, far_y), far_z)
+        x = from_x + x * far - corners[np.uint32(box)]
+        y = from_y + y * far - corners[np.uint32(box + np.int32(1))]
+        z = from_z + z * far - corners[np.uint32(box + np.int32(2))]
+        inverse = _ONE / (abs(x) + abs(y) + abs(z))
+        x, y = x * inverse, y * inverse
+        folded_x = (_ONE - abs(y)) * (_ONE if x >= _ZERO else -_ONE)
+        folded_y = (_ONE - abs(x)) * (_ONE if y >= _ZERO else -_ONE)
+        column = (x if z >= _ZERO else folded_x) * scaled + half_edge
+        row = (y if z >= _ZERO else folded_y) * scaled + half_edge
+        column, row = min(last, max(_ZERO, column)), min(last, max(_ZERO, row))
+        left, top = np.floor(column), np.floor(row)
+        across, down = column - left, row - top
+        x0, y0 = np.int32(left), np.int32(top)
+        x1, y1 = min(x0 + _NEXT, edge - _NEXT), min(y0 + _NEXT, edge - _NEXT)
+        first = (probe * np.int32(levels) + integers[ROUGHNESS + i]) * edge
+        above, below = (first + y0) * edge, (first + y1) * edge
+        three = np.int32(3)
+        texels = (three * (above + x0), three * (above + x1), three * (below + x0), three * (below + x1))
+        of_d = weight * across * down
+        of_b, of_c = weight * across - of_d, weight * down - of_d
+        shares = (weight - weight * across - of_c, of_b, of_c, of_d)
+        floats[AROUND_RED + i] = _between(layers, texels, np.int32(0), shares)
+        floats[AROUND_GREEN + i] = _between(layers, texels, np.int32(1), shares)
+        floats[AROUND_BLUE + i] = _between(layers, texels, np.int32(2), shares)
+
+
 @inlined
 def _between(
     table: Floats,
@@ -216,30 +291,3 @@ def _between(
         + shares[2] * table[np.uint32(texels[2] + channel)]
         + shares[3] * table[np.uint32(texels[3] + channel)]
     )
-
-
-@unaliased
-def scatter(floats: Floats, count: int, textured: bool, bumpy: bool) -> None:
-    """Light that surfaces scatter: where they are textured, by reflectance; where bumpy, bent by the tilt.
-
-    Light that was extrapolated below zero is none.
-    """
-    for i in range(count):
-        floats[RED + i] = max(_ZERO, floats[RED + i])
-        floats[GREEN + i] = max(_ZERO, floats[GREEN + i])
-        floats[BLUE + i] = max(_ZERO, floats[BLUE + i])
-    if textured:
-        for i in range(count):
-            floats[RED + i] *= floats[TEXEL_RED + i] * floats[TEXEL_RED + i]
-            floats[GREEN + i] *= floats[TEXEL_GREEN + i] * floats[TEXEL_GREEN + i]
-            floats[BLUE + i] *= floats[TEXEL_BLUE + i] * floats[TEXEL_BLUE + i]
-    else:  # a mirror's tint is asked for all the same
-        for i in range(count):
-            floats[TEXEL_RED + i], floats[TEXEL_GREEN + i], floats[TEXEL_BLUE + i] = _ONE, _ONE, _ONE
-    if bumpy:
-        for i in range(count):
-            factor = _ONE + floats[TILT_U + i] * floats[BEND_U + i] + floats[TILT_V + i] * floats[BEND_V + i]
-            factor = min(np.float32(2), max(_ZERO, factor))
-            floats[RED + i] *= factor
-            floats[GREEN + i] *= factor
-            floats[BLUE + i] *= factor

@@ -1,6 +1,6 @@
-"""What glossy surfaces mirror, for a batch of pixels, as in `reflection.glsl`, where its sources are named.
+"""What surfaces scatter, mirror and emit, for a batch of pixels, as in `surface.frag` and `reflection.glsl`.
 
-Loops as in `texture_loops`: without branches, over rows that do not overlap.
+Loops as in `lookup_loops`: without branches, over rows that do not overlap.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from tacos_plugins.renderers.moderngl.pixel_batch import (
     AROUND_BLUE,
     AROUND_GREEN,
     AROUND_RED,
+    BEND_U,
+    BEND_V,
     BLUE,
     FACING,
     GREEN,
@@ -55,7 +57,33 @@ _LEAST_COSINE, _LEAST_DIRECTION = np.float32(0.02), np.float32(1e-6)
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _NEXT = np.int32(1)
 _OF_MATERIAL = np.int32(9)  # numbers: base colour; roughness, metallic and level; emission
-_OF_BOX = np.int32(9)  # numbers: centre, lower and upper corner
+
+
+@unaliased
+def scatter(floats: Floats, count: int, textured: bool, bumpy: bool) -> None:
+    """Light that surfaces scatter: where they are textured, by reflectance; where bumpy, bent by the tilt.
+
+    Light that was extrapolated below zero is none.
+    """
+    for i in range(count):
+        floats[RED + i] = max(_ZERO, floats[RED + i])
+        floats[GREEN + i] = max(_ZERO, floats[GREEN + i])
+        floats[BLUE + i] = max(_ZERO, floats[BLUE + i])
+    if textured:
+        for i in range(count):
+            floats[RED + i] *= floats[TEXEL_RED + i] * floats[TEXEL_RED + i]
+            floats[GREEN + i] *= floats[TEXEL_GREEN + i] * floats[TEXEL_GREEN + i]
+            floats[BLUE + i] *= floats[TEXEL_BLUE + i] * floats[TEXEL_BLUE + i]
+    else:  # a mirror's tint is asked for all the same
+        for i in range(count):
+            floats[TEXEL_RED + i], floats[TEXEL_GREEN + i], floats[TEXEL_BLUE + i] = _ONE, _ONE, _ONE
+    if bumpy:
+        for i in range(count):
+            factor = _ONE + floats[TILT_U + i] * floats[BEND_U + i] + floats[TILT_V + i] * floats[BEND_V + i]
+            factor = min(np.float32(2), max(_ZERO, factor))
+            floats[RED + i] *= factor
+            floats[GREEN + i] *= factor
+            floats[BLUE + i] *= factor
 
 
 @unaliased
@@ -123,87 +151,6 @@ def mirror_rays(
         floats[NORMAL_X + i] = dx if abs(dx) > _LEAST_DIRECTION else _LEAST_DIRECTION
         floats[NORMAL_Y + i] = dy if abs(dy) > _LEAST_DIRECTION else _LEAST_DIRECTION
         floats[NORMAL_Z + i] = dz if abs(dz) > _LEAST_DIRECTION else _LEAST_DIRECTION
-
-
-@unaliased
-def look_into_probes(
-    probes: Floats, boxes: Floats, levels: int, scale: float, floats: Floats, integers: Integers, count: int
-) -> None:
-    """Luminance that probes show along directions, with the parallax of their boxes.
-
-    Parameters
-    ----------
-    probes
-        (probes * levels, E, E, 3) octahedral luminance with a border [cd/m2].
-    boxes
-        (probes, 3, 3) place, and lower and upper corner of the room [m].
-    levels, scale
-        Layers of a probe, and of octahedral coordinates into one.
-    floats, integers
-        Rows of a `PixelBatch`: directions stand in those of the normal.
-    count
-        Pixels in it.
-    """
-    layers, corners, edge = probes.reshape(-1), boxes.reshape(-1), np.int32(probes.shape[1])
-    last, half_edge = np.float32(probes.shape[1] - 1), np.float32(probes.shape[1] / 2 - 0.5)
-    scaled = np.float32(scale * probes.shape[1])
-    for i in range(count):
-        x, y, z = floats[NORMAL_X + i], floats[NORMAL_Y + i], floats[NORMAL_Z + i]
-        probe, weight = integers[PROBE + i], floats[WEIGHT + i]
-        box = _OF_BOX * probe
-        from_x, far_x = _to_wall(corners, box, np.int32(0), floats[PLACE_X + i], x)
-        from_y, far_y = _to_wall(corners, box, np.int32(1), floats[PLACE_Y + i], y)
-        from_z, far_z = _to_wall(corners, box, np.int32(2), floats[PLACE_Z + i], z)
-        far = min(far_x, min(far_y, far_z))
-        x, y, z = from_x + x * far, from_y + y * far, from_z + z * far
-        inverse = _ONE / (abs(x) + abs(y) + abs(z))
-        x, y = x * inverse, y * inverse
-        folded_x = (_ONE - abs(y)) * (_ONE if x >= _ZERO else -_ONE)
-        folded_y = (_ONE - abs(x)) * (_ONE if y >= _ZERO else -_ONE)
-        column = (x if z >= _ZERO else folded_x) * scaled + half_edge
-        row = (y if z >= _ZERO else folded_y) * scaled + half_edge
-        column, row = min(last, max(_ZERO, column)), min(last, max(_ZERO, row))
-        left, top = np.floor(column), np.floor(row)
-        across, down = column - left, row - top
-        x0, y0 = np.int32(left), np.int32(top)
-        x1, y1 = min(x0 + _NEXT, edge - _NEXT), min(y0 + _NEXT, edge - _NEXT)
-        first = (probe * np.int32(levels) + integers[ROUGHNESS + i]) * edge
-        above, below = (first + y0) * edge, (first + y1) * edge
-        three = np.int32(3)
-        texels = (three * (above + x0), three * (above + x1), three * (below + x0), three * (below + x1))
-        of_d = weight * across * down
-        of_b, of_c = weight * across - of_d, weight * down - of_d
-        shares = (weight - weight * across - of_c, of_b, of_c, of_d)
-        floats[AROUND_RED + i] = _between(layers, texels, np.int32(0), shares)
-        floats[AROUND_GREEN + i] = _between(layers, texels, np.int32(1), shares)
-        floats[AROUND_BLUE + i] = _between(layers, texels, np.int32(2), shares)
-
-
-@inlined
-def _to_wall(
-    corners: Floats, box: np.int32, axis: np.int32, place: np.float32, direction: np.float32
-) -> tuple[np.float32, np.float32]:
-    """Where a place lies from a probe along an axis, drawn into its box, and how far its wall is that way."""
-    lower, upper = corners[np.uint32(box + np.int32(3) + axis)], corners[np.uint32(box + np.int32(6) + axis)]
-    inside = min(upper, max(lower, place))
-    far = max((lower - inside) / direction, (upper - inside) / direction)
-    return inside - corners[np.uint32(box + axis)], far
-
-
-@inlined
-def _between(
-    table: Floats,
-    texels: tuple[np.int32, np.int32, np.int32, np.int32],
-    channel: np.int32,
-    shares: tuple[np.float32, np.float32, np.float32, np.float32],
-) -> np.float32:
-    """The mean of a channel of four texels."""
-    return (
-        shares[0] * table[np.uint32(texels[0] + channel)]
-        + shares[1] * table[np.uint32(texels[1] + channel)]
-        + shares[2] * table[np.uint32(texels[2] + channel)]
-        + shares[3] * table[np.uint32(texels[3] + channel)]
-    )
 
 
 @compiled
