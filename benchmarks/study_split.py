@@ -25,9 +25,12 @@ from typing import Any
 
 RENDERER = "tacos_plugins.renderers.moderngl"
 PARTS = {
-    "colour: shaded and read": [f"{RENDERER}.targets:RenderTarget.read"],
-    "colour: draw calls": [f"{RENDERER}.painter:Painter.colour"],
-    "half pixels: surfaces, depth": [f"{RENDERER}.rendered_views:EdgeBlending._look"],
+    "colour by OpenGL: drawn and read": [
+        f"{RENDERER}.targets:RenderTarget.read",
+        f"{RENDERER}.painter:Painter.colour",
+    ],
+    "colour by loops": [f"{RENDERER}.painter:Painter.shade"],
+    "half pixels: triangles, depth": [f"{RENDERER}.rendered_views:EdgeBlending._look"],
     "edges, ids, the rest of a capture": [f"{RENDERER}.renderer:ModernglRenderer.capture"],
     "sensor": ["tacos_framework.formation.image_formation:ImageFormation.expose"],
     "ORB": ["tacos_plugins.tasks.orb_features:OrbScorer.update"],
@@ -35,10 +38,13 @@ PARTS = {
     "worlds: built": ["tacos_worlds.indoor.scene:IndoorScene.episode"],
     "worlds: indirect light": ["tacos_worlds.indoor.assembly:with_illuminance"],
     "worlds: direct light baked": [f"{RENDERER}.device:light_world"],
-    "worlds: uploaded": [f"{RENDERER}.device:GpuWorld"],
+    "worlds: tables to shade by, or uploaded": [
+        f"{RENDERER}.drawn_world:GpuWorld",
+        f"{RENDERER}.drawn_world:ShadingTables",
+    ],
     "worlds: surroundings of glossy things": [
         f"{RENDERER}.device:Device._look_around",
-        f"{RENDERER}.gpu_world:GpuWorld.set_probes",
+        f"{RENDERER}.drawn_world:DrawnWorld.mirror",
     ],
     "worlds: kept on disk": [
         "tacos_plugins.kept_worlds.store:WorldStore._write",

@@ -128,6 +128,22 @@ see_to_gl() {
     say "$message"
 }
 
+# --- a first camera ----------------------------------------------------------------------------------------
+
+# Scores one camera in one house: a last check, which also compiles the loops over pixels. They are kept for all
+# that follows; otherwise every worker of the first study would begin with that.
+score_a_camera() {
+    local folder study
+    folder="$(mktemp -d)"
+    study=(headset_quick --out "$folder/run" --workers 1 --quiet --set compare=null --set test=null)
+    study+=(--set optimizer.use=optimizer.random --set optimizer.evaluations=1)
+    study+=(--set study.episodes=1 --set study.blocks=1)
+    say "scoring a first camera, which compiles what draws it; half a minute"
+    TACOS_CACHE=off "$venv/bin/tacos-run" "${study[@]}" >"$folder/said" 2>&1 ||
+        give_up "A first camera could not be scored:" "$(tail -n 20 "$folder/said")"
+    rm -rf "$folder"
+}
+
 # --- all of it, once ---------------------------------------------------------------------------------------
 
 if command -v flock >/dev/null; then
@@ -140,6 +156,7 @@ venv_works || make_venv
 if [ "$(cat "$stamp" 2>/dev/null)" != "$(fingerprint)" ]; then
     install_package
     see_to_gl
+    score_a_camera
     fingerprint | tee "$stamp" >"$venv/.set-up" # all that an extra adds to is there as well
     say "done"
 fi
