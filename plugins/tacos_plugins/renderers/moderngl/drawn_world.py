@@ -54,8 +54,8 @@ class DrawnWorld:
             self.by_loops.tables.set_probes(probes, mapped)
 
     def upload(self) -> None:
-        """Have OpenGL hold the world, and no longer what only loops would need."""
-        self.by_gl  # noqa: B018  made by being asked for
+        """Have OpenGL hold the world, and no longer keep here what only loops would need."""
+        assert self.by_gl is not None  # made by being asked for
         self._source = None
 
     @cached_property

@@ -80,10 +80,8 @@ class ShadingTables:
         self.kind_of_triangle = _from_one(kind_of_chunk[chunk])
         self.movers, mover_of_chunk = np.unique(np.append(chunks.mover, 0), return_inverse=True)
         self.mover_of_triangle = _from_one(mover_of_chunk[chunk])
-        self.triangles, self.position_m = (
-            np.require(mesh.triangles, np.int32, ("C", "W")),
-            _plain(mesh.position_m),
-        )
+        self.triangles = np.require(mesh.triangles, np.int32, ("C", "W"))
+        self.position_m = _plain(mesh.position_m)
         self.attributes = of_vertices(lit)
         material = mesh.material[mesh.triangles[:, 0]]
         self.flat = _from_one(np.column_stack([texture_layers(world.materials)[material], material]))
@@ -92,12 +90,10 @@ class ShadingTables:
         self.materials = np.ascontiguousarray(table[:, :, :3].reshape(-1, 9))
         self.colours = TexelStack.of(colour_levels(world.materials))
         self.normals = TexelStack.of(normal_levels(world.materials))
-        self.light_map = _plain(np.minimum(lit.light_map, np.float32(BRIGHTEST)))
+        self.light_map = _bounded(lit.light_map)
         self.bend_map = _plain(lit.bend_map)
         self.ambient_cd_m2 = _plain(world.ambient_cd_m2)
-        self.sky = (
-            None if world.sky_cd_m2 is None else _plain(np.minimum(world.sky_cd_m2, np.float32(BRIGHTEST)))
-        )
+        self.sky = None if world.sky_cd_m2 is None else _bounded(world.sky_cd_m2)
         self.probe_boxes_m = np.array([[[0] * 3, [0] * 3, [1] * 3]], np.float32)
         self.probes = np.zeros((len(self.levels), 2, 2, 3), np.float32)
         self.probe_map, self.map_origin = np.zeros((1, 1), np.float32), (0.0, 0.0, 1.0)
@@ -105,7 +101,7 @@ class ShadingTables:
     def set_probes(self, probes: Sequence[Probe], mapped: ProbeMap) -> None:
         """Let glossy surfaces mirror the probes that a map gives each place; before, they mirror darkness."""
         self.probe_boxes_m = np.array([(p.position_m, p.lower_m, p.upper_m) for p in probes], np.float32)
-        self.probes = np.minimum(prefiltered(probes, self.levels), np.float32(BRIGHTEST))
+        self.probes = _bounded(prefiltered(probes, self.levels))
         self.probe_map = _plain(mapped.packed())
         self.map_origin = (float(mapped.origin_m[0]), float(mapped.origin_m[1]), 1 / mapped.cell_m)
 
@@ -119,6 +115,12 @@ class ShadingTables:
 def _from_one(values: NDArray[np.integer]) -> NDArray[np.int32]:
     """Values of what is numbered from 1."""
     return np.concatenate([np.zeros((1, *values.shape[1:]), np.int32), values]).astype(np.int32)
+
+
+def _bounded(light: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Light no brighter than OpenGL's textures hold it; the same memory where none is."""
+    too_bright = light.size > 0 and float(light.max()) > BRIGHTEST
+    return _plain(np.minimum(light, np.float32(BRIGHTEST)) if too_bright else light)
 
 
 def _plain(values: NDArray[np.floating]) -> NDArray[np.float32]:
