@@ -55,7 +55,7 @@ class DrawnWorld:
 
     def upload(self) -> None:
         """Have OpenGL hold the world, and no longer keep here what only loops would need."""
-        assert self.by_gl is not None  # made by being asked for
+        _ = self.by_gl  # made by being asked for
         self._source = None
 
     @cached_property

@@ -50,8 +50,11 @@ def project(
     shape: tuple[int, int],
     near_m: float,
     closed: bool,
-) -> Projected:
-    """Find the triangles of some runs on an image.
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Find the triangles of some runs on an image: what `Projected` is made of.
+
+    It is made by the caller. Compiled code would make it by way of Python, and end the process there where
+    Ctrl-C is pressed meanwhile.
 
     Parameters
     ----------
@@ -103,7 +106,7 @@ def project(
                     places[found, TRIANGLE] = triangle + 1
                     _level(inverse_depth[found], spare)
                     found += 1
-    return Projected(places[:found], inverse_depth[:found])
+    return places[:found], inverse_depth[:found]
 
 
 @compiled

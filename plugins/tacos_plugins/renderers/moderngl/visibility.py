@@ -56,7 +56,7 @@ def look(
     surface.fill(0)
     lowest = nothing_drawn(surface.shape)
     for triangles in projected:
-        draw(inverse_depth, surface, lowest, triangles, first_row)
+        draw(inverse_depth, surface, lowest, *triangles, first_row)
 
 
 @compiled
@@ -123,7 +123,8 @@ def draw(
     inverse_depth: NDArray[np.float32],
     surface: NDArray[np.int32],
     lowest: NDArray[np.float32],
-    projected: Projected,
+    places: NDArray[np.int64],
+    levels: NDArray[np.float64],
     first_row: int,
 ) -> None:
     """Draw triangles over what is there; of equal depths the first counts.
@@ -137,12 +138,11 @@ def draw(
     lowest
         (H, blocks) at most the least inverse depth in each block of a row, by which what is hidden is passed
         over; 0 for nothing [1/m].
-    projected
-        The triangles on the whole image.
+    places, levels
+        The triangles on the whole image, as in `Projected`.
     first_row
         Row of the whole image that the first one here is.
     """
-    places, levels = projected
     last_row = first_row + len(surface) - 1
     for triangle in range(len(places)):
         first = max(places[triangle, FIRST_ROW], first_row)
