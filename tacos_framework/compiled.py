@@ -19,6 +19,9 @@ def compiled(loop: Loop) -> Loop:
     Sums keep their order (no `fastmath`), so every process gives the same bits. The code is kept beside the
     module, in the user's cache folder where that cannot be written, or where NUMBA_CACHE_DIR says; where none
     can be written, it is compiled anew in each process.
+
+    Loops fill arrays that they are given, and give back numbers alone: to make an array or a named tuple,
+    numba calls Python, and a Ctrl-C that is noticed there ends the process or is lost.
     """
     return _kept(loop)
 

@@ -100,9 +100,10 @@ def test_what_triangles_say_is_that_of_the_place_a_pixel_sees(corners, values, i
     if abs(np.linalg.det(pixel_from_world[:, :3] @ corners.T.astype(np.float64))) < 50:
         return  # seen from the side
     one = np.array([1], np.int32)
-    found = planes(
-        one, np.array([[0, 1, 2]], np.int32), corners, values, np.zeros(2, np.int32), pixel_from_world[None]
-    )[0]
+    mesh = (np.array([[0, 1, 2]], np.int32), corners, values, np.zeros(2, np.int32))
+    filled = np.empty((1, 3, 5))
+    planes(one, *mesh, pixel_from_world[None], filled)
+    found = filled[0]
     x, y, depth = pixel_from_world[:, :3] @ place
     over_depth = found[:, :3] @ [x / depth, y / depth, 1]
     np.testing.assert_allclose(found[:2, 3:], np.stack([values.min(axis=0), values.max(axis=0)], axis=1))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.renderers.moderngl.projected import Projected, project
+from tacos_plugins.renderers.moderngl.projected import project
 from tacos_plugins.renderers.moderngl.visibility import look
 
 SHAPE = (40, 50)
@@ -31,8 +31,7 @@ def drawn_rows(corners, first_row, rows, closed=False):
     vertices = np.arange(3 * count, dtype=np.int32)
     runs = np.column_stack([np.arange(count), np.ones(count, np.int64)])
     mesh = (corners.reshape(-1, 3), vertices.reshape(-1, 3))
-    projected = Projected(*project(*mesh, runs, PIXEL, SHAPE, NEAR_M, closed))
-    look([projected], inverse, number, first_row)
+    look([project(*mesh, runs, PIXEL, SHAPE, NEAR_M, closed)], inverse, number, first_row)
     return inverse, number
 
 

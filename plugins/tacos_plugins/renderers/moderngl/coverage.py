@@ -73,10 +73,11 @@ def find_edges(pixel: NDArray[np.int32], wanted: NDArray[np.int32], seen: NDArra
     >>> colour[..., 0].tolist()
     [[0.0, 6.0]]
     """
-    return Edges(pixel, _sources(seen, pixel, wanted))
+    source = np.empty((len(pixel), 8), np.int32)
+    _find_sources(seen, pixel, wanted, source)
+    return Edges(pixel, source)
 
 
-@compiled
 def seeing_several(
     triangle: NDArray[np.int32], surface_of_triangle: NDArray[np.int32], first_row: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
@@ -100,8 +101,22 @@ def seeing_several(
         (K, 8) surface seen at each place around.
     """
     height, width = triangle.shape[0] // 2, triangle.shape[1] // 2
+    pixel, wanted = np.empty(height * width, np.int32), np.empty((height * width, 8), np.int32)
+    count = _find_several(triangle, surface_of_triangle, first_row * width, pixel, wanted)
+    return pixel[:count], wanted[:count]
+
+
+@compiled
+def _find_several(
+    triangle: NDArray[np.int32],
+    surface_of_triangle: NDArray[np.int32],
+    first_pixel: int,
+    pixel: NDArray[np.int32],
+    wanted: NDArray[np.int32],
+) -> int:
+    """Fill in what `seeing_several` gives; how many there are."""
+    height, width = triangle.shape[0] // 2, triangle.shape[1] // 2
     several = np.empty(width, np.bool_)
-    pixel = np.empty(height * width, np.int32)
     count = 0
     for y in range(height):
         above, middle, below = triangle[2 * y], triangle[2 * y + 1], triangle[2 * y + 2]
@@ -131,22 +146,24 @@ def seeing_several(
                         pixel[count] = y * width + x
                         count += 1
                         break
-    wanted = np.empty((count, 8), np.int32)
     for index in range(count):
         y, x = pixel[index] // width, pixel[index] % width
         for place in range(8):
             dy, dx = _PLACES[place, 0], _PLACES[place, 1]
             wanted[index, place] = surface_of_triangle[triangle[2 * y + 1 + dy, 2 * x + 1 + dx]]
-    return pixel[:count] + np.int32(first_row * width), wanted
+        pixel[index] += first_pixel
+    return count
 
 
 @compiled
-def _sources(
-    seen: NDArray[np.float32], pixel: NDArray[np.int32], wanted: NDArray[np.int32]
-) -> NDArray[np.int32]:
-    """(K, 8) the nearest pixel whose centre sees what each place around a pixel sees; itself if none does."""
+def _find_sources(
+    seen: NDArray[np.float32],
+    pixel: NDArray[np.int32],
+    wanted: NDArray[np.int32],
+    source: NDArray[np.int32],
+) -> None:
+    """Fill in the nearest pixel whose centre sees what each place around one sees; itself if none does."""
     width = seen.shape[1]
-    source = np.empty((len(pixel), 8), np.int32)
     for index in range(len(pixel)):
         y, x = pixel[index] // width, pixel[index] % width
         for place in range(8):
@@ -166,7 +183,6 @@ def _sources(
                 row, column = y + _REACH[nearby, 0], x + _REACH[nearby, 1]
                 found = _sees(seen, row, column, number)
             source[index, place] = row * width + column if found else pixel[index]
-    return source
 
 
 @compiled

@@ -69,7 +69,8 @@ class DeferredShading:
         self._behind_all(views, triangle, luminance_cd_m2)
         runs, first, seen = runs_by_kind(triangle, tables.kind_of_triangle, len(tables.kinds))
         mesh = (tables.triangles, tables.position_m, tables.attributes, tables.mover_of_triangle)
-        of_seen = planes(seen, *mesh, views.pixel_from_world)
+        of_seen = np.empty((len(seen), tables.attributes.shape[1] + 1, 5))
+        planes(seen, *mesh, views.pixel_from_world, of_seen)
         of_triangles = (depth_m, views.rays, tables.mover_of_triangle, tables.flat)
         for number, kind in enumerate(tables.kinds):
             of_kind, begin = runs[first[number] : first[number + 1]], (0, 0)

@@ -93,7 +93,7 @@ class Painter:
     def projected(self, view: Viewpoint, chunks: NDArray[np.intp]) -> list[Projected]:
         """The triangles of some chunks on the image, for what is seen to be drawn without OpenGL."""
         # Compiled loops take a moment to import, which checking a recipe need not wait for.
-        from tacos_plugins.renderers.moderngl.projected import Projected, project
+        from tacos_plugins.renderers.moderngl.projected import project
 
         camera, mesh = view.camera, (self.world.position_m, self.world.triangles)
         shape = (camera.height_px, camera.width_px)
@@ -103,7 +103,7 @@ class Painter:
             pixel_from_world = self._seen(view, mover).pixel_from_world
             closed = bool(bits & SurfaceKind.CLOSED)
             runs = draws.runs(first, count)
-            found.append(Projected(*project(*mesh, runs, pixel_from_world, shape, view.near_m, closed)))
+            found.append(project(*mesh, runs, pixel_from_world, shape, view.near_m, closed))
         return found
 
     def _to_see(self, view: Viewpoint, chunks: NDArray[np.intp]) -> DrawList:

@@ -5,15 +5,13 @@ What follows from a view alone is found here, once; `visibility` then draws band
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.compiled import compiled
 from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
-
-Number = TypeVar("Number", bound=np.generic)
 
 SUB = 256
 """Places a sample's width is divided into."""
@@ -41,7 +39,6 @@ class Projected(NamedTuple):
     inverse_depth: NDArray[np.float64]
 
 
-@compiled
 def project(
     position_m: NDArray[np.float32],
     triangles: NDArray[np.int32],
@@ -50,11 +47,8 @@ def project(
     shape: tuple[int, int],
     near_m: float,
     closed: bool,
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Find the triangles of some runs on an image: what `Projected` is made of.
-
-    It is made by the caller. Compiled code would make it by way of Python, and end the process there where
-    Ctrl-C is pressed meanwhile.
+) -> Projected:
+    """Find the triangles of some runs on an image.
 
     Parameters
     ----------
@@ -73,9 +67,30 @@ def project(
     closed
         Whether backs are never seen, and need not be drawn.
     """
+    room = 2 * int(runs[:, 1].sum()) + CORNERS
+    while True:
+        places, inverse_depth = np.empty((room, 11), np.int64), np.empty((room, 7))
+        mesh = (position_m, triangles, runs)
+        found = _project(*mesh, pixel_from_world, shape, near_m, closed, places, inverse_depth)
+        if found >= 0:
+            return Projected(places[:found], inverse_depth[:found])
+        room *= CORNERS  # nearly all of them were cut
+
+
+@compiled
+def _project(
+    position_m: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    runs: NDArray[np.int64],
+    pixel_from_world: NDArray[np.float64],
+    shape: tuple[int, int],
+    near_m: float,
+    closed: bool,
+    places: NDArray[np.int64],
+    inverse_depth: NDArray[np.float64],
+) -> int:
+    """Fill in what `project` gives; how many there are, or -1 where there is no room for all."""
     corners, spare = np.empty((CORNERS, 3)), np.empty((CORNERS, 3))
-    places: NDArray[np.int64] = np.empty((1024, 11), np.int64)
-    inverse_depth: NDArray[np.float64] = np.empty((1024, 7))
     found = 0
     for run in range(len(runs)):
         for triangle in range(runs[run, 0], runs[run, 0] + runs[run, 1]):
@@ -96,7 +111,7 @@ def project(
                 corners[corner, 1] *= inverse
                 corners[corner, 2] = inverse
             if found + count > len(places):
-                places, inverse_depth = _twice_as_long(places), _twice_as_long(inverse_depth)
+                return -1
             for corner in range(2, count):
                 for axis in range(3):
                     spare[0, axis] = corners[0, axis]
@@ -106,7 +121,7 @@ def project(
                     places[found, TRIANGLE] = triangle + 1
                     _level(inverse_depth[found], spare)
                     found += 1
-    return places[:found], inverse_depth[:found]
+    return found
 
 
 @compiled
@@ -160,13 +175,3 @@ def _level(inverse_depth: NDArray[np.float64], corners: NDArray[np.float64]) -> 
         inverse_depth[ALONG_Y] = (ux * vz - vx * uz) / twice_area
     inverse_depth[FARTHEST] = min(corners[0, 2], corners[1, 2], corners[2, 2])
     inverse_depth[NEAREST] = max(corners[0, 2], corners[1, 2], corners[2, 2])
-
-
-@compiled
-def _twice_as_long(rows: NDArray[Number]) -> NDArray[Number]:
-    """Some rows, with room for as many more."""
-    longer = np.empty((2 * len(rows), rows.shape[1]), rows.dtype)
-    for row in range(len(rows)):
-        for column in range(rows.shape[1]):
-            longer[row, column] = rows[row, column]
-    return longer

@@ -29,7 +29,6 @@ from tacos_plugins.renderers.moderngl.pixel_batch import (
 TRIANGLE, SLOT, ROW, COLUMN, LENGTH = range(5)
 
 
-@compiled
 def runs_by_kind(
     triangle: NDArray[np.int32], kind_of_triangle: NDArray[np.int32], kinds: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
@@ -53,14 +52,27 @@ def runs_by_kind(
     seen
         (S,) int32 the triangles seen.
     """
-    height, width = triangle.shape
-    slot = np.full(len(kind_of_triangle), -1, np.int32)
-    seen = np.empty(len(kind_of_triangle), np.int32)
+    slot, seen = np.full(len(kind_of_triangle), -1, np.int32), np.empty(len(kind_of_triangle), np.int32)
     first = np.zeros(kinds + 1, np.int64)
+    slots = _count_runs(triangle, kind_of_triangle, slot, seen, first)
+    runs = np.empty((first[-1], 5), np.int32)
+    _fill_runs(triangle, kind_of_triangle, slot, first[:-1].copy(), runs)
+    return runs, first, seen[:slots]
+
+
+@compiled
+def _count_runs(
+    triangle: NDArray[np.int32],
+    kind_of_triangle: NDArray[np.int32],
+    slot: NDArray[np.int32],
+    seen: NDArray[np.int32],
+    first: NDArray[np.int64],
+) -> int:
+    """Fill in which triangles are seen, their places, and the first run of each kind; how many they are."""
     slots = 0
-    for y in range(height):
+    for y in range(triangle.shape[0]):
         before = np.int32(0)
-        for x in range(width):
+        for x in range(triangle.shape[1]):
             number = triangle[y, x]
             if number != before:
                 before = number
@@ -70,11 +82,22 @@ def runs_by_kind(
                         slot[number] = slots
                         seen[slots] = number
                         slots += 1
-    for kind in range(kinds):
+    for kind in range(len(first) - 1):
         first[kind + 1] += first[kind]
-    place = first[:-1].copy()
-    runs = np.empty((first[-1], 5), np.int32)
-    for y in range(height):
+    return slots
+
+
+@compiled
+def _fill_runs(
+    triangle: NDArray[np.int32],
+    kind_of_triangle: NDArray[np.int32],
+    slot: NDArray[np.int32],
+    place: NDArray[np.int64],
+    runs: NDArray[np.int32],
+) -> None:
+    """Fill in the runs, those of a kind from its place on."""
+    width = triangle.shape[1]
+    for y in range(triangle.shape[0]):
         x = 0
         while x < width:
             number, start = triangle[y, x], x
@@ -87,7 +110,6 @@ def runs_by_kind(
                 place[kind] += 1
                 runs[run, TRIANGLE], runs[run, SLOT], runs[run, ROW] = number, slot[number], y
                 runs[run, COLUMN], runs[run, LENGTH] = start, x - start
-    return runs, first, seen[:slots].copy()
 
 
 @compiled
@@ -98,7 +120,8 @@ def planes(
     attributes: NDArray[np.float32],
     mover_of_triangle: NDArray[np.int32],
     pixel_from_world: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    found: NDArray[np.float64],
+) -> None:
     """What triangles say over depth, as planes above the image.
 
     Parameters
@@ -111,15 +134,11 @@ def planes(
         (T + 1,) which of the views is that of the triangle.
     pixel_from_world
         (M, 3, 4) of each thing that moves, and of all that rests [px m, m].
-
-    Returns
-    -------
-    NDArray
-        (S, A + 1, 5) change along columns and rows, and level at pixel (0, 0), each over depth; least and
-        most, at a corner. The last is 1 over depth.
+    found
+        (S, A + 1, 5) is filled: change along columns and rows, and level at pixel (0, 0), each over depth;
+        least and most, at a corner. The last is 1 over depth.
     """
     count = attributes.shape[1]
-    found = np.empty((len(seen), count + 1, 5))
     corner = np.empty((3, 3))
     for slot in range(len(seen)):
         number = seen[slot]
@@ -155,7 +174,6 @@ def planes(
         found[slot, count, 0] = ex + fx + gx
         found[slot, count, 1] = ey + fy + gy
         found[slot, count, 2] = ew + fw + gw
-    return found
 
 
 @compiled
