@@ -38,7 +38,7 @@ _ROUNDING = 2.0**-19  # between a depth found here and by OpenGL, of the depth o
 def look(
     projected: Sequence[Projected],
     inverse_depth: NDArray[np.float32],
-    surface: NDArray[np.int32],
+    seen: NDArray[np.int32],
     first_row: int,
 ) -> None:
     """Draw a band of rows of an image.
@@ -47,16 +47,16 @@ def look(
     ----------
     projected
         Triangles on the whole image.
-    inverse_depth, surface
+    inverse_depth, seen
         (rows, W) are filled: inverse depth [1/m] and number of the triangle, 0 for nothing.
     first_row
         Row of the whole image that the first one here is.
     """
     inverse_depth.fill(0)
-    surface.fill(0)
-    lowest = nothing_drawn(surface.shape)
+    seen.fill(0)
+    lowest = nothing_drawn(seen.shape)
     for triangles in projected:
-        draw(inverse_depth, surface, lowest, *triangles, first_row)
+        draw(inverse_depth, seen, lowest, *triangles, first_row)
 
 
 @compiled
@@ -121,7 +121,7 @@ def farthest_behind(
 @compiled
 def draw(
     inverse_depth: NDArray[np.float32],
-    surface: NDArray[np.int32],
+    seen: NDArray[np.int32],
     lowest: NDArray[np.float32],
     places: NDArray[np.int64],
     levels: NDArray[np.float64],
@@ -133,8 +133,8 @@ def draw(
 
     Parameters
     ----------
-    inverse_depth, surface
-        (H, W) what is drawn into: 0 for nothing [1/m, 1].
+    inverse_depth, seen
+        (H, W) what is drawn into: inverse depth [1/m] and number of the triangle, 0 for nothing.
     lowest
         (H, blocks) at most the least inverse depth in each block of a row, by which what is hidden is passed
         over; 0 for nothing [1/m].
@@ -143,7 +143,7 @@ def draw(
     first_row
         Row of the whole image that the first one here is.
     """
-    last_row = first_row + len(surface) - 1
+    last_row = first_row + len(seen) - 1
     for triangle in range(len(places)):
         first = max(places[triangle, FIRST_ROW], first_row)
         last = min(places[triangle, LAST_ROW], last_row)
@@ -152,13 +152,13 @@ def draw(
             nearest = np.float32(levels[triangle, NEAREST])
             if not is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
                 rows = (first, last, first_row)
-                _fill(inverse_depth, surface, lowest, places, levels, triangle, rows)
+                _fill(inverse_depth, seen, lowest, places, levels, triangle, rows)
 
 
 @inlined
 def _fill(
     inverse_depth: NDArray[np.float32],
-    surface: NDArray[np.int32],
+    seen: NDArray[np.int32],
     lowest: NDArray[np.float32],
     places: NDArray[np.int64],
     levels: NDArray[np.float64],
@@ -196,7 +196,7 @@ def _fill(
             if left <= right:
                 level = level0 + along_x * (left - x0) + along_y * (y - y0)
                 _fill_row(
-                    inverse_depth, surface, lowest, y - first_row, left, right, number,
+                    inverse_depth, seen, lowest, y - first_row, left, right, number,
                     np.float32(level), np.float32(along_x), farthest, nearest,
                 )  # fmt: skip
             low, low_rest = low + low_more, low_rest + low_more_rest
@@ -248,7 +248,7 @@ def _middle(a: int, b: int, c: int) -> int:
 @inlined
 def _fill_row(
     inverse_depth: NDArray[np.float32],
-    surface: NDArray[np.int32],
+    seen: NDArray[np.int32],
     lowest: NDArray[np.float32],
     row: int,
     left: int,
@@ -260,7 +260,7 @@ def _fill_row(
     nearest: np.float32,
 ) -> None:
     """Draw a span of a row, block by block: `level` is the inverse depth at its left end [1/m]."""
-    start, width = left, surface.shape[1]
+    start, width = left, seen.shape[1]
     for block in range(left // BLOCK, right // BLOCK + 1):
         end = min(BLOCK * (block + 1), right + 1)
         at_start = level + slope * np.float32(start - left)
@@ -275,7 +275,7 @@ def _fill_row(
                 before = inverse_depth[row, x]
                 is_nearer = here > before
                 inverse_depth[row, x] = here if is_nearer else before
-                surface[row, x] = own if is_nearer else surface[row, x]
+                seen[row, x] = own if is_nearer else seen[row, x]
             if start == BLOCK * block and (end - start == BLOCK or end == width):
                 lowest[row, block] = max(lowest[row, block], min(at_start, at_end))
         start = end
