@@ -242,7 +242,7 @@ class StudySettings(Settings):
         3,
         help=(
             "Most promising candidates, scored once more on episodes of their own; the best of them wins. "
-            "With 1 none is, unless scores do not compare."
+            "One alone is scored only where scores do not compare and no test follows."
         ),
         ge=1,
     )

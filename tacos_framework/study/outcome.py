@@ -55,7 +55,7 @@ class Outcome:
             "evaluations": sum(search.evaluations for search in self.searches) + len(further),
             "frames_rendered": sum(search.images for search in self.searches)
             + sum(evaluation.images for evaluation in further),
-            "best": designed.best and _best(designed.best),
+            "best": designed.best and _best(designed.best, tested.get(designed.name)),
             "test": {
                 name: {**evaluation.scores, "fitness": evaluation.fitness}
                 for name, evaluation in tested.items()
@@ -163,8 +163,9 @@ class Outcome:
                 yield f"No candidate of the {titles.get(name, 'design')} could be scored: {reason}."
 
 
-def _best(evaluation: Evaluation) -> dict[str, Any]:
-    data = as_data(evaluation)
+def _best(chosen: Evaluation, tested: Evaluation | None) -> dict[str, Any]:
+    """The designed camera, with the scores it has from the search, else those of the test."""
+    data = as_data(tested if chosen.fitness is None and tested is not None else chosen)
     return {
         "camera": data["values"],
         "derived": data["derived"],

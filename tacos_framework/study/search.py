@@ -213,30 +213,41 @@ class Search(SearchState):
         study = self.plan.recipe.study
         return study.final_episodes or study.episodes
 
-    def finalist_jobs(self) -> list[ScoreJob]:
-        """Scoring the best few once more, on episodes that none was chosen by; the most promising first.
+    def finalist_values(self) -> list[Mapping[str, Any]]:
+        """The cameras to choose the best among, the most promising first; none where that is settled.
 
         The best of many noisy scores is too good to be true (the winner's curse), and scores of different
-        episodes, or of weights that have learnt meanwhile, do not even compare. There is no job where there
-        is nothing to choose between. An optimizer that models noise may choose by all it has seen.
+        episodes, or of weights that have learnt meanwhile, do not even compare. So the best few are scored
+        once more, on episodes that none was chosen by. An optimizer that models noise may choose by all it
+        has seen.
         """
         wanted = self.most_promising(self.plan.recipe.study.finalists)
         settled = self.comparable and len(wanted) < 2
-        if settled or len(self.candidate_stats) < 2:
-            return []
+        return [] if settled or len(self.candidate_stats) < 2 else wanted
+
+    def finalist_jobs(self, wanted: Sequence[Mapping[str, Any]]) -> list[ScoreJob]:
+        """Scoring finalists on episodes of their own."""
         episodes = self._episodes("final", self._final_episode_count)
         return [ScoreJob(values, episodes, self.states) for values in wanted]
 
     def choose_among(self, finalists: Sequence[Evaluation]) -> None:
         """End the search with what came out for its `finalist_jobs`: `best` is then the best of them."""
-        self.finalists_rescored = True
-        self.searched = EndOfSearch(self.best, self.evaluations, self.images)
+        self._end()
         self.evaluations += sum(not evaluation.broken for evaluation in finalists)
         self.images += sum(evaluation.images for evaluation in finalists)
         numbers = tuple(range(self._final_episode_count))
         self.finalists = [replace(evaluation, episode_numbers=numbers) for evaluation in finalists]
         if scored := [e for e in self.finalists if e.fitness is not None]:
             self.best = self._best_of(scored)
+
+    def choose_unscored(self, camera: Evaluation) -> None:
+        """End the search with a camera that is yet to be scored, and has no fitness."""
+        self._end()
+        self.best = camera
+
+    def _end(self) -> None:
+        self.finalists_rescored = True
+        self.searched = EndOfSearch(self.best, self.evaluations, self.images)
 
     def _best_of(self, finalists: Sequence[Evaluation]) -> Evaluation:
         """The one the optimizer chooses, else that of highest fitness."""

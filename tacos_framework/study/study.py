@@ -141,7 +141,8 @@ class Study:
         def on_counted(count: int) -> None:
             self._progress.phase("Scoring finalists", count)
 
-        rescore_finalists(self.searches, self._executor, self._evaluate, on_counted, self._count)
+        running = (self._executor, self._evaluate, on_counted, self._count)
+        rescore_finalists(self.searches, *running, tested=self._test is not None)
         self._checkpoint(now=True)
         for search in self.searches:
             if search.finalists:

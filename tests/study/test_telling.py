@@ -125,6 +125,29 @@ def test_the_best_is_the_best_recommended_on_fresh_episodes(plugins, tmp_path):
     assert result["best"]["fitness"] == max(finalist["fitness"] for finalist in finalists)
 
 
+def test_a_lone_finalist_is_scored_by_the_test_alone(plugins, tmp_path):
+    result = run(recipe_of({}, study={"finalists": 1}), plugins, tmp_path / "out")
+    designed = result["cameras"]["designed"]
+    assert designed["finalists"] == []
+    assert designed["camera"]["focal_length_mm"] == max(e.candidate.genes for e in Rotating.told)[0]
+    assert result["frames_rendered"] == 8 * 6 + 2 * 4  # the search and the test
+    assert result["best"]["camera"] == designed["camera"]
+    assert {**result["best"]["scores"], "fitness": result["best"]["fitness"]} == result["test"]["designed"]
+    assert result["best"]["derived"]["hfov_deg"] == designed["derived"]["hfov_deg"] > 0
+
+
+@pytest.mark.parametrize("unfit", ["untested", "infeasible"])
+def test_a_lone_finalist_is_scored_first_where_no_test_can_tell(plugins, tmp_path, monkeypatch, unfit):
+    sections = {"test": None} if unfit == "untested" else {"constraints": FEASIBLE}
+    if unfit == "infeasible":
+        monkeypatch.setattr(Rotating, "recommend", lambda self, count: [self._space.decode([1.0, 0.0])])
+    result = run(recipe_of({}, study={"finalists": 1}, **sections), plugins, tmp_path / "out")
+    (finalist,) = result["cameras"]["designed"]["finalists"]
+    assert bool(finalist["broken"]) == (unfit == "infeasible")
+    assert (result["best"]["fitness"] == finalist["fitness"]) == (unfit == "untested")
+    assert result["best"]["fitness"] is not None
+
+
 def test_an_optimizer_may_choose_among_the_finalists_by_what_they_scored(plugins, tmp_path, monkeypatch):
     def worst(self, finalists):
         assert all(list(finalist.episodes) == [0, 1] for finalist in finalists)
