@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, TypeVar, cast
 
 import numba
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
+
+from tacos_framework.kept_code import KeptCode
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}  # division by zero is not looked for
 
@@ -38,8 +41,7 @@ def unaliased(loop: Loop) -> Loop:
 def inlined(part: Loop) -> Loop:
     """A part of a `compiled` loop of the same module, written into it where it is called.
 
-    For what is called for every row of pixels, where a call costs as much as the work. Of the same module, as
-    code that is kept on disk is compiled anew where its own file has changed, and no other.
+    For what is called for every row of pixels, where a call costs as much as the work.
     """
     return cast(Loop, numba.njit(part, inline="always", **_OPTIONS))
 
@@ -53,7 +55,7 @@ class _Unaliased(CompilerBase):
 
 
 def _kept(loop: Loop, **more: Any) -> Loop:
-    try:
-        return cast(Loop, numba.njit(loop, cache=True, **_OPTIONS, **more))
-    except RuntimeError:  # "no locator available": numba found no folder to write to
-        return cast(Loop, numba.njit(loop, **_OPTIONS, **more))
+    code = numba.njit(loop, **_OPTIONS, **more)
+    with suppress(RuntimeError):  # "no locator available": numba found no folder to write to
+        code._cache = KeptCode(loop)  # type: ignore[attr-defined]
+    return cast(Loop, code)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tacos_plugins.renderers.moderngl.lanes import with_lanes
 from tacos_plugins.renderers.moderngl.projected import project
 from tacos_plugins.renderers.moderngl.visibility import look
 
@@ -27,7 +28,7 @@ def drawn_rows(corners, first_row, rows, closed=False):
     corners = np.asarray(corners, np.float32)
     count = len(corners)
     shape = (rows, SHAPE[1])
-    inverse, number = np.zeros(shape, np.float32), np.zeros(shape, np.int32)
+    inverse, number = with_lanes(shape, np.float32), with_lanes(shape, np.int32)
     vertices = np.arange(3 * count, dtype=np.int32)
     runs = np.column_stack([np.arange(count), np.ones(count, np.int64)])
     mesh = (corners.reshape(-1, 3), vertices.reshape(-1, 3))

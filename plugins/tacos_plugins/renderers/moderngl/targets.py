@@ -9,6 +9,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_plugins.renderers.moderngl.lanes import with_lanes
+
 _MOST_BYTES = 1 << 30
 _MOST_SIZES = 8
 _MOST_BUFFERS = 8  # those of two cameras
@@ -106,10 +108,13 @@ class TargetPool:
         return of_size[key]
 
     def scratch(self, name: str, shape: tuple[int, ...]) -> NDArray[np.float32]:
-        """Memory to read back into, by name: the same each time, as new memory costs more than to fill it."""
+        """Memory to read back into, by name: the same each time, as new memory costs more than to fill it.
+
+        Loops may take whole lanes of it (`with_lanes`).
+        """
         count = math.prod(shape)
         if name not in self._memory or self._memory[name].size < count:
-            self._memory[name] = np.empty(count, np.float32)
+            self._memory[name] = with_lanes((count,), np.float32)
         return self._memory[name][:count].reshape(shape)
 
     def buffer(self, size_bytes: int, slot: int) -> moderngl.Buffer:

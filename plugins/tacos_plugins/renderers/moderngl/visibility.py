@@ -13,8 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled, inlined
+from tacos_framework.compiled import compiled, inlined, unaliased
 from tacos_plugins.renderers.moderngl.covered import BLOCK, is_hidden, nothing_drawn
+from tacos_plugins.renderers.moderngl.lanes import LANES
 from tacos_plugins.renderers.moderngl.projected import (
     ALONG_X,
     ALONG_Y,
@@ -48,7 +49,8 @@ def look(
     projected
         Triangles on the whole image.
     inverse_depth, seen
-        (rows, W) are filled: inverse depth [1/m] and number of the triangle, 0 for nothing.
+        (rows, W) are filled: inverse depth [1/m] and number of the triangle, 0 for nothing. `with_lanes`
+        makes them, as loops take what lies behind their end along.
     first_row
         Row of the whole image that the first one here is.
     """
@@ -134,7 +136,7 @@ def draw(
     Parameters
     ----------
     inverse_depth, seen
-        (H, W) what is drawn into: inverse depth [1/m] and number of the triangle, 0 for nothing.
+        (H, W) what is drawn into, see `look`: inverse depth [1/m] and number of the triangle, 0 for nothing.
     lowest
         (H, blocks) at most the least inverse depth in each block of a row, by which what is hidden is passed
         over; 0 for nothing [1/m].
@@ -143,7 +145,8 @@ def draw(
     first_row
         Row of the whole image that the first one here is.
     """
-    last_row = first_row + len(seen) - 1
+    last_row, width = first_row + len(seen) - 1, seen.shape[1]
+    depths, numbers = inverse_depth.reshape(-1), seen.reshape(-1)
     for triangle in range(len(places)):
         first = max(places[triangle, FIRST_ROW], first_row)
         last = min(places[triangle, LAST_ROW], last_row)
@@ -152,14 +155,16 @@ def draw(
             nearest = np.float32(levels[triangle, NEAREST])
             if not is_hidden(lowest, first - first_row, last - first_row, least, most, nearest):
                 rows = (first, last, first_row)
-                _fill(inverse_depth, seen, lowest, places, levels, triangle, rows)
+                _fill(depths, numbers, lowest, width, places, levels, triangle, rows)
 
 
-@inlined
+# Not inlined: of arrays handed to what it inlines numba counts references, each time, in locked instructions.
+@compiled
 def _fill(
-    inverse_depth: NDArray[np.float32],
-    seen: NDArray[np.int32],
+    depths: NDArray[np.float32],
+    numbers: NDArray[np.int32],
     lowest: NDArray[np.float32],
+    width: int,
     places: NDArray[np.int64],
     levels: NDArray[np.float64],
     triangle: int,
@@ -195,10 +200,17 @@ def _fill(
             left, right = max(leftmost, -low), min(rightmost, high)
             if left <= right:
                 level = level0 + along_x * (left - x0) + along_y * (y - y0)
-                _fill_row(
-                    inverse_depth, seen, lowest, y - first_row, left, right, number,
-                    np.float32(level), np.float32(along_x), farthest, nearest,
-                )  # fmt: skip
+                row = y - first_row
+                if right - left < BLOCK:  # most of them
+                    _fill_span(
+                        depths, numbers, row * width + left, 0, right + 1 - left, number,
+                        np.float32(level), np.float32(along_x), farthest, nearest,
+                    )  # fmt: skip
+                else:
+                    _fill_blocks(
+                        depths, numbers, lowest, row, width, left, right, number,
+                        np.float32(level), np.float32(along_x), farthest, nearest,
+                    )  # fmt: skip
             low, low_rest = low + low_more, low_rest + low_more_rest
             if low_rest >= low_divisor:
                 low, low_rest = low + 1, low_rest - low_divisor
@@ -245,12 +257,13 @@ def _middle(a: int, b: int, c: int) -> int:
     return max(min(a, b), min(max(a, b), c))
 
 
-@inlined
-def _fill_row(
-    inverse_depth: NDArray[np.float32],
-    seen: NDArray[np.int32],
+@compiled
+def _fill_blocks(
+    depths: NDArray[np.float32],
+    numbers: NDArray[np.int32],
     lowest: NDArray[np.float32],
     row: int,
+    width: int,
     left: int,
     right: int,
     own: np.int32,
@@ -259,8 +272,8 @@ def _fill_row(
     farthest: np.float32,
     nearest: np.float32,
 ) -> None:
-    """Draw a span of a row, block by block: `level` is the inverse depth at its left end [1/m]."""
-    start, width = left, seen.shape[1]
+    """Draw a span block by block, but for those that are hidden."""
+    start = left
     for block in range(left // BLOCK, right // BLOCK + 1):
         end = min(BLOCK * (block + 1), right + 1)
         at_start = level + slope * np.float32(start - left)
@@ -268,14 +281,38 @@ def _fill_row(
         at_start = min(max(at_start, farthest), nearest)  # slivers have wild slopes
         at_end = min(max(at_end, farthest), nearest)
         if max(at_start, at_end) > lowest[row, block]:
-            for x in range(np.uint64(start), np.uint64(end)):
-                # Of a narrow number, which is made a float eight at a time.
-                here = level + slope * np.float32(np.int32(x - np.uint64(left)))
-                here = min(max(here, farthest), nearest)
-                before = inverse_depth[row, x]
-                is_nearer = here > before
-                inverse_depth[row, x] = here if is_nearer else before
-                seen[row, x] = own if is_nearer else seen[row, x]
+            place, begin = row * width + left, start - left
+            _fill_span(depths, numbers, place, begin, end - left, own, level, slope, farthest, nearest)
             if start == BLOCK * block and (end - start == BLOCK or end == width):
                 lowest[row, block] = max(lowest[row, block], min(at_start, at_end))
         start = end
+
+
+@unaliased
+def _fill_span(
+    depths: NDArray[np.float32],
+    numbers: NDArray[np.int32],
+    place: int,
+    begin: int,
+    end: int,
+    own: np.int32,
+    level: np.float32,
+    slope: np.float32,
+    farthest: np.float32,
+    nearest: np.float32,
+) -> None:
+    """Draw samples `begin` to `end` of a span, `place` being its first, in whole lanes.
+
+    Most spans are so short that a loop of their own length would be over before it becomes wide. Samples in a
+    lane behind the end are written as they were.
+    """
+    for first in range(begin, end, LANES):
+        start, count = np.float32(np.int32(first)), np.float32(np.int32(end - first))
+        for lane in range(LANES):
+            offset = np.float32(np.int32(lane))
+            at = np.uint64(place + first) + np.uint64(lane)
+            here = min(max(level + slope * (start + offset), farthest), nearest)
+            before = depths[at]
+            is_nearer = (here > before) & (offset < count)
+            depths[at] = here if is_nearer else before
+            numbers[at] = own if is_nearer else numbers[at]
