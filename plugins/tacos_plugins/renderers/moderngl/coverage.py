@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled
+from tacos_framework.compiled import compiled, unaliased
 
 # Places around a pixel centre, in half pixels, and their weights in the mean.
 _PLACES = np.array([(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx])
@@ -116,43 +116,38 @@ def _find_several(
 ) -> int:
     """Fill in what `seeing_several` gives; how many there are."""
     height, width = triangle.shape[0] // 2, triangle.shape[1] // 2
-    several = np.empty(width, np.bool_)
+    differs = np.empty(2 * width, np.int32)
+    both = differs.view(np.int64)
     count = 0
     for y in range(height):
         above, middle, below = triangle[2 * y], triangle[2 * y + 1], triangle[2 * y + 2]
+        _find_differences(above, middle, below, differs)
         for x in range(width):
-            left, right = 2 * x, 2 * x + 2
-            own = middle[left + 1]
-            several[x] = (
-                (above[left] != own)
-                | (above[left + 1] != own)
-                | (above[right] != own)
-                | (middle[left] != own)
-                | (middle[right] != own)
-                | (below[left] != own)
-                | (below[left + 1] != own)
-                | (below[right] != own)
-            )
-        for x in range(width):
-            if several[x]:  # triangles, which may be of one surface
-                left, right = 2 * x, 2 * x + 2
-                own = surface_of_triangle[middle[left + 1]]
-                for column in range(left, right + 1):
-                    if (
-                        surface_of_triangle[above[column]] != own
-                        or surface_of_triangle[middle[column]] != own
-                        or surface_of_triangle[below[column]] != own
-                    ):
-                        pixel[count] = y * width + x
-                        count += 1
-                        break
-    for index in range(count):
-        y, x = pixel[index] // width, pixel[index] % width
-        for place in range(8):
-            dy, dx = _PLACES[place, 0], _PLACES[place, 1]
-            wanted[index, place] = surface_of_triangle[triangle[2 * y + 1 + dy, 2 * x + 1 + dx]]
-        pixel[index] += first_pixel
+            if both[x]:  # triangles, which may be of one surface
+                own = surface_of_triangle[middle[2 * x + 1]]
+                differ = False
+                for place in range(8):
+                    row, column = 2 * y + 1 + _PLACES[place, 0], 2 * x + 1 + _PLACES[place, 1]
+                    surface = surface_of_triangle[triangle[row, column]]
+                    wanted[count, place] = surface
+                    differ |= surface != own
+                pixel[count] = first_pixel + y * width + x
+                count += differ  # else the next pixel takes its place
     return count
+
+
+@unaliased
+def _find_differences(
+    above: NDArray[np.int32], middle: NDArray[np.int32], below: NDArray[np.int32], differs: NDArray[np.int32]
+) -> None:
+    """Fill in, for each two columns side by side of three rows (2 W + 1,), whether they differ: 0 if not.
+
+    The nine places of pixel x are columns 2 x to 2 x + 2, so that they differ where 2 x or 2 x + 1 does.
+    """
+    for x in range(len(differs)):
+        here, following = middle[x], middle[x + 1]
+        down = (above[x] ^ here) | (below[x] ^ here)
+        differs[x] = down | (here ^ following) | (above[x + 1] ^ following) | (below[x + 1] ^ following)
 
 
 @compiled
