@@ -26,11 +26,12 @@ from tacos_framework.simulation.evaluation import (
     with_fitness,
 )
 from tacos_framework.simulation.evaluator import Evaluator
-from tacos_framework.simulation.jobs import PrepareJob, SampleJob, ScoreJob
+from tacos_framework.simulation.jobs import BuildJob, PrepareJob, SampleJob, ScoreJob
 from tacos_framework.simulation.simulation import Simulation
 from tacos_framework.simulation.training import state_key
 
 __all__ = [
+    "BuildJob",
     "EpisodeSpec",
     "Evaluation",
     "Evaluator",

@@ -94,6 +94,30 @@ def _frames(values: Mapping[str, Any], training: EpisodeSpec) -> Hashable:
 
 
 @dataclass(frozen=True)
+class BuildJob:
+    """Build a world and light it, for whoever needs it later; any camera will do to look at it."""
+
+    values: Mapping[str, Any]
+    episode: EpisodeSpec
+
+    @property
+    def affinity(self) -> Hashable:
+        """The world."""
+        return self.episode.world
+
+    def run(self, simulation: Simulation) -> None:
+        """Take a frame; what fails here fails where it is needed, and is told there."""
+        try:
+            simulation.sample(self.values, self.episode, 0.0)
+        except Exception as error:  # noqa: BLE001 - nothing is lost but time
+            self.lost(f"{type(error).__name__}: {error}")
+
+    def lost(self, reason: str) -> None:
+        """Nothing was built."""
+        log.info("a world was not built ahead: %s", reason)
+
+
+@dataclass(frozen=True)
 class SampleJob:
     """Take sample frames with a camera, to look at."""
 

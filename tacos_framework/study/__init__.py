@@ -13,6 +13,7 @@
 ``finalists``    the most promising of every search, scored once more at the same time
 ``account``      what evaluations took, and why those failed that did
 ``shards``       a few cameras on many episodes, cut up so that no worker idles
+``worlds_ahead`` worlds of the test, built while workers would wait
 ``failing``      when candidates keep failing by one defect
 ``unseen_test``  cameras on scenes that none was designed on, with ``sequential``, its statistics
 ``samples``      frames of the cameras, to look at

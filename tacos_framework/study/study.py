@@ -31,6 +31,7 @@ from tacos_framework.study.samples import write_samples
 from tacos_framework.study.search import Search
 from tacos_framework.study.shards import score_sharded
 from tacos_framework.study.unseen_test import UnseenTest
+from tacos_framework.study.worlds_ahead import BuildingAhead
 
 log = logging.getLogger(__name__)
 
@@ -76,6 +77,9 @@ class Study:
         self._samples: dict[str, list[str]] = {}
         journal = Journal(results, lambda: self.seconds)
         self._executor = JournaledExecutor(executor, journal)
+        keeps_worlds = plugins.offers.episode_store() is not None
+        certain = self._test.episodes(0, self._test.looks[0]) if self._test and keeps_worlds else ()
+        self._builds_ahead = BuildingAhead(self._executor, certain)
         self._environment = describe_environment(self._executor.workers, plugins.offers.findings())
         self.searches = list(self._make_searches())
         self._checkpoints = Checkpoints(results, journal, self._line_files)
@@ -116,7 +120,7 @@ class Study:
             began = time.monotonic()
             number = search.generation
             try:
-                evaluations = search.step(self._executor, self._evaluate, self._count)
+                evaluations = search.step(self._builds_ahead, self._evaluate, self._count)
             except KeepsFailing as error:  # shown; --resume asks for this generation again
                 self._record(number, search, error.evaluations, time.monotonic() - began)
                 raise
