@@ -31,6 +31,9 @@ class JobRunner(Protocol):
         it runs in. An exception it raises comes out of the iterator unchanged. Where a process dies or hangs
         on a job whenever it is tried, the result is ``evaluate.lost(job, reason)`` if `evaluate` has that.
 
+        The iterator may be left early, and the executor used again at once: jobs not begun are dropped then,
+        and nobody waits for those that were.
+
         The framework tells results by a key that each carries: a result too many, too few or of another call
         is an error, and another order is put right.
         """
