@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
-from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,9 @@ from numba.core.caching import FunctionCache
 from numba.extending import is_jitted
 
 from tacos_framework.cache import content_key
+
+_WRITTEN_IN = (bool, int, float, str, tuple, np.generic, np.ndarray)
+"""What a global is that numba writes into code as it stands."""
 
 
 class KeptCode(FunctionCache):
@@ -49,14 +51,14 @@ def _parts(loop: Callable[..., Any], known: set[int]) -> list[Any]:
     for name in sorted(set(loop.__code__.co_names) & module.keys()):
         value = module[name]
         if is_jitted(value) and id(value.py_func) not in known:
-            parts += [name, _text(value.py_func.__code__.co_filename), _parts(value.py_func, known)]
-        elif isinstance(value, bool | int | float | str | tuple | np.generic | np.ndarray):
+            parts += [name, *_instructions(value.py_func.__code__), _parts(value.py_func, known)]
+        elif isinstance(value, _WRITTEN_IN):
             parts += [name, type(value).__name__, str(getattr(value, "dtype", "")), value]
     return parts
 
 
-@cache
-def _text(path: str) -> str:
-    """What a source file holds; nothing where there is none, as for what was typed in."""
-    file = Path(path)
-    return file.read_text(encoding="utf-8") if file.is_file() else ""
+def _instructions(code: CodeType) -> list[Any]:
+    """What a function does, wherever it stands."""
+    plain = [(type(each).__name__, each) for each in code.co_consts if isinstance(each, _WRITTEN_IN)]
+    inner = [_instructions(each) for each in code.co_consts if isinstance(each, CodeType)]
+    return [code.co_code.hex(), list(code.co_names), list(code.co_varnames), plain, inner]

@@ -7,7 +7,11 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tacos_framework.cache import content_key
+from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import State
 from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation
@@ -119,7 +123,7 @@ class BuildJob:
 
 @dataclass(frozen=True)
 class SampleJob:
-    """Take sample frames with a camera, to look at."""
+    """Take sample frames with a camera, to look at: encoded for a display, here and not by whoever waits."""
 
     values: Mapping[str, Any]
     episode: EpisodeSpec
@@ -130,16 +134,20 @@ class SampleJob:
         """Its world."""
         return self.episode.world
 
-    def run(self, simulation: Simulation) -> list[FrameBatch]:
-        """One batch of one frame for each position in 0..1 along the episode."""
+    def run(self, simulation: Simulation) -> list[NDArray[np.uint8]]:
+        """For each position in 0..1 along the episode an (H, W, C) frame of the rig's first camera."""
         try:
-            return [simulation.sample(self.values, self.episode, position) for position in self.at]
+            return [_shown(simulation.sample(self.values, self.episode, position)) for position in self.at]
         except Exception as error:
             if simulation.plan.recipe.study.on_error == "stop":
                 raise
             return self.lost(f"{type(error).__name__}: {error}")
 
-    def lost(self, reason: str) -> list[FrameBatch]:
+    def lost(self, reason: str) -> list[NDArray[np.uint8]]:
         """No pictures."""
         log.warning("no sample frames of %s: %s", dict(self.values), reason)
         return []
+
+
+def _shown(batch: FrameBatch) -> NDArray[np.uint8]:
+    return display_image(batch.images[0][0], batch.black_level_dn, batch.white_level_dn)

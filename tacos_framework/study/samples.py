@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import Executor
 from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluator, SampleJob
@@ -21,7 +20,7 @@ def write_samples(
     evaluate: Evaluator,
     results: Results,
 ) -> dict[str, list[str]]:
-    """Write frames of the first camera of each rig, encoded for a display; none of a rig that fails.
+    """Write frames of the first camera of each rig; none of a rig that fails.
 
     Parameters
     ----------
@@ -40,7 +39,6 @@ def write_samples(
     """
     jobs = [SampleJob(values, episode, SAMPLES_AT) for values in cameras.values()]
     written: dict[str, list[str]] = {}
-    for name, batches in zip(cameras, executor.map(evaluate, jobs), strict=True):
-        frames = [display_image(b.images[0][0], b.black_level_dn, b.white_level_dn) for b in batches]
+    for name, frames in zip(cameras, executor.map(evaluate, jobs), strict=True):
         written[name] = [results.write_sample(f"{name}_{i}", frame) for i, frame in enumerate(frames)]
     return written
