@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import cycle, islice
+from itertools import chain, islice, repeat
 from typing import Any, ClassVar, TypeVar
 
 from tacos_framework.contracts import Executor
 from tacos_framework.settings import Settings
 from tacos_framework.simulation import BuildJob, EpisodeSpec
+
+OFFERED = 3
+"""How often a world is offered. Whether it was begun nobody tells, and to look at one that is there takes a
+frame each time: a search of thousands of rounds must not go on with that."""
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -18,22 +22,22 @@ class BuildingAhead:
     """An executor that is given, behind the jobs of each round, worlds to build that are needed later.
 
     A worker takes one up when no other job waits, and keeps it on disk and at hand. Nobody waits for it: the
-    round ends with its last real job, and what was not begun then is offered again in a later round.
+    round ends with its last real job, and what was not begun then is offered again in a later round, a few
+    times.
 
     Parameters
     ----------
     executor
         Runs the jobs.
     worlds
-        The episodes whose worlds are needed; none leaves everything as it is. One that is there already is
-        built in no time.
+        The episodes whose worlds are needed; none leaves everything as it is.
     """
 
     Config: ClassVar[type[Settings]] = Settings
 
     def __init__(self, executor: Executor, worlds: Sequence[EpisodeSpec]) -> None:
         self._executor = executor
-        self._worlds = cycle(worlds)
+        self._worlds = chain.from_iterable(repeat(tuple(worlds), OFFERED))
 
     @property
     def workers(self) -> int:

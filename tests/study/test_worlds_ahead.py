@@ -10,7 +10,7 @@ import pytest
 from toy_study import comparable, run, toy_recipe
 
 from tacos_framework.simulation import BuildJob, EpisodeSpec, ScoreJob
-from tacos_framework.study.worlds_ahead import BuildingAhead
+from tacos_framework.study.worlds_ahead import OFFERED, BuildingAhead
 from tacos_plugins.executors.process import ProcessExecutor
 
 WORLDS = [EpisodeSpec(1, ("test", i)) for i in range(3)]
@@ -64,6 +64,12 @@ def test_nobody_waits_for_a_world_and_it_is_offered_again():
     assert not any(isinstance(job, BuildJob) for job in executor.begun)  # it does them in order, when asked
     offered = [next(ahead._ahead(jobs(1, 2))).episode for _ in range(2)]
     assert offered == [WORLDS[1], WORLDS[2]]  # of three, after four
+
+
+def test_a_world_is_not_offered_for_ever():
+    ahead = BuildingAhead(Recording(workers=2), WORLDS)
+    offered = [job.episode for _ in range(100) for job in ahead._ahead(jobs(1, 2))]
+    assert offered == WORLDS * OFFERED
 
 
 @pytest.mark.parametrize(("workers", "given", "offered"), [(2, 2, 1), (2, 5, 1), (8, 2, 6), (2, 0, 0)])
