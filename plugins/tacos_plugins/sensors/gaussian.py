@@ -25,7 +25,8 @@ BITS = 16
 PLACES = 16
 """Places that one counter has the bits of."""
 
-TAIL_BINS = 64
+TAIL_BITS = 6
+TAIL_BINS = 1 << TAIL_BITS
 """Bins at each end in which numbers are computed: those beyond 3.1 standard deviations."""
 
 
@@ -53,13 +54,13 @@ class NormalNumbers:
         """
         if self._place % PLACES:
             raise ValueError(f"only the last numbers of a frame may be other than a multiple of {PLACES}")
-        from tacos_plugins.sensors.sample_loops import look_up
+        from tacos_plugins.sensors.sample_loops import find_tails, look_up
 
         # As `random_raw`, which would keep all other threads waiting.
         words = self._bins.integers(0, 1 << 64, -(-len(out) // 4), np.uint64)
-        bins = words.astype("<u8", copy=False).view("<u2")[: len(out)]
-        tail = np.empty(len(out) + 1, np.int64)
-        tail = tail[: look_up(bins, quantiles(), TAIL_BINS, out, tail)]
+        look_up(words.astype("<u8", copy=False).view("<u2")[: len(out)], quantiles(), out)
+        tail = np.empty(len(out), np.int64)
+        tail = tail[: find_tails(words, TAIL_BITS, len(out), tail)]
         if len(tail) > 0:
             out[tail] = _beyond(self._tails.random(len(tail)), out[tail])
         self._place += len(out)

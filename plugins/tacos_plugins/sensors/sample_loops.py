@@ -5,43 +5,54 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled
+from tacos_framework.compiled import compiled, unaliased
 
 
-@compiled
-def look_up(
-    bins: NDArray[np.uint16],
-    table: NDArray[np.float32],
-    tail_bins: int,
-    out: NDArray[np.float32],
-    tail: NDArray[np.int64],
-) -> int:
-    """Look numbers up in a table, and note which are of its ends.
+@unaliased
+def look_up(bins: NDArray[np.uint16], table: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+    """Fill (N,) with numbers of a table of 65 536, by their places in it."""
+    for sample in range(len(bins)):
+        out[sample] = table[np.uint32(bins[sample])]
+
+
+@unaliased
+def find_tails(words: NDArray[np.uint64], tail_bits: int, count: int, tail: NDArray[np.int64]) -> int:
+    """Note which samples lie at an end of the table of their places.
+
+    Four places are looked at together: seldom is one of them at an end.
 
     Parameters
     ----------
-    bins
-        (N,) places in the table.
-    table
-        (65 536,) float32.
-    tail_bins
-        How many places at each end belong to the tails.
-    out
-        (N,) is filled.
+    words
+        Places of 16 bits, four to a word, the first in the lowest.
+    tail_bits
+        Those at an end begin with 16 - `tail_bits` equal bits.
+    count
+        How many samples there are; what is beyond them in the last word is none.
     tail
-        (N + 1,) its beginning is filled with the numbers of those samples, in their order.
+        (N,) its beginning is filled with the numbers of those samples, in their order.
 
     Returns
     -------
     How many there are.
     """
-    count = 0
-    for sample in range(len(bins)):
-        place = bins[sample]
-        out[sample] = table[place]
-        tail[count] = sample  # written always, and counted where it is one: there is no branch to guess
-        count += (place < tail_bins) | (place >= len(table) - tail_bins)
-    return count
+    found = 0
+    ones = np.uint64(0x0001000100010001)
+    highest = ones << np.uint64(15)
+    begins = (np.uint64(0xFFFF) >> np.uint64(tail_bits)) * ones
+    for number in range(len(words)):
+        # The bits that places begin with are all 0, or all 1, where taking 1 away borrows from above.
+        low = (words[number] >> np.uint64(tail_bits)) & begins
+        high = low ^ begins
+        if ((low - ones) & ~low & highest) | ((high - ones) & ~high & highest):
+            for part in range(4):
+                place = (low >> np.uint64(16 * part)) & np.uint64(0xFFFF)
+                sample = 4 * number + part
+                at_an_end = (place == 0) | (place == begins & np.uint64(0xFFFF))
+                if at_an_end and sample < count:
+                    tail[found] = sample
+                    found += 1
+    return found
 
 
 @compiled
