@@ -7,7 +7,9 @@ approach to deferred shading", JCGT 2013.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,9 @@ from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.pixel_batch import PixelBatch
 from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
 from tacos_plugins.renderers.moderngl.shading_tables import ShadingTables, TexelStack
+
+Step = Callable[[int], object]
+"""Computes something for so many pixels of a batch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,15 +79,15 @@ class DeferredShading:
         of_triangles = (depth_m, views.rays, tables.mover_of_triangle, tables.flat)
         for number, kind in enumerate(tables.kinds):
             of_kind, begin = runs[first[number] : first[number + 1]], (0, 0)
+            if not len(of_kind):
+                continue
             wanted = bool(kind & (SurfaceKind.TEXTURED | SurfaceKind.BUMPY)), SurfaceKind.GLOSSY in kind
-            rows = tables.rows_of_kind[number]
+            filled = (of_seen, tables.rows_of_kind[number], wanted, *of_triangles, floats, integers)
+            steps = [*self._scattering(kind), *self._mirroring(kind)]
             while begin[0] < len(of_kind):
-                count, begin = interpolate(
-                    of_kind, begin, of_seen, rows, wanted, *of_triangles, floats, integers
-                )
-                self._scatter(kind, count)
-                if SurfaceKind.GLOSSY in kind:
-                    self._mirror(kind, count)
+                count, begin = interpolate(of_kind, begin, *filled)
+                for step in steps:
+                    step(count)
                 put(luminance_cd_m2.reshape(-1, 3), floats, integers, count)
 
     def _behind_all(
@@ -95,37 +100,43 @@ class DeferredShading:
         else:
             sky(self.tables.sky, views.rays[0], triangle, luminance_cd_m2)
 
-    def _scatter(self, kind: SurfaceKind, count: int) -> None:
+    def _scattering(self, kind: SurfaceKind) -> Iterator[Step]:
         """Light that surfaces send into all directions."""
         from tacos_plugins.renderers.moderngl.light_loops import scatter
         from tacos_plugins.renderers.moderngl.lookup_loops import colours, light_of_maps, tilts
 
-        tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
+        tables, batch = self.tables, (self._batch.floats, self._batch.integers)
         textured, bumpy = SurfaceKind.TEXTURED in kind, SurfaceKind.BUMPY in kind
         if SurfaceKind.MAPPED in kind:
-            light_of_maps(tables.light_map, tables.bend_map, floats, count)
+            yield partial(light_of_maps, tables.light_map, tables.bend_map, self._batch.floats)
         if bumpy:
-            tilts(*_looked_up(tables.normals), floats, integers, count)
+            yield partial(tilts, *_looked_up(tables.normals), *batch)
         if textured:
-            colours(*_looked_up(tables.colours), floats, integers, count)
-        scatter(floats, count, textured, bumpy)
+            yield partial(colours, *_looked_up(tables.colours), *batch)
+        yield lambda count: scatter(self._batch.floats, count, textured, bumpy)
 
-    def _mirror(self, kind: SurfaceKind, count: int) -> None:
+    def _mirroring(self, kind: SurfaceKind) -> Iterator[Step]:
         """Light that glossy surfaces mirror, from one probe or between two, and that they emit."""
         from tacos_plugins.renderers.moderngl import light_loops as loops
         from tacos_plugins.renderers.moderngl.lookup_loops import look_into_probes
 
-        tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
+        if SurfaceKind.GLOSSY not in kind:
+            return
+        tables, batch = self.tables, (self._batch.floats, self._batch.integers)
         second = (self._between.floats, self._between.integers)
         probes = (tables.probes, tables.probe_boxes_m, len(tables.levels), PROBE_SCALE)
+
+        def between_two(count: int) -> None:
+            between = loops.between_two(*batch, count, *second)
+            look_into_probes(*probes, *second, between)
+            loops.add_second(self._batch.floats, *second, between)
+
         if SurfaceKind.BUMPY in kind:
-            loops.tilt_normals(floats, count)
-        loops.mirror_rays(tables.probe_map, tables.map_origin, tables.materials, floats, integers, count)
-        look_into_probes(*probes, floats, integers, count)
-        between = loops.between_two(floats, integers, count, *second)
-        look_into_probes(*probes, *second, between)
-        loops.add_second(floats, *second, between)
-        loops.reflect(tables.materials, floats, integers, count)
+            yield partial(loops.tilt_normals, self._batch.floats)
+        yield partial(loops.mirror_rays, tables.probe_map, tables.map_origin, tables.materials, *batch)
+        yield partial(look_into_probes, *probes, *batch)
+        yield between_two
+        yield partial(loops.reflect, tables.materials, *batch)
 
 
 def _looked_up(stack: TexelStack) -> tuple[NDArray[np.int32], NDArray[np.int32], int]:
