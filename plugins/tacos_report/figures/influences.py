@@ -92,10 +92,15 @@ def _along_parts(axes: Axes, influence: Influence, chosen: Mapping[str, Any]) ->
     points = sorted(influence.curve, key=lambda point: -point.mean)
     row = chosen.get(influence.variable)
     name = row.get("name") if isinstance(row, Mapping) else row
-    for place, point in enumerate(points):
-        colour = camera_colour(0) if point.value == name else DOT
-        axes.plot([place, place], [point.low, point.high], color=colour, linewidth=1.6, alpha=0.7)
-        axes.plot([place], [point.mean], "o", color=colour, markersize=4, linestyle="")
+    for colour, own in ((DOT, False), (camera_colour(0), True)):
+        places = [place for place, point in enumerate(points) if (point.value == name) == own]
+        low, mean, high = (
+            [getattr(points[place], end) for place in places] for end in ("low", "mean", "high")
+        )
+        axes.vlines(
+            places, low, high, color=colour, linewidth=1.6, alpha=0.7, capstyle="projecting", zorder=2
+        )
+        axes.plot(places, mean, "o", color=colour, markersize=4, linestyle="")
     if len(points) <= _NAMED:
         axes.set_xticks(range(len(points)), [str(point.value) for point in points], rotation=30, ha="right")
     else:

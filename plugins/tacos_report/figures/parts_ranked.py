@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -34,34 +35,47 @@ def parts_ranked(
     """
     said = ", ".join(f"{part.part} {number(part.fitness)}" for part in parts)
 
+    def titled(part: RankedPart) -> str:
+        return products[part.part][1] if part.part in products else ""
+
+    def colour(part: RankedPart) -> str:
+        if part.part in designed:
+            return camera_colour(0)
+        return camera_colour(products[part.part][0]) if part.part in products else DOT
+
+    def dot(part: RankedPart) -> tuple[str, float, str, bool]:
+        """Marker, size and colour, and whether it is filled: a part that was measured."""
+        sold = part.part in products
+        size = (9.0 if part.rescored else 6.5) + (1 if sold else 0)
+        return "D" if sold else "o", size, colour(part), bool(part.episodes)
+
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
         if (best := parts[0].ci) is not None:
             axes.axvspan(*best, color=DOT, alpha=0.13, linewidth=0, zorder=0)
+        known = [(place, part.ci, colour(part)) for place, part in enumerate(parts) if part.ci is not None]
+        if known:
+            places, intervals, colours = zip(*known, strict=True)
+            low, high = zip(*intervals, strict=True)
+            axes.hlines(places, low, high, colors=colours, linewidth=2.2, alpha=0.75, capstyle="projecting")
+        dots: dict[tuple[Any, ...], list[tuple[float, int]]] = {}
         for place, part in enumerate(parts):
-            index, title = products.get(part.part, (None, ""))
-            colour = (
-                camera_colour(0) if part.part in designed else DOT if index is None else camera_colour(index)
-            )
-            if part.ci is not None:
-                axes.plot(part.ci, [place, place], color=colour, linewidth=2.2, alpha=0.75, zorder=1)
-            size = (9.0 if part.rescored else 6.5) + (1 if index is not None else 0)
-            axes.plot(
-                [part.fitness], [place], "D" if index is not None else "o", markersize=size, linestyle="",
-                color=colour if part.episodes else PAPER, markeredgecolor=PAPER if part.episodes else colour,
-                markeredgewidth=0.8 if part.episodes else 1.4, zorder=2,
-            )  # fmt: skip
-            if title and title != part.part:
+            dots.setdefault(dot(part), []).append((part.fitness, place))
+            if (title := titled(part)) and title != part.part:
                 right = part.ci[1] if part.ci else part.fitness
                 axes.annotate(title, (right, place), (7, 0), textcoords="offset points", va="center",
-                              color=colour, fontsize=8)  # fmt: skip
+                              color=colour(part), fontsize=8)  # fmt: skip
+        for (marker, size, own, measured), at in dots.items():  # of a kind together: each takes a while
+            fill, edge, width = (own, PAPER, 0.8) if measured else (PAPER, own, 1.4)
+            axes.plot(
+                *zip(*at, strict=True), marker, markersize=size, linestyle="",
+                color=fill, markeredgecolor=edge, markeredgewidth=width,
+            )  # fmt: skip
         axes.set_yticks(range(len(parts)), [part.part for part in parts])
         for label, part in zip(axes.get_yticklabels(), parts, strict=True):
-            if part.part in designed:
-                label.set(color=camera_colour(0), fontsize=8.5, fontweight="bold")
-            else:
-                index = products.get(part.part, (None, ""))[0]
-                label.set(color=INK if index is None else camera_colour(index), fontsize=8.5)
+            own = colour(part)
+            weight = "bold" if part.part in designed else "normal"
+            label.set(color=INK if own == DOT else own, fontsize=8.5, fontweight=weight)
         axes.set_ylim(len(parts) - 0.3, -0.7)
         axes.margins(x=0.05)
         axes.set_xlabel("fitness at its own best optics (higher is better)")
