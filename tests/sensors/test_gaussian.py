@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from tacos_plugins.sensors.gaussian import BITS, PLACES, TAIL_BINS, NormalNumbers, quantiles
+from tacos_plugins.sensors.gaussian import BITS, PLACES, TAIL_BINS, TAIL_BITS, NormalNumbers, quantiles
+from tacos_plugins.sensors.sample_loops import find_tails
 
 
 @pytest.fixture(scope="module")
@@ -75,6 +76,20 @@ def test_any_sample_can_be_drawn_alone():
         number = int(word) >> (place % 4 * BITS) & ((1 << BITS) - 1)
         if TAIL_BINS <= number < (1 << BITS) - TAIL_BINS:
             assert found[place] == quantiles()[number]
+
+
+edges_of_bins = st.sampled_from(
+    [0, TAIL_BINS - 1, TAIL_BINS, 2**BITS - TAIL_BINS - 1, 2**BITS - TAIL_BINS, 2**BITS - 1]
+)
+
+
+@given(places=st.lists(edges_of_bins | st.integers(0, 2**BITS - 1), min_size=1, max_size=40))
+def test_tails_are_found_wherever_they_are(places):
+    bins = np.array(places, np.uint16)
+    words = np.concatenate([bins, np.zeros(-len(bins) % 4, np.uint16)]).view(np.uint64)
+    tail = np.empty(len(bins), np.int64)
+    found = tail[: find_tails(words, TAIL_BITS, len(bins), tail)]
+    np.testing.assert_array_equal(found, np.flatnonzero((bins < TAIL_BINS) | (bins >= 2**BITS - TAIL_BINS)))
 
 
 def test_only_the_end_of_a_frame_may_lie_within_a_counter():
