@@ -93,14 +93,17 @@ def _along_parts(axes: Axes, influence: Influence, chosen: Mapping[str, Any]) ->
     row = chosen.get(influence.variable)
     name = row.get("name") if isinstance(row, Mapping) else row
     for colour, own in ((DOT, False), (camera_colour(0), True)):
-        places = [place for place, point in enumerate(points) if (point.value == name) == own]
-        low, mean, high = (
-            [getattr(points[place], end) for place in places] for end in ("low", "mean", "high")
-        )
-        axes.vlines(
-            places, low, high, color=colour, linewidth=1.6, alpha=0.7, capstyle="projecting", zorder=2
-        )
-        axes.plot(places, mean, "o", color=colour, markersize=4, linestyle="")
+        placed = [
+            (i, each.mean, each.low, each.high)
+            for i, each in enumerate(points)
+            if own == (each.value == name)
+        ]
+        if placed:
+            places, mean, low, high = zip(*placed, strict=True)
+            axes.vlines(
+                places, low, high, color=colour, linewidth=1.6, alpha=0.7, capstyle="projecting", zorder=2
+            )
+            axes.plot(places, mean, "o", color=colour, markersize=4, linestyle="")
     if len(points) <= _NAMED:
         axes.set_xticks(range(len(points)), [str(point.value) for point in points], rotation=30, ha="right")
     else:
