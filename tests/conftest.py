@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent))  # `toy_plugin`, also in spawned workers
 
@@ -18,6 +19,9 @@ import toy_plugin
 from tacos_framework.plugins import Plugins
 
 os.environ["TACOS_CACHE"] = "off"  # tests build their worlds; those of the store say where theirs is
+
+settings.register_profile("untimed", deadline=None)  # how long a case takes is the machine's affair
+settings.load_profile("untimed")
 
 collect_ignore = ["fuzz/harness.py"]  # run by hand: needs atheris
 
