@@ -54,10 +54,10 @@ class MeasuringExecutor:
     def map(self, evaluate: Callable[[Any], Any], jobs: Sequence[Any]) -> Iterator[Any]:
         """The results in the order of the jobs."""
         spent = Counter[int]()
-        self.rounds.append(spent)  # now: nobody waits for worlds that are built ahead, and they do not count
         for result, process, seconds in self._processes.map(Measured(evaluate), jobs):
             spent[process] += seconds  # type: ignore[assignment]
             yield result
+        self.rounds.append(spent)
 
     def close(self) -> None:
         """End the workers."""

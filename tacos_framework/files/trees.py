@@ -27,8 +27,8 @@ def checksums_below(root: Path) -> Mapping[str, str]:
     OSError
         When one cannot be read, or is no regular file.
     """
-    stats = [(path, path.stat()) for path in _files(root)]
-    stamps = tuple((str(path), stat.st_mtime_ns, stat.st_size) for path, stat in stats)
+    stats = [(path, os.stat(path)) for path in _files(root)]
+    stamps = tuple((path, stat.st_mtime_ns, stat.st_size) for path, stat in stats)
     return _checksums_as_of(root, stamps)
 
 
@@ -44,11 +44,11 @@ def _checksum_of_file(path: Path) -> str:
         return hashlib.file_digest(file, new_checksum).hexdigest()
 
 
-def _files(root: Path) -> Iterator[Path]:
-    """All files of a folder in order, or the file itself."""
+def _files(root: Path) -> Iterator[str]:
+    """All files of a folder in order, or the file itself; as text, for `Path` takes longer than to look."""
     if root.is_file():
-        yield root
+        yield str(root)
         return
     for folder, names, files in os.walk(root):
         names[:] = sorted(name for name in names if name != "__pycache__")
-        yield from (path for name in sorted(files) if (path := Path(folder) / name).is_file())
+        yield from (path for name in sorted(files) if os.path.isfile(path := os.path.join(folder, name)))

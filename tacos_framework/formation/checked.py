@@ -46,7 +46,7 @@ def check_finite(component: str, array: NDArray[Any], what: str, first_frame: in
     if not np.issubdtype(array.dtype, np.inexact):
         return
     with np.errstate(all="ignore"):
-        # One pass without memory, in the order they lie in; what overflows is looked at below.
+        # One pass, without memory where they lie side by side; what overflows is looked at below.
         if np.isfinite(np.vdot(array, array)):
             return
     if not (finite := np.isfinite(array)).all():

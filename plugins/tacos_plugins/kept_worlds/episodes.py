@@ -45,7 +45,7 @@ class StoredEpisodes:
         make: Callable[[], Episode],
     ) -> Episode:
         """See `tacos_framework.contracts.EpisodeStore.episode`."""
-        code = code_key(scene)  # type: ignore[arg-type]  # a class of any kind has a hash
+        code = code_key(scene)
         if code is None:
             return make()
         name = f"{scene.__module__}.{scene.__qualname__}"

@@ -14,14 +14,11 @@ from tacos_framework.files.trees import checksums_below
 from tacos_framework.settings import Settings, paths_in
 
 
-@lru_cache(maxsize=64)
 def code_key(cls: type[Any]) -> str | None:
     """Content key of the code of a component: its package, the core and what these plugins share; versions.
 
     Code of other packages counts by the versions of all distributions that are installed. None where the
     class has no file, as in a notebook: then nothing tells whether its code has changed.
-
-    Files are read when a class is first asked about: what is edited later is not what this process runs.
     """
     root = _root_of(cls.__module__.partition(".")[0])
     if root is None:

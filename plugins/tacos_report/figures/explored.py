@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
-from tacos_report.palette import DOT, PAPER, RULE, camera_colour
+from tacos_report.palette import DOT, RULE, camera_colour
 from tacos_report.quantities import quantity, unit_sign, words
 from tacos_report.study_data import Tried
 
@@ -62,17 +61,13 @@ def explored(panels: Sequence[Panel], scored: Sequence[Tried], *, narrow: bool =
 
 def _scatter(axes: Axes, panel: Panel, scored: Sequence[Tried]) -> None:
     last = max(candidate.generation for candidate in scored) or 1
-    in_turn = sorted(zip(scored, panel.values, strict=True), key=lambda each: each[0].generation)
-    known = [
-        (x, candidate.fitness, round(0.22 + 0.6 * candidate.generation / last, 3))
-        for candidate, x in in_turn
-        if x is not None and candidate.fitness is not None
-    ]
-    if known:
-        xs, ys, alpha = zip(*known, strict=True)
-        fill, edge = ([to_rgba(colour, each) for each in alpha] for colour in (DOT, PAPER))
-        # One collection: an object for each generation takes longer than all else that is drawn.
-        axes.scatter(xs, ys, s=25, color=fill, edgecolors=edge, linewidths=1, zorder=2)
+    points: dict[int, list[tuple[float, float]]] = {}
+    for candidate, x in zip(scored, panel.values, strict=True):
+        if x is not None and candidate.fitness is not None:
+            points.setdefault(candidate.generation, []).append((x, candidate.fitness))
+    for generation, pairs in sorted(points.items()):
+        alpha = round(0.22 + 0.6 * generation / last, 3)
+        axes.plot(*zip(*pairs, strict=True), "o", color=DOT, alpha=alpha, markersize=5, linestyle="")
     for bound in (panel.lower, panel.upper):
         if bound is not None:
             axes.axvline(bound, color=RULE, linewidth=1.2)

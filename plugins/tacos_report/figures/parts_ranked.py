@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -58,7 +57,7 @@ def parts_ranked(
             places, intervals, colours = zip(*known, strict=True)
             low, high = zip(*intervals, strict=True)
             axes.hlines(places, low, high, colors=colours, linewidth=2.2, alpha=0.75, capstyle="projecting")
-        dots: dict[tuple[Any, ...], list[tuple[float, int]]] = {}
+        dots: dict[tuple[str, float, str, bool], list[tuple[float, int]]] = {}
         for place, part in enumerate(parts):
             dots.setdefault(dot(part), []).append((part.fitness, place))
             if (title := titled(part)) and title != part.part:
