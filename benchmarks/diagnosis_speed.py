@@ -19,10 +19,10 @@ from tacos_framework import load_recipe, run
 from tacos_framework.formation import EpisodeDraws
 from tacos_framework.linear_algebra import in_one_thread
 from tacos_framework.plugins import Plugins
-from tacos_gap.candidates import candidates
+from tacos_gap.answer.diagnosis import ENOUGH_PIXELS, diagnose
 from tacos_gap.captures import CaptureFolder, read_captures
-from tacos_gap.diagnosis import ENOUGH_PIXELS, diagnose
-from tacos_gap.formation import simulate
+from tacos_gap.hypotheses.candidates import candidates
+from tacos_gap.simulation.formation import simulate
 from tacos_gap.statistics import Sample, measure
 
 LIGHT_BOX = {"use": "scene.light-box"}

@@ -11,8 +11,8 @@ from tacos_framework.cli.exits import DONE
 from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
-    from tacos_gap.candidates import Candidates
     from tacos_gap.captures import CaptureFolder, RealCapture
+    from tacos_gap.hypotheses.candidates import Candidates
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -88,13 +88,13 @@ def captures(arguments: argparse.Namespace) -> int:
 
 
 def _guide(arguments: argparse.Namespace) -> int:
-    from tacos_gap import guide
+    from tacos_gap.photographs import guide
 
     if arguments.effect is None and arguments.diagnosis is None:
         print("\n".join(guide.whole_round()))
         return DONE
     from tacos_framework.plugins import Plugins
-    from tacos_gap.candidates import candidates
+    from tacos_gap.hypotheses.candidates import candidates
 
     effects = candidates(Plugins.discover()).effects
     if arguments.effect is not None:
@@ -138,7 +138,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
     from tacos_framework.cli import run
     from tacos_framework.recipe.loading import read_any_recipe
     from tacos_framework.recipe.procedure import ProcedureRecipe
-    from tacos_gap.bench.rendering import not_of_a_bench
+    from tacos_gap.simulation.bench.rendering import not_of_a_bench
 
     recipe, _ = read_any_recipe(arguments.recipe)
     if not isinstance(recipe, ProcedureRecipe) or "captures" not in recipe.settings:
@@ -153,9 +153,9 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
 def _check(arguments: argparse.Namespace) -> int:
     from tacos_framework.plugins import Plugins
-    from tacos_gap.bench import recipe_renderer
-    from tacos_gap.candidates import candidates
     from tacos_gap.captures import read_captures
+    from tacos_gap.hypotheses.candidates import candidates
+    from tacos_gap.simulation.bench import recipe_renderer
 
     plugins = Plugins.discover()
     folder = read_captures(arguments.folder, recipe_renderer(plugins))

@@ -14,9 +14,9 @@ import pytest
 
 from tacos_framework.cli import run_main, tacos_main
 from tacos_framework.plugins import Plugins
-from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
 from tacos_gap.captures.coverage import untold
+from tacos_gap.hypotheses.candidates import candidates
 
 RECIPE = """\
 tacos: 1
@@ -79,7 +79,7 @@ def test_a_capture_s_own_recipe_is_rendered_by_the_check(recipe, tmp_path, capsy
 STOPS_AT_THE_SECOND = """\
 import sys, time
 from tacos_framework.cli import tacos_main
-from tacos_gap.bench import CaptureBench
+from tacos_gap.simulation.bench import CaptureBench
 take = CaptureBench.capture
 def take_one(bench, shot):
     if shot.id != "dark":

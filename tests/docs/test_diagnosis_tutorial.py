@@ -10,7 +10,7 @@ import pytest
 
 from tacos_framework.cli import run_main, tacos_main
 from tacos_framework.plugins import Plugins
-from tacos_gap.candidates import candidates
+from tacos_gap.hypotheses.candidates import candidates
 from tests.docs.pages import ROOT, blocks, commands, write_file
 
 PAGE = ROOT / "docs/tutorials/diagnose_a_gap.md"

@@ -10,7 +10,7 @@ import pytest
 from tacos_plugins.effects.board_calibration import calibrated
 from tacos_plugins.effects.focal_length_error import FocalLengthError
 from tacos_plugins.effects.lens_distortion import LensDistortion
-from tests.gap.boards.test_board_diagnosis import FOCAL_PX, views
+from tests.gap.evidence.boards.test_board_diagnosis import FOCAL_PX, views
 
 FREE = ("focal_length", "principal_point")
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings import averaging_of, unit_of
-from tacos_gap.physical_settings import physical_settings_of
+from tacos_gap.answer.physical_settings import physical_settings_of
 from tests.effects.cameras import CAMERAS, CAPTURED, Pattern, Setup, bars, even, placed_at, wave
 
 BARS_PX = 8

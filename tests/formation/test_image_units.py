@@ -12,7 +12,7 @@ from tacos_framework.errors import CandidateFailed
 from tacos_framework.formation import in_image_units
 from tacos_framework.settings import Settings, physical, setting
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.physical_settings import physical_settings_of
+from tacos_gap.answer.physical_settings import physical_settings_of
 
 
 class Config(Settings):

@@ -11,7 +11,7 @@ import numpy as np
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures import Noise, RealCapture
-from tacos_gap.formation import simulate
+from tacos_gap.simulation.formation import simulate
 
 WIDTH, HEIGHT = 160, 120
 BLACK_DN = 16.0

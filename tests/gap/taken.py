@@ -14,7 +14,7 @@ from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures import Board, Noise, RealCapture
-from tacos_gap.formation import simulate
+from tacos_gap.simulation.formation import simulate
 
 WIDTH, HEIGHT = 160, 120
 BLACK_DN = 16.0

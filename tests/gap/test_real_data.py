@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from tacos_framework.plugins import Plugins
-from tacos_gap.candidates import candidates
+from tacos_gap.answer.diagnosis import diagnose
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import read_captures
-from tacos_gap.diagnosis import diagnose
-from tacos_gap.findings import Diagnosis
+from tacos_gap.hypotheses.candidates import candidates
 from tacos_validation.blind.real_cases import real_cases
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "real"

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.discrete import searched
-from tacos_gap.fit import Fitted, fit, rescored, settled
-from tacos_gap.problem import Hypothesis, Map, Problem
+from tacos_gap.inference.discrete import searched
+from tacos_gap.inference.fit import Fitted, fit, rescored, settled
+from tacos_gap.inference.problem import Hypothesis, Map, Problem
 
 CLOSE = 30.0
 """Effects whose first fits score so much less than another are no rivals of it [nat]; all others are

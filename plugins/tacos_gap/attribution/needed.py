@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from tacos_framework.randomness import generator
-from tacos_gap.closure import closures_of
-from tacos_gap.fit import Fitted
-from tacos_gap.intervals import half_widths
-from tacos_gap.jacobian import columns_of
-from tacos_gap.parameters import HypothesisTerm, neutral_value
-from tacos_gap.problem import Problem, robust, without
+from tacos_gap.hypotheses.parameters import HypothesisTerm, neutral_value
+from tacos_gap.inference.closure import closures_of
+from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.intervals import half_widths
+from tacos_gap.inference.jacobian import columns_of
+from tacos_gap.inference.problem import Problem, robust, without
 
 PLAINLY = 10.0
 """Times what an effect must gain that it gains to first order, from which on no fit without it is tried."""

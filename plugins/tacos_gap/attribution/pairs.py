@@ -14,9 +14,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import robust_derivative
-from tacos_gap.screening import (
+from tacos_gap.hypotheses.parameters import HypothesisTerm
+from tacos_gap.inference.problem import robust_derivative
+from tacos_gap.inference.screening import (
     RIDGE,
     ScreeningDirection,
     ScreeningDirections,

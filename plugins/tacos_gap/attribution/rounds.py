@@ -12,18 +12,24 @@ from tacos_framework.contracts import FILE_STAGES
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.attribution.needed import is_plainly_needed
 from tacos_gap.attribution.pairs import best_pair
+from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY, is_worth_it, least_gain, shows
 from tacos_gap.attribution.shortlist import shortlist
-from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, is_worth_it, least_gain, shows
-from tacos_gap.codec import codec_of_files
-from tacos_gap.discrete import searched
 from tacos_gap.evidence import ReplicateResiduals
-from tacos_gap.fit import DRAWS, Fitted, finished, fit
-from tacos_gap.forms import in_its_best_form
-from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Map, Problem, without
-from tacos_gap.pruning import pruned as less_parameters
-from tacos_gap.screening import ScreeningDirections, all_initial_guesses, in_units, screening_score, try_all
-from tacos_gap.unknown import Unexplained, unexplained
+from tacos_gap.hypotheses.parameters import HypothesisTerm
+from tacos_gap.inference.alternative_guesses import in_its_best_form
+from tacos_gap.inference.codec import codec_of_files
+from tacos_gap.inference.discrete import searched
+from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit
+from tacos_gap.inference.problem import Map, Problem, without
+from tacos_gap.inference.pruning import pruned as less_parameters
+from tacos_gap.inference.screening import (
+    ScreeningDirections,
+    all_initial_guesses,
+    in_units,
+    screening_score,
+    try_all,
+)
+from tacos_gap.inference.unknown import Unexplained, unexplained
 
 LARGEST = 6
 """Most effects in one explanation: shares of more cannot be enumerated."""

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.contracts import FILE_STAGES
-from tacos_gap.attribution.found import Attribution
 from tacos_gap.attribution.needed import least_needed
+from tacos_gap.attribution.result import Attribution
 from tacos_gap.attribution.rounds import (
     LARGEST,
     MANY,
@@ -27,12 +27,12 @@ from tacos_gap.attribution.rounds import (
     Notify,
     Rounds,
 )
-from tacos_gap.attribution.worth import COMPLEXITY_PENALTY, least_of_a_rival
-from tacos_gap.fit import Fitted, finished
-from tacos_gap.problem import Problem, without
-from tacos_gap.pruning import restored
-from tacos_gap.screening import screening_score
-from tacos_gap.unknown import Unexplained, unexplained
+from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY, least_of_a_rival
+from tacos_gap.inference.fit import Fitted, finished
+from tacos_gap.inference.problem import Problem, without
+from tacos_gap.inference.pruning import restored
+from tacos_gap.inference.screening import screening_score
+from tacos_gap.inference.unknown import Unexplained, unexplained
 
 MUCH = 0.4
 """Share of the gap left from which on effects on files are tried together."""

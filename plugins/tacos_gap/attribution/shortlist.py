@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tacos_gap.fit import Fitted
-from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Hypothesis, Map, Problem, robust
-from tacos_gap.screening import ScreeningDirections, screening_score
+from tacos_gap.hypotheses.parameters import HypothesisTerm
+from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.problem import Hypothesis, Map, Problem, robust
+from tacos_gap.inference.screening import ScreeningDirections, screening_score
 
 
 def shortlist(

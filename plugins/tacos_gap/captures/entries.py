@@ -8,7 +8,7 @@ from pydantic import Field, Tag, model_validator
 
 from tacos_framework.recipe import Scenario
 from tacos_framework.settings import Settings, also_called, setting
-from tacos_gap.captures.forms import told_apart
+from tacos_gap.captures.entry_forms import told_apart
 
 Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]
 Size = Annotated[int, Field(ge=1, le=100_000)]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import RealCapture
-from tacos_gap.targets.wall import shading
+from tacos_gap.captures.targets.wall import shading
 
 TILE_PX = 16
 """Side of the tiles whose means tell whether the light is as smooth as believed [px]."""

@@ -24,6 +24,7 @@ from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.other_yaml import something_else
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
 from tacos_gap.captures.stated_noise import StatedNoise
+from tacos_gap.captures.targets.expectation import with_own_expectations
 from tacos_gap.captures.time_order import in_time_order, time_doubts
 
 
@@ -61,8 +62,6 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     faults = [*reader.files.faults, *order_faults(captures, reader.where_of)]
     if faults:
         raise UserError(faults)
-    from tacos_gap.targets.expectation import with_own_expectations  # targets build on captures
-
     limits = (*reader.limitations, *(text for capture in captures for text in limitations_of(capture)))
     usable, left_out = with_own_expectations(captures)
     if not usable:

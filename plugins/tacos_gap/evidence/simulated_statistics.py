@@ -17,10 +17,10 @@ from tacos_framework.contracts import LIGHT_STAGES
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
-from tacos_gap.formation import lit_by, simulate
 from tacos_gap.nuisances import expectation_noise, with_noise_of_expectation
+from tacos_gap.simulation.formation import lit_by, simulate
 from tacos_gap.statistics import Sample, StatisticBlock, measure
-from tacos_gap.taken_statistics import TakenStatistics
+from tacos_gap.statistics.taken_statistics import TakenStatistics
 from tacos_plugins.sensors.kept_numbers import KeptNumbers
 
 _NUMBERS_BYTES = 1 << 25

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.targets.chart import find_chart
-from tacos_gap.targets.slanted_edge import find_edge
-from tacos_gap.targets.two_tone import darkness, find_print, paper_level
-from tacos_gap.targets.wall import shading
+from tacos_gap.captures.targets.chart import find_chart
+from tacos_gap.captures.targets.slanted_edge import find_edge
+from tacos_gap.captures.targets.two_tone import darkness, find_print, paper_level
+from tacos_gap.captures.targets.wall import shading
 
 DARK_SHARE = 0.1
 """Level over full scale below which a picture without structure shows the cap: pedestals lie at 6 %."""

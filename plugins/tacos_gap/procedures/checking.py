@@ -7,8 +7,8 @@ from typing import Any
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
-from tacos_gap.bench import recipe_renderer
 from tacos_gap.captures import read_captures
+from tacos_gap.simulation.bench import recipe_renderer
 
 
 def check_all(*checks: Callable[[], Any]) -> None:

@@ -23,24 +23,24 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import ContextMissing
+from tacos_gap.answer.diagnosis import diagnose
+from tacos_gap.answer.findings import Diagnosis, Parameter
+from tacos_gap.answer.transfer import Photographed, patch, patched
+from tacos_gap.answer.undiagnosed import NothingMeasured, undiagnosed_data
 from tacos_gap.attribution import SIMULATIONS
-from tacos_gap.bench import recipe_renderer
-from tacos_gap.candidates import candidates
 from tacos_gap.captures import read_captures
-from tacos_gap.decision import Question, decide
-from tacos_gap.diagnosis import diagnose
-from tacos_gap.findings import Diagnosis, Parameter
-from tacos_gap.problem import placed
+from tacos_gap.hypotheses.candidates import candidates
+from tacos_gap.inference.problem import placed
 from tacos_gap.procedures.checking import check_all, check_captures
-from tacos_gap.procedures.telling import Telling
+from tacos_gap.procedures.progress import Telling
 from tacos_gap.report import task_words
 from tacos_gap.report.page import Circumstances, page
-from tacos_gap.report.undiagnosed import undiagnosed_page
-from tacos_gap.sensing import NODE, with_sensor
+from tacos_gap.report.undiagnosed import undiagnosed_page, undiagnosed_summary
+from tacos_gap.simulation.bench import recipe_renderer
+from tacos_gap.simulation.sensors import NODE, with_sensor
 from tacos_gap.tasks import RecipeTask, default_tasks, score_tasks, task_gap, tasks_of
+from tacos_gap.tasks.decision import Question, decide
 from tacos_gap.tasks.recipe_tasks import frozen_plan
-from tacos_gap.transfer import Photographed, patch, patched
-from tacos_gap.undiagnosed import NothingMeasured, undiagnosed_data, undiagnosed_summary
 from tacos_plugins.building import build
 from tacos_report.page import write_page
 

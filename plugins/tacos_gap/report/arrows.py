@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tacos_gap.boards import BoardEvidence
-from tacos_gap.problem import Problem
+from tacos_gap.evidence.boards import BoardEvidence
+from tacos_gap.inference.problem import Problem
 from tacos_gap.report.numbers import Numbers
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_report.figures.canvas import NARROW_IN, draw

@@ -8,8 +8,8 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tacos_gap.effect_names import effect_words
-from tacos_gap.findings import Diagnosis
+from tacos_gap.answer.findings import Diagnosis
+from tacos_gap.hypotheses.effect_names import effect_words
 from tacos_gap.report.series import AFTER, BEFORE
 from tacos_gap.report.words import share
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows

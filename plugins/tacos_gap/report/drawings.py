@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
-from tacos_gap.findings import Diagnosis
-from tacos_gap.fit import Fitted
-from tacos_gap.problem import Hypothesis, Problem, placed, robust, without
+from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.problem import Hypothesis, Problem, placed, robust, without
 from tacos_gap.report.arrows import arrows, of_boards, of_tiles
 from tacos_gap.report.histogram import histogram
 from tacos_gap.report.image_map import image_map

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from tacos_framework.camera.colour import srgb_from_linear
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
-from tacos_gap.formation import simulate
 from tacos_gap.report.image_map import DIVERGING
+from tacos_gap.simulation.formation import simulate
 
 CROP_PX = 56
 """Side of the part that is shown enlarged [px]."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from tacos_gap.findings import Cause, Diagnosis
+from tacos_gap.answer.findings import Cause, Diagnosis
 from tacos_gap.report import bars, words
 from tacos_gap.report.drawings import Artist, decisive, is_wide, mapped, standing_out
 from tacos_gap.report.numbers import Numbers, numbers_of

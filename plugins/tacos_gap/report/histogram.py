@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
-from tacos_gap.formation import simulate
 from tacos_gap.report.series import AFTER, BEFORE, REAL
+from tacos_gap.simulation.formation import simulate
 from tacos_report.figures.canvas import draw, light_grid
 from tacos_report.palette import MUTED, RULE
 

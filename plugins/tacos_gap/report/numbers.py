@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.boards import BoardEvidence
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence, Label
-from tacos_gap.findings import Diagnosis
-from tacos_gap.problem import Problem
+from tacos_gap.evidence.boards import BoardEvidence
+from tacos_gap.inference.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ from functools import partial
 from typing import Any
 
 from tacos_framework.results import DESIGNED
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import CaptureFolder, RealCapture
-from tacos_gap.findings import Diagnosis
-from tacos_gap.problem import placed
+from tacos_gap.inference.problem import placed
 from tacos_gap.report import bars, task_words, words
 from tacos_gap.report.drawings import Artist
 from tacos_gap.report.frames import ComparedFrames, compare, to_show

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import srgb_from_linear
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
 from tacos_gap.captures.coverage import untold
-from tacos_gap.findings import Diagnosis
 from tacos_gap.report import words
 from tacos_report.page import Block, ContactSheet, Folded, PagePicture, Paragraph, Table, image_uri
 from tacos_report.quantities import number, unit_sign

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from tacos_gap.answer.undiagnosed import WANTED
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.report.photographed import effects_not_shown, photographed
 from tacos_gap.report.words import gathered
-from tacos_gap.undiagnosed import WANTED
 from tacos_report.page import Code, Page, Paragraph, Section
 
 
@@ -40,3 +40,10 @@ def undiagnosed_page(
             Section("To repeat it", (Code(command),)),
         ],
     )
+
+
+def undiagnosed_summary(limitations: Sequence[str]) -> str:
+    """What is said on the terminal."""
+    said = [f"  {text}" for text in gathered(limitations)]
+    lines = ["Unknown: nothing could be measured in any capture.", *said]
+    return "\n".join([*lines, f"Capture next: {WANTED.kind}; {WANTED.why}."])

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from tacos_gap.effect_names import effect_words
-from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
+from tacos_gap.answer.findings import Cause, Diagnosis, Parameter, Physical
+from tacos_gap.answer.transfer import added
+from tacos_gap.hypotheses.effect_names import effect_words
 from tacos_gap.statistics.views import view_of
-from tacos_gap.transfer import added
 from tacos_report.quantities import number, unit_sign
 
 _NAMED = 5

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
+from tacos_gap.captures.targets.wall import smooth_terms
 from tacos_gap.statistics.grid import smooth_areas
-from tacos_gap.targets.wall import smooth_terms
 
 CELL_PX = 4
 """Side of a cell: a whole number of those of a colour mosaic, whose mean is of no colour."""

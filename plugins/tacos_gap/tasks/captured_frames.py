@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework.values import Capture as Light
 from tacos_framework.values import Episode, FrameBatch, Object, Trajectory, View, World
 from tacos_gap.captures import RealCapture
-from tacos_gap.sensing import camera_of
+from tacos_gap.simulation.sensors import camera_of
 
 BACKGROUND = "background"
 SOON_S = 1 / 30

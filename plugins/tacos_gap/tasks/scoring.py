@@ -12,8 +12,8 @@ from tacos_framework.errors import CandidateFailed
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.values import Rig
 from tacos_gap.captures import RealCapture
-from tacos_gap.formation import simulate
-from tacos_gap.sensing import camera_of
+from tacos_gap.simulation.formation import simulate
+from tacos_gap.simulation.sensors import camera_of
 from tacos_gap.tasks.captured_frames import TruthMissing, as_batch
 from tacos_gap.tasks.recipe_tasks import RecipeTask
 

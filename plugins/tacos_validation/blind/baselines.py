@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence
-from tacos_gap.findings import Diagnosis
-from tacos_gap.fit import Fitted
-from tacos_gap.formation import simulate
-from tacos_gap.parameters import HypothesisTerm, initial_guesses_of
-from tacos_gap.problem import Problem, robust
+from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
+from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.problem import Problem, robust
+from tacos_gap.simulation.formation import simulate
 
 WAYS = ("pixel-MSE greedy", "BIC without held-out", "leave-one-out", "no nuisance refit")
 LEAST_GAIN = 0.02

@@ -15,7 +15,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.results import Results
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
-from tacos_gap.candidates import candidates
+from tacos_gap.hypotheses.candidates import candidates
 from tacos_report.page import write_page
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.figure import Figure

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tacos_gap.answer.diagnosis import diagnose, gather
 from tacos_gap.captures import read_captures
-from tacos_gap.diagnosis import diagnose, gather
-from tacos_gap.parameters import HypothesisTerm
-from tacos_gap.problem import Problem
+from tacos_gap.hypotheses.parameters import HypothesisTerm
+from tacos_gap.inference.problem import Problem
 from tacos_validation.blind.baselines import simpler_answers
 from tacos_validation.blind.limits import TimeIsUp, time_limit
 

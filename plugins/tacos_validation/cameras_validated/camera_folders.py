@@ -7,9 +7,9 @@ from pathlib import Path
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
-from tacos_gap.bench import recipe_renderer
 from tacos_gap.captures import CaptureFolder, read_captures
 from tacos_gap.captures.missing import FILE
+from tacos_gap.simulation.bench import recipe_renderer
 
 PATCH = "patched.yaml"
 """What a diagnosis leaves of its causes."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
-from tacos_gap.formation import simulate
+from tacos_gap.simulation.formation import simulate
 from tacos_validation.noise.levels import Levels, measure_levels
 from tacos_validation.noise.photon_transfer import fit_affine
 

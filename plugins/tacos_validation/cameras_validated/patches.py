@@ -13,11 +13,11 @@ from tacos_framework.formation import PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.settings.yaml_reader import read_yaml
-from tacos_gap.candidates import Candidates
+from tacos_gap.answer.diagnosis import Notify, diagnose
+from tacos_gap.answer.transfer import Photographed, patched
 from tacos_gap.captures import CaptureFolder
-from tacos_gap.diagnosis import Notify, diagnose
-from tacos_gap.problem import placed
-from tacos_gap.transfer import Photographed, patched
+from tacos_gap.hypotheses.candidates import Candidates
+from tacos_gap.inference.problem import placed
 from tacos_plugins.building import part_of
 
 

@@ -17,11 +17,11 @@ from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
-from tacos_gap.candidates import Candidates, candidates
 from tacos_gap.captures import CaptureFolder, RealCapture
-from tacos_gap.formation import simulate
+from tacos_gap.hypotheses.candidates import Candidates, candidates
 from tacos_gap.procedures.checking import check_all, check_captures
-from tacos_gap.procedures.telling import Telling
+from tacos_gap.procedures.progress import Telling
+from tacos_gap.simulation.formation import simulate
 from tacos_gap.tasks import CaptureScores, RecipeTask, default_tasks, score_tasks, tasks_of
 from tacos_gap.tasks.recipe_tasks import frozen_plan
 from tacos_report.page import write_page

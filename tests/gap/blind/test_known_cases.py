@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from tacos_framework.plugins import Plugins
-from tacos_gap.candidates import candidates
+from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.captures import read_captures
-from tacos_gap.diagnosis import diagnose
+from tacos_gap.hypotheses.candidates import candidates
 from tacos_validation.blind.generators.specifications import CAPTURES, CaseSpecification, make
 
 

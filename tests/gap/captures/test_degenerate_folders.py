@@ -15,14 +15,14 @@ import pytest
 
 from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
+from tacos_gap.answer.diagnosis import diagnose, gather
+from tacos_gap.answer.undiagnosed import NothingMeasured
 from tacos_gap.captures import CaptureFolder, read_captures
-from tacos_gap.diagnosis import diagnose, gather
 from tacos_gap.evidence import ImageEvidence
-from tacos_gap.locate import locate
-from tacos_gap.problem import Problem
+from tacos_gap.inference.location import locate
+from tacos_gap.inference.problem import Problem
+from tacos_gap.inference.unknown import unexplained
 from tacos_gap.statistics import Sample, measure
-from tacos_gap.undiagnosed import NothingMeasured
-from tacos_gap.unknown import unexplained
 from tests.gap.captures.folders import describe, save, save_frames
 from tests.gap.captures.random_folders import random_folder
 
@@ -203,7 +203,7 @@ def test_what_is_raised_while_measuring_names_the_capture(tmp_path, monkeypatch)
     def broken(*_: Any) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("tacos_gap.diagnosis.ImageEvidence", broken)
+    monkeypatch.setattr("tacos_gap.answer.diagnosis.ImageEvidence", broken)
     with pytest.raises(ZeroDivisionError) as raised:
         gather(read_captures(folder_of(tmp_path, **DEGENERATE["constant"])), seed=0)
     assert raised.value.__notes__ == ["while measuring the capture 'it'"]

@@ -16,11 +16,11 @@ from PIL import Image
 from tacos_files.jpeg_coding import JpegCoding, jpeg_coding, nearest_quality
 from tacos_framework.contracts.observed import FileCoding
 from tacos_framework.plugins import Plugins
+from tacos_gap.answer.diagnosis import diagnose
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import CaptureFolder, read_captures
-from tacos_gap.diagnosis import diagnose
-from tacos_gap.discrete import whole_numbers
-from tacos_gap.findings import Diagnosis
-from tacos_gap.parameters import HypothesisTerm, initial_guesses_for
+from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_for
+from tacos_gap.inference.discrete import whole_numbers
 from tacos_plugins.effects.jpeg import Jpeg
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture
 

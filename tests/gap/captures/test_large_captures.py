@@ -9,11 +9,11 @@ import pytest
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_gap.answer.diagnosis import gather
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.large import ENOUGH_PIXELS, GRID_PX, left_out, measured_part, part_of
-from tacos_gap.diagnosis import gather
-from tacos_gap.formation import simulate
+from tacos_gap.simulation.formation import simulate
 from tacos_plugins.effects.vignetting import Vignetting
 
 

@@ -15,10 +15,10 @@ from tacos_gap.captures import read_captures
 from tacos_gap.photographs.camera import Given
 from tacos_gap.photographs.facts import read_facts
 from tacos_gap.photographs.importing import import_photographs
-from tests.gap.targets.test_chart import photographed
-from tests.gap.targets.test_slanted_edge import edge
-from tests.gap.targets.test_two_tone import page
-from tests.gap.targets.test_two_tone import photographed as print_photographed
+from tests.gap.captures.targets.test_chart import photographed
+from tests.gap.captures.targets.test_slanted_edge import edge
+from tests.gap.captures.targets.test_two_tone import page
+from tests.gap.captures.targets.test_two_tone import photographed as print_photographed
 
 DATA = Path(__file__).parents[4] / "shared" / "data" / "real"
 SHAPE = (240, 320)

@@ -13,7 +13,7 @@ import pytest
 
 from tacos_framework.contracts.observed import FileCoding
 from tacos_gap.evidence import ImageEvidence, Label
-from tacos_gap.problem import Problem
+from tacos_gap.inference.problem import Problem
 from tacos_gap.report.arrows import arrows, of_tiles
 from tacos_gap.report.drawings import is_wide, mapped
 from tacos_gap.report.frames import CROP_PX, compare, to_show

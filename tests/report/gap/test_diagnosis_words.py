@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from tacos_gap.ambiguity import NextCapture
-from tacos_gap.findings import Cause, Diagnosis, Parameter, Physical
-from tacos_gap.locate import Place
+from tacos_gap.answer.findings import Cause, Diagnosis, Parameter, Physical
+from tacos_gap.hypotheses.ambiguity import NextCapture
+from tacos_gap.inference.location import Place
+from tacos_gap.inference.unknown import Unexplained
 from tacos_gap.report import words
 from tacos_gap.report.gap_and_causes import parameter_table
 from tacos_gap.report.photographed import limit_rows, nuisance_rows, photographed
-from tacos_gap.unknown import Unexplained
 from tacos_report.page import ContactSheet
 from tests.gap.taken import capture
 

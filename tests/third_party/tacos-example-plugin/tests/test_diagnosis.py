@@ -10,8 +10,8 @@ import numpy as np
 from tacos_framework import ProcedureRecipe, run
 from tacos_framework.plugins import Plugins
 from tacos_framework.values import Camera, Exposure, ImageContext, ImageGeometry
-from tacos_gap.candidates import candidates
 from tacos_gap.captures import Noise, RealCapture, write_captures
+from tacos_gap.hypotheses.candidates import candidates
 
 from tacos_example.haze import Haze
 from tacos_example.monochrome import MonochromeSensor

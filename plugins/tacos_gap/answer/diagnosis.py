@@ -1,0 +1,291 @@
+"""The whole diagnosis, from captures to causes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.linear_algebra import in_one_thread
+from tacos_framework.plugins.guarded import culprit_of
+from tacos_framework.randomness import generator
+from tacos_gap.answer.causes import cause_set_of, causes_of
+from tacos_gap.answer.detection_limits import detection_limits
+from tacos_gap.answer.findings import LEAST_PRESENT, Cause, Diagnosis
+from tacos_gap.answer.next_capture import best_capture
+from tacos_gap.answer.transfer import of_each_capture, of_one_specimen
+from tacos_gap.answer.undiagnosed import nothing_measured
+from tacos_gap.attribution import SIMULATIONS, Attribution, ForwardSelection
+from tacos_gap.captures import CaptureFolder, RealCapture
+from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges
+from tacos_gap.captures.even_light import with_even_light
+from tacos_gap.captures.large import ENOUGH_PIXELS, left_out, measured_part, part_of
+from tacos_gap.captures.mean_of_files import without_clipped_expectation
+from tacos_gap.captures.sharp_edges import with_sharp_edges
+from tacos_gap.evidence import Evidence, ImageEvidence
+from tacos_gap.evidence.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
+from tacos_gap.hypotheses.candidates import Candidates
+from tacos_gap.hypotheses.parameters import HypothesisTerm
+from tacos_gap.inference.closure import closure, closures_of, negative_control
+from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.location import locate
+from tacos_gap.inference.problem import Problem, placed_in, robust
+from tacos_gap.inference.unknown import Unexplained, block_index, unexplained
+from tacos_gap.nuisances import light_beyond_stated
+from tacos_gap.statistics.unmeasured import is_cut_off, nothing_seen, unmeasured
+from tacos_gap.statistics.views import view_of
+
+LEAST_BESIDE_UNKNOWN = 0.1
+"""Share of the gap that an effect must remove, or it must be proven, to be named beside something unknown."""
+
+EDGES_ALONE = "Pictures of nothing but edges"
+EVEN_FIELDS_ALONE = "Captures of nothing but even fields"
+
+Notify = Callable[[str], None]
+
+
+@in_one_thread
+def diagnose(
+    folder: CaptureFolder,
+    effects: Mapping[str, type[Any]] | Candidates,
+    *,
+    seed: int = 0,
+    workers: int = 2,
+    notify: Notify | None = None,
+    simulations: int = SIMULATIONS,
+) -> Diagnosis:
+    """Find what parts a simulation from a real camera.
+
+    An effect that raises is left out, and named in the limitations.
+
+    Parameters
+    ----------
+    folder
+        The captures.
+    effects
+        Candidate causes: name (without ``effect.``) and class.
+    seed
+        Seeds the simulations.
+    workers
+        Threads. Each measures captures of its own.
+    notify
+        Told what is being done.
+    simulations
+        Those of all captures after which no further effect is looked for.
+
+    Raises
+    ------
+    NothingMeasured
+        When no capture can be measured.
+    """
+    tell = notify or (lambda text: None)
+    considered = effects if isinstance(effects, Candidates) else Candidates(effects)
+    for beyond, by in ((beyond_own_edges, EDGES_ALONE), (beyond_even_fields, EVEN_FIELDS_ALONE)):
+        considered = considered.without_these(beyond(folder.captures, considered.effects), by)
+    tell("measuring the captures")
+    folder = boards_found(folder)
+    evidence, limitations = gather(folder, seed, workers)
+    if not any(each.labels for each in evidence) or all(map(is_cut_off, folder.captures)):
+        raise nothing_measured(folder, limitations)
+    problem = Problem(evidence, workers)
+    while True:
+        try:
+            search = ForwardSelection(problem, considered.effects, workers, tell, simulations)
+            found = _explained(search, folder.captures, considered.effects, seed, workers, tell)
+        except Exception as error:
+            culprit = culprit_of(error)
+            name = culprit.use.removeprefix("effect.") if culprit else ""
+            if name not in considered.effects:
+                raise
+            considered = considered.without(name, error)
+            tell(considered.limitations[-1])
+        else:
+            said = (*folder.limitations, *limitations, *considered.limitations, *found.limitations)
+            return replace(found, limitations=said)
+
+
+def _explained(
+    search: ForwardSelection,
+    captures: Sequence[RealCapture],
+    effects: Mapping[str, type[Any]],
+    seed: int,
+    workers: int,
+    tell: Notify,
+) -> Diagnosis:
+    """What some effects explain of the evidence."""
+    tell("trying effects")
+    attribution = search.run()
+    best, problem = attribution.best, attribution.problem
+    left = unexplained(problem, problem.replicate_residuals(best.hypothesis))
+    tell("how far the gap shrinks")
+    causes = causes_of(problem, attribution, left, captures, effects, seed)
+    if left.probability >= 0.5:  # a little of everything fits what nothing explains
+        causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.is_proven]
+    before, after = problem.gap(problem.null), problem.gap(best.held_out)
+    places = locate(problem, problem.null)
+    if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
+        left = replace(left, probability=max(left.probability, LEAST_PRESENT), where=places[0].statistic)
+    cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
+    if not causes and left.probability < 0.5:
+        cause_set, wanted = hidden_by_pose(problem.evidence, effects)
+    if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
+        wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed, left.where)
+    nuisances = _nuisances(problem, best)
+    return Diagnosis(
+        verdict=_verdict(causes, before, after, left),
+        gap_before=before,
+        gap_after=after,
+        gap_interval=_gap_interval(problem, best, seed),
+        where=places,
+        causes=causes,
+        cause_set=cause_set,
+        unknown=left,
+        next_capture=wanted,
+        below_floor=_below_floor(attribution, causes),
+        negative_control=negative_control(problem, best, generator(seed, "negative control")),
+        limitations=(
+            *(of_one_specimen(cause) for cause in causes if cause.specimen),
+            *(text for cause in causes for text in of_each_capture(cause)),
+            *light_beyond_stated(captures, nuisances),
+            *_cut_short(attribution),
+        ),
+        problem=problem,
+        attribution=attribution,
+        closure_interval=_closure_interval(problem, best, seed),
+        detectable=_detectable(problem, effects, best.z, workers),
+        nuisances=nuisances,
+    )
+
+
+def _cut_short(attribution: Attribution) -> list[str]:
+    """That the search ended early, and how to have it go on; empty where it did not."""
+    if not attribution.cut_short:
+        return []
+    return [
+        f"The search for further effects was ended, much being left unexplained: all captures were simulated "
+        f"{attribution.problem.simulations} times. It goes on with a larger `simulations`."
+    ]
+
+
+def _detectable(
+    problem: Problem, effects: Mapping[str, type[Any]], left: NDArray[np.float64], workers: int
+) -> dict[str, dict[str, float]]:
+    with ThreadPoolExecutor(workers) as pool:
+        return detection_limits(problem, effects, left, pool.map)
+
+
+def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
+    """What each capture's expectation is off by beside the best explanation."""
+    each = [e for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
+    found = {e.capture.id: e.nuisances(placed_in(best.hypothesis, e)) for e in each}
+    return {name: values for name, values in found.items() if values}
+
+
+def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
+    """Evidence of every capture that bears on anything, and why others do not."""
+    captures = boards_found(folder).captures
+    with ThreadPoolExecutor(workers) as pool:
+        pictures = list(pool.map(lambda capture: _evidence_of(capture, seed), captures))
+    images = [each for each in pictures if isinstance(each, ImageEvidence)]
+    boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
+    said = [each for each in pictures if isinstance(each, str)]
+    said += [text for each in images for text in unmeasured(each.capture)]
+    whole = {capture.id: capture for capture in captures}
+    said += [text for each in images if (text := left_out(whole[each.capture.id], each.capture))]
+    return [*images, *boards], [*said, *(text for each in images if (text := _not_taken(each)))]
+
+
+def _not_taken(evidence: ImageEvidence) -> str:
+    """In a sentence, which statistics of a capture could not be taken; empty where all were."""
+    if not (names := evidence.left_out):
+        return ""
+    listed = ", ".join(view_of(name).title.lower() for name in names)
+    return f"{evidence.capture.id}: not compared, as some simulations gave no number: {listed}."
+
+
+def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
+    """The evidence of a picture, or in a sentence why there is none; None of boards.
+
+    What is raised names the capture.
+    """
+    try:
+        return _measured(capture, seed)
+    except Exception as error:
+        error.add_note(f"while measuring the capture {capture.id!r}")
+        raise
+
+
+def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
+    if capture.kind == "board":
+        return None
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
+    if capture.expected_dn is None:
+        capture = with_sharp_edges(capture)
+    if (reason := nothing_seen(capture)) is not None:
+        return reason
+    capture = without_clipped_expectation(capture)
+    if not capture.valid.any():
+        return f"{capture.id}: white has cut off the files that its expectation is a mean of; it is left out."
+    if (part := measured_part(capture)) is not None:
+        capture = part_of(capture, part)
+    capture = with_even_light(capture)
+    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
+
+
+def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:
+    if not causes:
+        return "unknown" if left.probability >= 0.5 else "no_gap"
+    if left.probability < 0.5:
+        return "explained"
+    proven = any(cause.is_proven for cause in causes)
+    return "partly_explained" if proven or closure(before, after) >= 0.5 else "unknown"
+
+
+def _rival_hypotheses(attribution: Attribution, cause_set: Sequence[str]) -> list[tuple[HypothesisTerm, ...]]:
+    """The best explanation, and those with another member of the set in it."""
+    best = attribution.best.hypothesis
+    rivals = [best]
+    for names, fitted in attribution.fits.items():
+        differs = set(names) - {term.name for term in best}
+        if len(names) == len(best) and len(differs) == 1 and differs <= set(cause_set):
+            rivals.append(fitted.hypothesis)
+    return rivals
+
+
+def _below_floor(attribution: Attribution, causes: Sequence[Cause]) -> tuple[str, ...]:
+    """Effects that fit a little better than nothing, but gain too little to be believed."""
+    found = {cause.effect for cause in causes}
+    base = attribution.best.score
+    small = []
+    for names, fitted in attribution.fits.items():
+        added = set(names) - found
+        if found <= set(names) and len(added) == 1 and fitted.score - base > 1.0:
+            small += sorted(added)
+    return tuple(dict.fromkeys(small))
+
+
+def _closure_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:
+    """90 % interval of the closure by all causes together, of the same resamples as each one's."""
+    if not best.hypothesis:
+        return 0.0, 0.0
+    return closures_of(problem, best, generator(seed, "closure")).together.interval
+
+
+def _gap_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:
+    """90 % interval of the gap that is left, over resampled statistics."""
+    groups = block_index(problem)
+    if not len(groups):
+        return 0.0, 0.0
+    rng = generator(seed, "gap interval")
+    count = int(groups.max()) + 1
+    sums = np.bincount(groups, robust(best.held_out) ** 2, count)
+    sizes = np.bincount(groups, minlength=count)
+    drawn = rng.integers(count, size=(200, count))
+    gaps = np.sqrt(sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1)) / problem.noise_floor_rms
+    low, high = np.percentile(gaps, (5, 95))
+    return float(low), float(high)

@@ -1,0 +1,87 @@
+"""When one more effect is worth naming."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tacos_gap.attribution.fits import CLOSE
+from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.problem import Problem, robust
+from tacos_gap.inference.rivals import discrepancy, gain_beyond
+from tacos_gap.inference.unknown import block_index
+
+COMPLEXITY_PENALTY = 6.0
+"""Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
+
+LEAST_OF_REST = 0.08
+"""What it must gain over what is left above the noise floor in the captures it touches: all effects fit a bit
+where formulas miss."""
+
+MISFIT = 0.05
+"""Coherent share of what an explanation changed in a block by which its formulas may be wrong there: a
+further effect must gain more than that."""
+
+RIVAL_SHARE = 0.03
+"""Share of what an effect gained that another must promise to be fitted in its place: in place of another
+focal length, an error of pose promised a tenth of what it then gained, and most effects a fiftieth."""
+
+LEAST_CHANGE = 0.25
+"""Mean square by which an effect must change some statistic of a capture; less is negligible."""
+
+
+def shows(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
+    """Whether what a fit changes exceeds the equivalence margin in any statistic of any capture.
+
+    Thousands of pixels find a little of everything in every camera.
+    """
+    blocks = block_index(problem)
+    change = np.bincount(blocks, (robust(fitted.z) - robust(base.z)) ** 2) / np.bincount(blocks)
+    return bool(change.max() >= LEAST_CHANGE)
+
+
+def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
+    """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
+    allowed = discrepancy(problem, base, MISFIT)
+    slots = [slice(slot.start, slot.stop) for slot in problem.slots]
+    touched = [slot for slot in slots if not np.array_equal(base.z[slot], fitted.z[slot])]
+    return gain_beyond(problem, base, fitted, allowed) > least_gain(problem, base, touched)
+
+
+def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice(None),)) -> float:
+    """What a further effect must gain in log score [nat].
+
+    What brackets leave unexplained says nothing of what flats prove.
+
+    Parameters
+    ----------
+    problem
+        The evidence.
+    base
+        The explanation that it is added to.
+    touched
+        Where the captures that it changes stand in the residuals; all by default.
+    """
+    left = np.concatenate([robust(base.held_out[slot]) ** 2 for slot in (*touched, slice(0))])
+    rest = 0.5 * problem.weight * float(np.sum(left) - len(left))  # squares of the noise floor are 1 each
+    return max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
+
+
+def least_of_a_rival(gained: float) -> float:
+    """What another effect must promise to first order to be fitted in the place of one that gained so much.
+
+    Screening sees effects apart, a parameter at a time, and with rivals that move pixels it is coarse; only
+    those are left out that promise next to nothing, and fall short by more than rivals do.
+
+    Parameters
+    ----------
+    gained
+        Log score with the effect, less that without it [nat].
+
+    Returns
+    -------
+    float
+        A gain [nat]; 0 where all are to be fitted.
+    """
+    return max(0.0, min(RIVAL_SHARE * gained, gained - CLOSE))

@@ -1,0 +1,122 @@
+"""A ColorChecker under unknown light: what its patches would give in a linear camera with true colours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.captures.capture import RealCapture
+from tacos_gap.captures.targets.chart_finder import FoundChart, read_as_chart
+from tacos_gap.captures.targets.lattice import find_lattice
+from tacos_worlds.bench.colour_chart import reflectances
+
+NEUTRALS = slice(18, 24)
+"""The patches from white to black."""
+
+CLEARLY = 0.7
+"""Misfit of a curve over that of a line with an offset below which the neutral patches are taken to lie on
+the curve. Gloss and the chart's age (the reference is good to 2 %) bend a line by a little."""
+
+
+@dataclass(frozen=True, eq=False)
+class ChartLight:
+    """What the neutral patches tell of light and response.
+
+    Parameters
+    ----------
+    white_dn
+        (3,) linear file values above the pedestal that a patch reflecting everything would give [DN].
+    slope
+        Of the logarithm of code against that of reflectance: 1 for a linear camera, about .45 for pictures
+        made for a display.
+    offset_dn
+        (3,) what a linear camera adds to every patch: a pedestal, or veiling light; 0 on a curve [DN].
+    """
+
+    white_dn: NDArray[np.float64]
+    slope: float
+    offset_dn: NDArray[np.float64]
+
+
+@cache
+def reference_colours() -> NDArray[np.float64]:
+    """(24, 3) linear sRGB reflectances of the patches in order; those out of gamut at a thousandth."""
+    return np.maximum(np.array(list(reflectances().values())), 1e-3)
+
+
+def find_chart(rgb: NDArray[np.floating]) -> FoundChart | None:
+    """The ColorChecker that a picture of (H, W, 3) values above the pedestal shows; None without one."""
+    lattice = find_lattice(rgb)
+    return None if lattice is None else read_as_chart(lattice, reference_colours())  # slow to import
+
+
+def patch_colours(capture: RealCapture, boxes: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(P, 3) middle values of patches above the pedestal [DN]."""
+    mean = capture.real_dn.mean(axis=0)
+    middle = [np.median(mean[y : y + h, x : x + w], axis=(0, 1)) for x, y, w, h in boxes]
+    return np.asarray(middle, np.float64) - capture.context.black_level_dn
+
+
+def light_on(capture: RealCapture, colours_dn: NDArray[np.float64]) -> ChartLight | None:
+    """Light and response by the neutral patches.
+
+    A line with an offset per channel, or a power whose exponent the channels share: what fits clearly better.
+
+    Parameters
+    ----------
+    capture
+        Supplies the levels of the files.
+    colours_dn
+        (24, 3) what the patches gave above the pedestal [DN].
+
+    Returns
+    -------
+    ChartLight or None
+        None where fewer than four neutral patches are neither clipped nor black.
+    """
+    span = capture.context.white_level_dn - capture.context.black_level_dn
+    code = colours_dn[NEUTRALS] / span
+    reflectance = reference_colours()[NEUTRALS]
+    usable = (code > 0.01) & (code < 0.97)
+    if min(usable.sum(axis=0)) < 4:
+        return None
+    channels = [(reflectance[use, c], code[use, c]) for c, use in enumerate(usable.T)]
+    lines = [np.polyfit(x, y, 1, w=1 / y) for x, y in channels]
+    misfit_of_line = _rms([np.polyval(line, x) / y - 1 for line, (x, y) in zip(lines, channels, strict=True)])
+    slope, constants = _power(channels)
+    misfit_of_power = _rms(
+        [np.exp(c) * x**slope / y - 1 for c, (x, y) in zip(constants, channels, strict=True)]
+    )
+    if misfit_of_power < CLEARLY * misfit_of_line:
+        return ChartLight(np.exp(np.array(constants) / slope) * span, slope, np.zeros(3))
+    scale, offset = np.array(lines).T * span
+    return ChartLight(scale, 1.0, offset)
+
+
+def _power(channels: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> tuple[float, list[float]]:
+    """Exponent and constants of code = exp(constant) reflectance^exponent, by logarithms."""
+    logs = [(np.log(x), np.log(y)) for x, y in channels]
+    dx = np.concatenate([x - x.mean() for x, _ in logs])
+    dy = np.concatenate([y - y.mean() for _, y in logs])
+    slope = float(dx @ dy / (dx @ dx))
+    return slope, [float(y.mean() - slope * x.mean()) for x, y in logs]
+
+
+def _rms(parts: Sequence[NDArray[np.float64]]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+
+
+def expected_patches(
+    capture: RealCapture, boxes: NDArray[np.int64], colours_dn: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """(1, H, W, 3) linear file values with patches of given colours [DN], and (H, W) where they are."""
+    expected = np.full((1, *capture.real_dn.shape[1:]), capture.context.black_level_dn, np.float32)
+    inside = np.zeros(capture.valid.shape, bool)
+    for (x, y, width, height), colour in zip(boxes.tolist(), colours_dn, strict=True):
+        expected[0, y : y + height, x : x + width] += colour.astype(np.float32)
+        inside[y : y + height, x : x + width] = True
+    return expected, inside

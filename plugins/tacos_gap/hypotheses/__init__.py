@@ -1,0 +1,1 @@
+"""Effects as hypotheses: which, with which parameters, and which of them look alike."""

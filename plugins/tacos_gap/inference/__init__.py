@@ -1,0 +1,1 @@
+"""How well hypotheses explain the evidence, and with which parameters."""

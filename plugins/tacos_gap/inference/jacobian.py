@@ -1,0 +1,85 @@
+"""The free parameters of a hypothesis, and how the residuals move with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.hypotheses.parameters import HypothesisTerm
+from tacos_gap.inference.problem import Hypothesis, Problem, robust
+
+STEP = 0.25
+"""Finite differences take this share of the step that matters of a parameter."""
+
+Column = tuple[str, str, float]
+"""Which derivative: of an effect, by a free parameter, per step."""
+
+
+def theta_of(hypothesis: Hypothesis) -> NDArray[np.float64]:
+    """All free parameters, effect by effect."""
+    return np.concatenate([term.theta for term in hypothesis]) if hypothesis else np.zeros(0)
+
+
+def free_names(hypothesis: Hypothesis) -> list[str]:
+    """The free parameters, effect by effect, as `theta_of` has them."""
+    return [name for term in hypothesis for name in term.free]
+
+
+def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis:
+    """The hypothesis with other values of its free parameters."""
+    changed: list[HypothesisTerm] = []
+    start = 0
+    for term in hypothesis:
+        stop = start + len(term.free)
+        changed.append(term.with_free(theta[start:stop].tolist()))
+        start = stop
+    return tuple(changed)
+
+
+def columns_of(hypothesis: Hypothesis) -> list[Column]:
+    """The columns of the Jacobian at a hypothesis, in order."""
+    return [(term.name, name, step) for term in hypothesis for name, step in term.free.items()]
+
+
+def jacobian_of(
+    problem: Problem,
+    hypothesis: Hypothesis,
+    z: NDArray[np.float64],
+    known: Mapping[Column, NDArray[np.float64]] | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(K, P) change of the robust residuals per step of each free parameter, and (P,) those steps.
+
+    Columns that are `known` are taken as they are.
+    """
+    theta = theta_of(hypothesis)
+    steps = np.array([step for term in hypothesis for step in term.free.values()])
+    columns = []
+    for k, column in enumerate(columns_of(hypothesis)):
+        if known and column in known:
+            columns.append(known[column])
+            continue
+        step = steps[k]
+        for side in (1, -1):
+            nearby = theta.copy()
+            nearby[k] += side * STEP * step
+            changed = problem.residual(with_theta(hypothesis, nearby))
+            if changed is not None:
+                columns.append((robust(changed) - robust(z)) / (side * STEP))
+                break
+        else:
+            columns.append(np.zeros_like(z))
+    return (np.stack(columns, axis=1) if columns else np.zeros((len(z), 0))), steps
+
+
+def jacobian_at(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`jacobian_of` where a hypothesis stands, by the same simulations as its neighbours."""
+    return jacobian_of(problem, hypothesis, residual_of(problem, hypothesis))
+
+
+def residual_of(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64]:
+    """Residuals of a hypothesis that was simulated before, and so is one its effects allow."""
+    z = problem.residual(hypothesis)
+    assert z is not None
+    return z

@@ -1,0 +1,272 @@
+"""All evidence of a folder together, and how a hypothesis fares on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework.formation import PlacedEffect
+from tacos_gap.evidence import Evidence, ImageEvidence, Label, ReplicateResiduals
+from tacos_gap.hypotheses.parameters import HypothesisTerm
+from tacos_gap.nuisances import shares_of_priors
+
+ROBUST_SCALE = 10.0
+"""Residual from which on the robust one grows by the logarithm [noise floor]."""
+
+LEAST_FLOOR = 0.2
+"""Least noise floor, in units of which a negligible difference is 1: darks without a pedestal have none."""
+
+CLOSE_SHARES = 2.0
+"""Factor by which narrowed priors of pose may change without anything being simulated anew."""
+
+Hypothesis = tuple[HypothesisTerm, ...]
+
+Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+"""A map that may work side by side."""
+
+
+def robust(z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Robust residuals, arsinh-like, which outliers cannot rule; nearly the same below `ROBUST_SCALE`."""
+    return np.asarray(ROBUST_SCALE * np.arcsinh(z / ROBUST_SCALE))
+
+
+def robust_derivative(z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How much robust residuals move per unit of residual: the derivative of `robust`."""
+    return np.asarray(1 / np.sqrt(1 + (z / ROBUST_SCALE) ** 2))
+
+
+def floor_rms(replicates: NDArray[np.float64]) -> float:
+    """Root mean square of a noise floor's own (B, K) residuals, at least `LEAST_FLOOR` [noise floor]."""
+    return max(float(np.sqrt(np.mean(robust(replicates) ** 2))), LEAST_FLOOR) if replicates.size else 1.0
+
+
+def _side_by_side(replicates: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Replicates of captures side by side, as many replicates as the least has."""
+    count = min((len(each) for each in replicates), default=0)
+    return np.concatenate([each[:count] for each in replicates], axis=1) if replicates else np.zeros((2, 0))
+
+
+def _key(hypothesis: Hypothesis) -> str:
+    """What tells hypotheses apart."""
+    return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
+
+
+def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
+    """A hypothesis less one effect."""
+    return tuple(term for term in hypothesis if term.name != name)
+
+
+def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEffect]:
+    """The effects of a hypothesis as a recipe places them, without those that refuse their values.
+
+    Parameters
+    ----------
+    hypothesis
+        The effects.
+    capture
+        The capture they are placed for, which may have values of its own.
+    """
+    return [effect for term in hypothesis if (effect := term.placed(capture)) is not None]
+
+
+def placed_in(hypothesis: Hypothesis, evidence: Evidence) -> list[PlacedEffect]:
+    """The effects of a hypothesis for the capture that evidence is of; boards are adjusted all together."""
+    return placed(hypothesis, evidence.capture.id if isinstance(evidence, ImageEvidence) else None)
+
+
+def _renuisanced(evidence: Evidence, hypothesis: Hypothesis) -> Evidence:
+    """Evidence with its nuisances estimated anew beside a hypothesis; poses of boards have no such."""
+    if not isinstance(evidence, ImageEvidence):
+        return evidence
+    return evidence.renuisanced(placed_in(hypothesis, evidence))
+
+
+def _shares_of_priors(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> dict[str, float]:
+    """How far captures disagree about poses beside a hypothesis; see `shares_of_priors`."""
+    poses, groups = [], []
+    for each in evidence:
+        if isinstance(each, ImageEvidence) and (pose := each.pose(placed_in(hypothesis, each))) is not None:
+            poses.append(pose)
+            groups.append(each.capture.group or each.capture.id)
+    return shares_of_priors(poses, groups)
+
+
+def _are_close(shares: dict[str, float], others: dict[str, float]) -> bool:
+    """Whether the same priors are narrowed, by factors within `CLOSE_SHARES`."""
+    return shares.keys() == others.keys() and all(
+        1 / CLOSE_SHARES < share / others[name] < CLOSE_SHARES for name, share in shares.items()
+    )
+
+
+@dataclass
+class Tally:
+    """How many simulations of all captures were made, of a problem and of all that were made of it."""
+
+    simulations: int = 0
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Where the numbers of a capture stand in the whole."""
+
+    start: int
+    stop: int
+
+
+class Problem:
+    """Evidence of all captures as one vector of residuals.
+
+    Parameters
+    ----------
+    evidence
+        One per capture, or view.
+    workers
+        Threads that captures are simulated in, side by side.
+    """
+
+    def __init__(self, evidence: Sequence[Evidence], workers: int = 1):
+        self.evidence = list(evidence)
+        self._of_each: Map = map if workers == 1 else ThreadPoolExecutor(workers).map
+        sizes = [len(e.labels) for e in self.evidence]
+        ends = np.cumsum([0, *sizes])
+        self.slots = [Slot(int(a), int(b)) for a, b in pairwise(ends)]
+        self.labels: list[Label] = [label for e in self.evidence for label in e.labels]
+        self.null = np.concatenate([e.residual(()) for e in self.evidence]) if self.evidence else np.zeros(0)
+        self.null_replicates = _side_by_side([e.null_replicates for e in self.evidence])
+        self.scale = np.ones(len(self.labels))
+        self.draws = 1
+        self._tally = Tally()
+        self._stated = self.evidence
+        self._shares: dict[str, float] = {}
+        self._kept: dict[str, NDArray[np.float64]] = {}
+        self._replicate_residuals: dict[str, ReplicateResiduals] = {}
+        self._lock = Lock()
+
+    @property
+    def simulations(self) -> int:
+        """Those of all captures that residuals took so far, in other units and of averages too."""
+        return self._tally.simulations
+
+    def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
+        """(K,) residuals in units of the noise floor; None where an effect refuses its parameters."""
+        key = f"{self.draws} {_key(hypothesis)}"
+        if len(placed(hypothesis)) < len(hypothesis):
+            return None
+        with self._lock:
+            if key in self._kept:
+                return self._kept[key] / self.scale
+            self._tally.simulations += self.draws
+        parts = self._of_each(lambda e: e.residual(placed_in(hypothesis, e), self.draws), self.evidence)
+        z = np.nan_to_num(np.concatenate([*parts, np.zeros(0)]), nan=1e3, posinf=1e3, neginf=-1e3)
+        with self._lock:
+            self._kept[key] = z
+        return z / self.scale
+
+    def replicate_residuals(self, hypothesis: Hypothesis) -> ReplicateResiduals:
+        """Residuals and replicates when the hypothesis is simulated; see `Evidence.replicate_residuals`."""
+        key = _key(hypothesis)
+        if key not in self._replicate_residuals:
+            self._replicate_residuals[key] = self._simulate_replicates(hypothesis)
+        return self._replicate_residuals[key]
+
+    def _simulate_replicates(self, hypothesis: Hypothesis) -> ReplicateResiduals:
+        parts = list(self._of_each(lambda e: e.replicate_residuals(placed_in(hypothesis, e)), self.evidence))
+        return ReplicateResiduals(
+            np.concatenate([part.z for part in parts]),
+            _side_by_side([part.replicates for part in parts]),
+            np.concatenate([part.scale for part in parts]),
+        )
+
+    def reweighted(self, scale: NDArray[np.float64]) -> Problem:
+        """The same evidence in units of a larger noise floor; what was simulated is kept."""
+        other = copy(self)
+        for name in ("weight", "noise_floor_rms", "null_gaps"):
+            other.__dict__.pop(name, None)
+        other.scale = scale
+        other.null = self.null * self.scale / scale
+        other.null_replicates = self.null_replicates * self.scale / scale
+        return other
+
+    def renuisanced(self, hypothesis: Hypothesis) -> Problem:
+        """The evidence with nuisances estimated anew beside a hypothesis; itself where all of them stay.
+
+        Poses are first estimated within their priors, and then as far as captures disagree about them.
+        """
+        stated = list(self._of_each(lambda e: _renuisanced(e, hypothesis), self._stated))
+        shares = _shares_of_priors(stated, hypothesis)
+        if all(new is old for new, old in zip(stated, self._stated, strict=True)) and _are_close(
+            shares, self._shares
+        ):
+            return self
+        evidence = [e.agreeing(shares) if isinstance(e, ImageEvidence) else e for e in stated]
+        other = copy(self)
+        other.evidence, other._stated, other._shares = evidence, stated, shares
+        other.null = np.concatenate(list(self._of_each(lambda e: e.residual(()), evidence))) / self.scale
+        other._kept, other._replicate_residuals = {}, {}
+        return other
+
+    def averaging(self, draws: int) -> Problem:
+        """The same evidence, each hypothesis by the mean of several simulations."""
+        other = copy(self)
+        other.draws = draws
+        return other
+
+    # what counts how much ---------------------------------------------------------------------------------
+
+    @cached_property
+    def weight(self) -> float:
+        """How many independent numbers one of these is worth, as they vary together (Satterthwaite)."""
+        squares = (robust(self.null_replicates) ** 2).sum(axis=1)
+        least = LEAST_FLOOR**2 * len(self.labels)  # of numbers with hardly a noise floor, as if independent
+        mean, spread = squares.mean() + least, squares.var(ddof=1) + 2 * LEAST_FLOOR**2 * least
+        return float(np.clip(2 * mean / max(spread, 1e-9), 0.02, 1.0))
+
+    @cached_property
+    def noise_floor_rms(self) -> float:
+        """Root mean square of the noise floor's own residuals."""
+        return floor_rms(self.null_replicates)
+
+    def gap(self, z: NDArray[np.float64], part: NDArray[np.bool_] | None = None) -> float:
+        """Root mean square residual, in units of that of the noise floor [noise floor]."""
+        chosen = z if part is None else z[part]
+        return float(np.sqrt(np.mean(robust(chosen) ** 2)) / self.noise_floor_rms) if chosen.size else 0.0
+
+    @cached_property
+    def null_gaps(self) -> NDArray[np.float64]:
+        """(B,) gaps of the simulator against itself [noise floor]."""
+        return np.array([self.gap(z) for z in self.null_replicates])
+
+    @cached_property
+    def fold(self) -> NDArray[np.bool_]:
+        """(K,) which of two folds each number is in.
+
+        Captures of a kind alternate, so that what is fitted on some levels, views or scenes is scored on
+        others; a kind with a single capture is split by place, level and frequency.
+        """
+        fold = self.fold_within_captures.copy()
+        order: dict[str, list[int]] = {}
+        for i, evidence in enumerate(self.evidence):
+            if evidence.labels:
+                order.setdefault(evidence.labels[0].kind, []).append(i)
+        for members in (m for m in order.values() if len(m) > 1):
+            for place, i in enumerate(members):
+                fold[self.slots[i].start : self.slots[i].stop] = place % 2 == 1
+        return fold
+
+    @cached_property
+    def fold_within_captures(self) -> NDArray[np.bool_]:
+        """(K,) which of two folds each number is in when every capture is split by place, level, frequency.
+
+        What holds for one capture alone cannot be predicted from another.
+        """
+        places = [np.arange(slot.stop - slot.start) % 2 == 1 for slot in self.slots]
+        return np.concatenate(places) if places else np.zeros(0, bool)

@@ -1,0 +1,149 @@
+"""Whether more is left after the best explanation than the simulator differs from itself, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_gap.evidence import ReplicateResiduals
+from tacos_gap.inference.problem import LEAST_FLOOR, Problem, floor_rms, robust
+from tacos_gap.inference.significance import BlockTest, block_test, discoveries
+
+TOLERATED = 0.05
+CERTAIN = 0.15
+"""Shares of the gap left: up to the first nothing is unknown, from the second on something certainly is."""
+
+SIGNIFICANT = 0.05
+"""p-value of the most extreme statistic below which something is left."""
+
+SLACK = 1.25
+"""What a right model of a real camera may leave: its formulas are not the camera's own [noise floor]."""
+
+IN_PART = 2.0
+"""A stage or capture alone may leave larger shares of its gap: it is one of many, and smaller."""
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """What is left.
+
+    Parameters
+    ----------
+    probability
+        Of an effect outside the catalogue.
+    p_value
+        That the simulator differs from itself as much anywhere.
+    gap
+        What is left [noise floor].
+    share
+        What is left above the noise floor, over what there was.
+    where
+        Statistic that holds most of it; None where nothing is left.
+    by_stage, by_capture
+        The probability for the statistics of a stage, or of a capture, alone.
+    negligible
+        Whether all blocks that differ significantly lie within the noise floor: equivalence margins are part
+        of it, and a steady simulator makes differences within them significant.
+    """
+
+    probability: float
+    p_value: float
+    gap: float
+    share: float
+    where: str | None
+    by_stage: Mapping[str, float] = field(default_factory=dict)
+    by_capture: Mapping[str, float] = field(default_factory=dict)
+    negligible: bool = False
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether anything is left to explain."""
+        return self.p_value < SIGNIFICANT and not self.negligible
+
+
+def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
+    """Test residuals against the noise floor of the hypothesis they are left by.
+
+    The most extreme of all blocks (a capture and a statistic) decides, so that an effect that shows in one
+    place only is seen.
+    """
+    z = residuals.z
+    # what there was, too, in units of the hypothesis: a noisier one must not seem to explain by that alone
+    null = problem.null * problem.scale / residuals.scale
+    size = floor_rms(residuals.replicates)
+    gap, before = _rms(z) / size, _rms(null) / size
+    blocks, names = block_index(problem), block_names(problem)
+    test = block_test(z, residuals.replicates, blocks, SLACK)
+    p_value = test.family_p_value()
+    share = max(gap - SLACK, 0.0) / max(before - 1.0, 1e-9) if before > SLACK else 0.0
+    probability = _doubt(share) * (1 - p_value) if p_value < SIGNIFICANT else 0.0
+    own = np.bincount(blocks, robust(z) ** 2, len(names))
+    significant = test.p_values <= test.least_p_value(SIGNIFICANT)
+    worst = int(np.argmax(own)) if len(own) else 0
+    stages = {block: label.stage for block, label in zip(blocks.tolist(), problem.labels, strict=True)}
+    part = _PartwiseDoubt(z, null, residuals.replicates, blocks, test)
+    return Unexplained(
+        round(probability, 3),
+        p_value,
+        gap,
+        round(share, 4),
+        names[worst][1] if probability > 0.1 else None,
+        part.by([stages[k] for k in range(len(names))]),
+        part.by([capture for capture, _ in names]),
+        negligible=not np.any(significant & (own > np.bincount(blocks, minlength=len(names)))),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _PartwiseDoubt:
+    """How likely something unknown shows in a part of the numbers."""
+
+    z: NDArray[np.float64]
+    null: NDArray[np.float64]
+    replicates: NDArray[np.float64]
+    blocks: NDArray[np.int64]
+    test: BlockTest
+
+    def by(self, part_of_block: Sequence[str]) -> dict[str, float]:
+        """The probability for each part, from the name of the part that each block belongs to."""
+        significant = discoveries(self.test.p_values, SIGNIFICANT)
+        found = {}
+        for part in dict.fromkeys(part_of_block):
+            members = np.array([name == part for name in part_of_block])
+            p_value = self.test.family_p_value(members)
+            inside = members[self.blocks]
+            left = self._excess(self.z, inside & significant[self.blocks], inside, SLACK)
+            before = self._excess(self.null, inside, inside, 1.0)
+            doubt = _doubt(left / max(before, 1e-9) / IN_PART) if left else 0.0
+            found[part] = round(doubt * (1 - p_value), 3)
+        return found
+
+    def _excess(
+        self, z: NDArray[np.float64], counted: NDArray[np.bool_], inside: NDArray[np.bool_], slack: float
+    ) -> float:
+        """Root mean square above the noise floor of the numbers `counted`, over all `inside`."""
+        floor = np.maximum((robust(self.replicates) ** 2).mean(axis=0), LEAST_FLOOR**2)
+        above = float(np.sum((robust(z) ** 2 - slack**2 * floor)[counted]))
+        return float(np.sqrt(max(above, 0.0) / max(int(inside.sum()), 1)))
+
+
+def _doubt(share: float) -> float:
+    return float(np.clip((share - TOLERATED) / (CERTAIN - TOLERATED), 0.0, 1.0))
+
+
+def _rms(z: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(robust(z) ** 2)))
+
+
+def block_names(problem: Problem) -> list[tuple[str, str]]:
+    """Capture and statistic of each block."""
+    return list(dict.fromkeys((label.capture, label.statistic) for label in problem.labels))
+
+
+def block_index(problem: Problem) -> NDArray[np.int64]:
+    """(K,) the block of each number."""
+    order = {name: i for i, name in enumerate(block_names(problem))}
+    return np.array([order[label.capture, label.statistic] for label in problem.labels], np.int64)

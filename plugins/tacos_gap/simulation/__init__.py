@@ -1,0 +1,1 @@
+"""Captures simulated by the sensors and effects that studies use."""
