@@ -11,9 +11,7 @@ from tacos_decision.model import CameraModel
 from tacos_decision.optimum import best_of_parts
 from tacos_decision.pool import Pool
 from tacos_decision.ranking import left_out, ranking
-from tacos_framework.errors import UserError
-from tacos_framework.linear_algebra import in_one_thread
-from tacos_framework.study.record import StudyRecord
+from tacos_framework import StudyRecord, UserError, in_one_thread
 
 MARGIN_SHARE = 0.01
 """Share of the best fitness that does not matter, where the recipe has no ``test:`` that says it."""

@@ -11,8 +11,7 @@ import numpy as np
 from tacos_decision.model import CameraModel
 from tacos_decision.optimum import BestOfParts
 from tacos_decision.pool import Pool, joined, part_names
-from tacos_framework.study.record import Values
-from tacos_framework.variables.design_space import CatalogChoice, Categorical
+from tacos_framework import CatalogChoice, Categorical, Values
 
 TOLD_APART = 0.05
 """A camera is no equal once the probability that it lies within the margin of the best falls below this."""

@@ -18,10 +18,7 @@ from numpy.typing import NDArray
 
 from tacos_decision.model import CameraModel, interval
 from tacos_decision.pool import Pool, camera_at, joined, part_names
-from tacos_framework.cache import content_key
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.quantities import quantity
-from tacos_framework.study.record import Values
+from tacos_framework import Fault, UserError, Values, content_key, quantity
 
 Array = NDArray[np.float64]
 

@@ -19,9 +19,7 @@ from scipy.stats import qmc
 
 from tacos_decision.model import LEVEL, CameraModel
 from tacos_decision.pool import Pool, camera_at, value_at
-from tacos_framework.cache import content_key
-from tacos_framework.study.record import Values
-from tacos_framework.variables.design_space import CatalogChoice, Categorical, Variable
+from tacos_framework import CatalogChoice, Categorical, Values, Variable, content_key
 
 Array = NDArray[np.float64]
 

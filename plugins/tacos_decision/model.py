@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.cache import content_key
-from tacos_framework.study.record import ScoredEpisode, StudyRecord, Values
+from tacos_framework import ScoredEpisode, StudyRecord, Values, content_key
 from tacos_plugins.surrogate.fitness_posterior import FitnessPosterior
 from tacos_plugins.surrogate.grey_box import GreyBox, Observation
 

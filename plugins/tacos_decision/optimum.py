@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_decision.model import CameraModel, Point
 from tacos_decision.pool import Parts, Pool, part_names
-from tacos_framework.study.record import Values
+from tacos_framework import Values
 
 Array = NDArray[np.float64]
 

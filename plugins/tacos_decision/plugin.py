@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from tacos_framework.hookspecs import hookimpl
+from tacos_framework import hookimpl
 
 log = logging.getLogger(__name__)
 
@@ -20,7 +20,7 @@ def tacos_analyse_study(record: Any) -> Mapping[str, Any]:
     """
     from tacos_decision.analysis import analyse
     from tacos_decision.verdict import verdict
-    from tacos_framework.plugins.failures import in_words, tried
+    from tacos_framework import in_words, tried
 
     found, error = tried(partial(analyse, record))
     if error is not None:

@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from tacos_framework.catalog.parts import CatalogPart
-from tacos_framework.study.record import Values
-from tacos_framework.variables.design_space import CatalogChoice, Categorical, DesignSpace, Variable
+from tacos_framework import CatalogChoice, CatalogPart, Categorical, DesignSpace, Values, Variable
 
 Parts = tuple[CatalogPart, ...]
 """One part of each catalog the design chooses from, in the order of its variables."""

@@ -10,9 +10,7 @@ import numpy as np
 from tacos_decision.model import TIME, CameraModel, interval
 from tacos_decision.optimum import BestOfParts
 from tacos_decision.pool import Pool, joined, part_names
-from tacos_framework.catalog import CatalogPart
-from tacos_framework.study.record import StudiedCamera, Values
-from tacos_framework.variables.design_space import CatalogChoice
+from tacos_framework import CatalogChoice, CatalogPart, StudiedCamera, Values
 
 PLACES = 64
 """Settings of what a product leaves free that are looked at."""

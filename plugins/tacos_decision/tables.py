@@ -9,7 +9,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import Fault, UserError, did_you_mean
 
 if TYPE_CHECKING:
     import pandas

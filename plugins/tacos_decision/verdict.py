@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tacos_framework.study.record import StudyRecord
-from tacos_framework.study.sequential import PairedInterval
+from tacos_framework import StudyRecord
+from tacos_framework.study import PairedInterval
 
 
 def verdict(record: StudyRecord) -> dict[str, Any]:

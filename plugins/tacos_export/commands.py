@@ -7,9 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-from tacos_framework.cli.exits import DONE
-from tacos_framework.components import Command
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import DONE, Command, Fault, UserError
 from tacos_view.commands import add_sets, read_sets, said_meanwhile
 
 FORMATS = ("coco", "kitti", "euroc", "tum", "png16", "exr")
@@ -63,7 +61,7 @@ def _camera(arguments: argparse.Namespace) -> int:
 
 def _dataset(arguments: argparse.Namespace) -> int:
     from tacos_export.dataset import export_dataset
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins
     from tacos_view.setup import set_up
 
     if arguments.frames < 1:
@@ -90,13 +88,13 @@ class _Written:
     """Counts the frames that are written; says how many, and how long the rest may take, now and then."""
 
     def __init__(self, frames: int) -> None:
-        from tacos_framework.cli.pace import Pace
+        from tacos_framework import Pace
 
         self._pace, self._said_s = Pace("Frames", frames), time.monotonic()
         self.count = 0
 
     def __call__(self, count: int) -> None:
-        from tacos_framework.cli.bar import LONGEST_SILENCE_S
+        from tacos_framework import LONGEST_SILENCE_S
 
         self.count = self._pace.done = count
         if time.monotonic() - self._said_s >= LONGEST_SILENCE_S:

@@ -27,7 +27,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera
+from tacos_framework import Camera
 
 UNKNOWN_DEPTH = 0
 """What integer depth files hold where nothing is, or what does not fit."""

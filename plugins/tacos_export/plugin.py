@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from tacos_export.commands import commands
-from tacos_framework.components import Command
-from tacos_framework.hookspecs import hookimpl
+from tacos_framework import Command, hookimpl
 
 
 @hookimpl

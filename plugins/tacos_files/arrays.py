@@ -19,9 +19,8 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.files.limits import limits
-from tacos_framework.files.regular import read_bytes, too_large
+from tacos_framework import Fault, UserError
+from tacos_framework.files import limits, read_bytes, too_large
 
 UNREADABLE = (
     ValueError,

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from tacos_files.image_headers import FORMATS, HeaderError, ImageHeader, read_header
 from tacos_files.tiff_as_stored import tiff_as_stored
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.files.limits import limits
-from tacos_framework.files.regular import read_bytes, too_large
+from tacos_framework import Fault, UserError
+from tacos_framework.files import limits, read_bytes, too_large
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_files.images import UNREADABLE
-from tacos_framework.files.regular import read_bytes
+from tacos_framework.files import read_bytes
 
 SUFFIXES = (".jpg", ".jpeg")
 _SAMPLINGS = ("4:4:4", "4:2:2", "4:2:0")

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tacos_framework.cli.exits import DONE
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import DONE, Fault, UserError
 
 if TYPE_CHECKING:
     from tacos_gap.captures import CaptureFolder, RealCapture
@@ -93,7 +92,7 @@ def _guide(arguments: argparse.Namespace) -> int:
     if arguments.effect is None and arguments.diagnosis is None:
         print("\n".join(guide.whole_round()))
         return DONE
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins
     from tacos_gap.hypotheses.candidates import candidates
 
     effects = candidates(Plugins.discover()).effects
@@ -135,9 +134,8 @@ def _corners(text: str | None) -> tuple[int, int] | None:
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
-    from tacos_framework.cli import run
-    from tacos_framework.recipe.loading import read_any_recipe
-    from tacos_framework.recipe.procedure import ProcedureRecipe
+    from tacos_framework import ProcedureRecipe, read_any_recipe
+    from tacos_framework.cli import run_main
     from tacos_gap.simulation.bench.rendering import not_of_a_bench
 
     recipe, _ = read_any_recipe(arguments.recipe)
@@ -148,11 +146,11 @@ def _simulate(arguments: argparse.Namespace) -> int:
     for flag in ("resume", "accept_changes", "quiet"):
         options += [f"--{flag.replace('_', '-')}"] if getattr(arguments, flag) else []
     options += [] if arguments.seed is None else [f"--seed={arguments.seed}"]
-    return run.main([arguments.recipe, *options])
+    return run_main([arguments.recipe, *options])
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins
     from tacos_gap.captures import read_captures
     from tacos_gap.hypotheses.candidates import candidates
     from tacos_gap.simulation.bench import recipe_renderer

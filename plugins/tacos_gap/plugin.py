@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.components import Command, Component, ReferencePage
-from tacos_framework.hookspecs import hookimpl
+from tacos_framework import Command, Component, ReferencePage, hookimpl
 from tacos_gap import commands
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tacos_framework.cli.exits import DONE, FAILED
-from tacos_framework.components import Command
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import DONE, FAILED, Command, Fault, UserError
 
 
 def commands() -> list[Command]:
@@ -24,7 +22,7 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
 
 def _report(arguments: argparse.Namespace) -> int:
     """Have all plugins report on a results folder."""
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins
     from tacos_framework.results import read_result
 
     folder = arguments.folder

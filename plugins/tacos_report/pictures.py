@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tacos_framework.errors import UserError
+from tacos_framework import UserError
 from tacos_report.study_data import CameraResult
 from tacos_report.view_geometry import half_extents, horizon_from_top
 

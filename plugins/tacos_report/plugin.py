@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tacos_framework.components import Command
-from tacos_framework.errors import UserError
+from tacos_framework import Command, UserError, hookimpl
 from tacos_framework.files import read_json
-from tacos_framework.hookspecs import hookimpl
 from tacos_report import commands as report
 from tacos_report.watching import commands as watch
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import UserError
+from tacos_framework import UserError, read_yaml
 from tacos_framework.files import read_bytes
 from tacos_framework.results import DESIGNED, read_result, read_run_lines
-from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_report.analysis import Analysis, RankedPart, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
 from tacos_report.plain_values import rows as plain_rows

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_framework.results.checksums import (
     Damaged,
     Lines,

@@ -9,13 +9,19 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tacos_framework.catalog import OffTheShelf, camera_names, load_cameras
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import (
+    CatalogChoice,
+    Fault,
+    OffTheShelf,
+    Rig,
+    UserError,
+    also_called,
+    camera_names,
+    did_you_mean,
+    load_cameras,
+)
 from tacos_framework.plan import Plan
 from tacos_framework.results import DESIGNED, read_result
-from tacos_framework.settings import also_called
-from tacos_framework.values import Rig
-from tacos_framework.variables import CatalogChoice
 
 CameraName = str | Mapping[str, Any] | None
 """A product or a camera of a run by name, values of design variables by theirs, or None for the default."""

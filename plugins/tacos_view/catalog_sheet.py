@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tacos_framework.catalog import Catalog, CatalogPart, OffTheShelf
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Catalog, CatalogPart, Fault, OffTheShelf, UserError
 from tacos_report.figures.canvas import NARROW_IN, draw
 from tacos_report.palette import INK, MUTED, camera_colour
 

@@ -7,12 +7,10 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from tacos_framework.cli.exits import DONE
-from tacos_framework.components import Command
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import DONE, Command, Fault, UserError
 
 if TYPE_CHECKING:
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins
 
 FRAMES = 4
 
@@ -57,7 +55,7 @@ def read_sets(given: list[str]) -> dict[str, Any]:
     UserError
         With every one that cannot be read.
     """
-    from tacos_framework.settings.yaml_reader import read_yaml
+    from tacos_framework import read_yaml
 
     sets: dict[str, Any] = {}
     faults: list[Fault] = []
@@ -76,7 +74,7 @@ def read_sets(given: list[str]) -> dict[str, Any]:
 
 
 def _view(arguments: argparse.Namespace) -> int:
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins
 
     if arguments.what is None and arguments.effect is None:
         expected = "a scene, a recipe, a results folder or a catalog, or --effect NAME"
@@ -98,7 +96,7 @@ def _view(arguments: argparse.Namespace) -> int:
 
 def said_meanwhile(plugins: Plugins) -> AbstractContextManager[None]:
     """Says on the terminal what components log, such as a world that takes minutes to be lit."""
-    from tacos_framework.cli.terminal import log_on_terminal
+    from tacos_framework import log_on_terminal
 
     return log_on_terminal(each.component.target.partition(".")[0] for each in plugins)
 
@@ -111,9 +109,7 @@ def _look_for(what: str, plugins: Plugins) -> None:
     UserError
         When there is none, with the name of a recipe, scene or catalog that is nearly the same.
     """
-    from tacos_framework.catalog import catalog_names
-    from tacos_framework.errors import did_you_mean
-    from tacos_framework.packaged_resources import shipped_folder
+    from tacos_framework import catalog_names, did_you_mean, shipped_folder
 
     path = Path(what)
     if what.startswith("scene.") or path.suffix in (".yaml", ".yml") or path.is_file():
@@ -163,8 +159,7 @@ def _effect_use(name: str) -> str:
 
 def _kind_of_catalog(what: str) -> Literal["parts", "cameras"] | None:
     """Which catalog a user names, if it is one: by its name, its ending, or what stands in the file."""
-    from tacos_framework.catalog import catalog_names
-    from tacos_framework.settings.yaml_reader import read_yaml
+    from tacos_framework import catalog_names, read_yaml
 
     if what in catalog_names() or what.lower().endswith(".csv"):
         return "parts"
@@ -177,7 +172,7 @@ def _kind_of_catalog(what: str) -> Literal["parts", "cameras"] | None:
 
 
 def _catalog(arguments: argparse.Namespace, kind: Literal["parts", "cameras"]) -> Path:
-    from tacos_framework.catalog import camera_names, find_catalog, load_cameras
+    from tacos_framework import camera_names, find_catalog, load_cameras
     from tacos_view.pages import write_cameras, write_catalog
 
     if kind == "parts":

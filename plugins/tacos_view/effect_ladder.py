@@ -10,11 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, FrameBatch, Plugins, UserError, check
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect
-from tacos_framework.plugins import Plugins
-from tacos_framework.settings import check
-from tacos_framework.values import FrameBatch
 from tacos_view.pictures import Picture, shown_frame
 from tacos_view.setup import PURPOSE, RenderSetup
 

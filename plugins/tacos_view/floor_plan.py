@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import srgb_from_linear
-from tacos_framework.values import Camera, Trajectory, World
+from tacos_framework import Camera, Trajectory, World
+from tacos_framework.camera import srgb_from_linear
 from tacos_view.pictures import Picture
 
 Triangles = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from tacos_framework.values import Camera, Rig
+from tacos_framework import Camera, Rig
 
 _REACH, _EDGE = 80.0, 8.0
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_files.images import decode_samples
-from tacos_framework.catalog import Catalog, OffTheShelf
+from tacos_framework import Catalog, OffTheShelf
 from tacos_framework.files import made_folder
 from tacos_report.page import (
     Page,

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import display_image
+from tacos_framework.camera import display_image
 
 Picture = NDArray[np.uint8]
 """(H, W, 3) sRGB, row 0 at the top."""

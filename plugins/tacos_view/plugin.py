@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.components import Command
-from tacos_framework.hookspecs import hookimpl
+from tacos_framework import Command, hookimpl
 from tacos_view.commands import commands
 
 

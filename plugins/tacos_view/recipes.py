@@ -6,13 +6,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.recipe.parsing import recipe_from
-from tacos_framework.settings.yaml_reader import read_yaml_draft
-from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework import (
+    Fault,
+    Plugins,
+    Recipe,
+    UserError,
+    load_recipe,
+    read_yaml_draft,
+    recipe_from,
+    to_yaml,
+)
 
 INDOORS = {"illumination_lux": 20.0, "gain_db": 5.0, "exposure_ms": 30.0, "f_number": 2.0}
 """A room in the evening, as `headset_quick` has it: a white wall comes out at 200 of 255."""

@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
-from tacos_framework.values import Camera, FrameBatch, Trajectory, World
+from tacos_framework import Camera, FrameBatch, Plugins, Recipe, Trajectory, World
 from tacos_view.cameras import CameraName
 from tacos_view.pictures import contact_sheet, encoded_png, png_uri, shown_depth, shown_frame
 from tacos_view.setup import set_up

@@ -8,14 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from tacos_framework import Exposure, FrameBatch, NamedScenario, Plugins, Recipe, Rig
 from tacos_framework.formation import PlacedEffect, PlacedSensor
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import NamedScenario, Recipe
-from tacos_framework.simulation import EpisodeSpec, Simulation
-from tacos_framework.simulation.overrides import overrides_of
-from tacos_framework.simulation.simulation import placed
-from tacos_framework.values import Exposure, FrameBatch, Rig
+from tacos_framework.simulation import EpisodeSpec, Simulation, overrides_of, placed
 from tacos_view.cameras import CameraChoice, CameraName, built_rig, choose_camera
 from tacos_view.recipes import study_recipe
 

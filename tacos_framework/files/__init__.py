@@ -16,17 +16,22 @@ On top of them `tacos_framework.settings.yaml_reader` reads YAML, and `tacos_fil
 from __future__ import annotations
 
 from tacos_framework.files.folders import made_folder
-from tacos_framework.files.limits import Limits, limits
-from tacos_framework.files.regular import read_bytes
-from tacos_framework.files.text import read_csv, read_json, read_lines, read_text
+from tacos_framework.files.limits import MB, Limits, limits
+from tacos_framework.files.regular import read_bytes, too_large
+from tacos_framework.files.text import parse_json, read_csv, read_json, read_lines, read_text
+from tacos_framework.files.trees import checksums_below
 
 __all__ = [
+    "MB",
     "Limits",
+    "checksums_below",
     "limits",
     "made_folder",
+    "parse_json",
     "read_bytes",
     "read_csv",
     "read_json",
     "read_lines",
     "read_text",
+    "too_large",
 ]

@@ -21,13 +21,14 @@ noise do not correlate it, those after it do.
 from __future__ import annotations
 
 from tacos_framework.formation.arrays import SensorAt, form_files
-from tacos_framework.formation.chain import EffectChain
+from tacos_framework.formation.chain import ActingEffect, EffectChain
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.image_formation import ImageFormation
 from tacos_framework.formation.image_units import in_image_units
 from tacos_framework.formation.placed import PlacedControl, PlacedEffect, PlacedSensor
 
 __all__ = [
+    "ActingEffect",
     "EffectChain",
     "EpisodeDraws",
     "ImageFormation",

@@ -30,6 +30,7 @@ from __future__ import annotations
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.plan import REFUSED, Plan
 from tacos_framework.plan.planner import make_plan
+from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plan.targets import EXPOSURE, Target, target_of
 
 __all__ = [
@@ -40,5 +41,6 @@ __all__ = [
     "Plan",
     "Target",
     "make_plan",
+    "plan_procedure",
     "target_of",
 ]

@@ -27,7 +27,8 @@ from tacos_framework.simulation.evaluation import (
 )
 from tacos_framework.simulation.evaluator import Evaluator
 from tacos_framework.simulation.jobs import BuildJob, PrepareJob, SampleJob, ScoreJob
-from tacos_framework.simulation.simulation import Simulation
+from tacos_framework.simulation.overrides import overrides_of
+from tacos_framework.simulation.simulation import Simulation, placed
 from tacos_framework.simulation.training import state_key
 
 __all__ = [
@@ -42,6 +43,8 @@ __all__ = [
     "Simulation",
     "failed_by",
     "merged_evaluation",
+    "overrides_of",
+    "placed",
     "state_key",
     "with_fitness",
 ]

@@ -30,8 +30,6 @@
 
 from __future__ import annotations
 
-from tacos_framework.study.progress import Progress, Silent
-from tacos_framework.study.running import run_study
-from tacos_framework.study.study import BROKEN_OFF, DEFECT, DESIGNED, Study
+import lazy_loader
 
-__all__ = ["BROKEN_OFF", "DEFECT", "DESIGNED", "Progress", "Silent", "Study", "run_study"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -32,28 +32,9 @@ def test_the_example_runs_as_a_program(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "result.json").is_file()
 
 
-@pytest.mark.parametrize("name", sorted(set(tacos_framework.__all__) - {"__version__"}))
+@pytest.mark.parametrize("name", sorted(tacos_framework.__all__))
 def test_every_public_name_is_there(name: str) -> None:
     assert getattr(tacos_framework, name) is not None
-
-
-def test_type_checkers_know_the_names_that_are_imported_on_first_use() -> None:
-    source = ast.parse(Path(str(tacos_framework.__file__)).read_text("utf-8"))
-    (typed,) = [node for node in source.body if isinstance(node, ast.If) and not _negated(node)]
-    known = {alias.asname for each in typed.body if isinstance(each, ast.ImportFrom) for alias in each.names}
-    homes = {
-        (f"tacos_framework.{home}", name)
-        for home, names in tacos_framework._HOMES.items()
-        for name in names.split()
-    }
-    stated = {
-        (str(each.module), alias.name)
-        for each in typed.body
-        if isinstance(each, ast.ImportFrom)
-        for alias in each.names
-    }
-    assert known == set(tacos_framework.__all__) - {"__version__"}
-    assert stated == homes
 
 
 def test_every_contract_and_every_value_is_public() -> None:
@@ -65,7 +46,7 @@ def test_every_contract_and_every_value_is_public() -> None:
 
 
 def test_a_name_that_is_not_there_is_an_error() -> None:
-    with pytest.raises(AttributeError, match="module 'tacos_framework' has no attribute 'Sensr'"):
+    with pytest.raises(AttributeError, match="tacos_framework attribute Sensr"):
         tacos_framework.Sensr  # noqa: B018
 
 

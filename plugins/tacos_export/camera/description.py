@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from tacos_export.camera.noise import NoiseDescription, describe_noise
 from tacos_export.conventions import at_full_resolution
-from tacos_framework.contracts import moves_pixels
+from tacos_framework import Camera, Rig, moves_pixels
 from tacos_framework.formation import PlacedEffect
-from tacos_framework.values import Camera, Rig
 from tacos_plugins.effects.lens_distortion import LensDistortion
 from tacos_view.cameras import built_rig
 from tacos_view.setup import RenderSetup
@@ -105,6 +104,6 @@ def lens_of(
 
 def second_from_first(first: Camera, second: Camera) -> NDArray[np.float64]:
     """(4, 4) pose that takes points of the first camera's frame to the second's [m]."""
-    from tacos_framework.camera.geometry import invert_pose
+    from tacos_framework.camera import invert_pose
 
     return np.asarray(invert_pose(second.agent_from_camera) @ first.agent_from_camera)

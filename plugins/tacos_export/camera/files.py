@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from tacos_export.camera.description import CameraDescription, second_from_first
+from tacos_framework import to_yaml
 from tacos_framework.files import made_folder
-from tacos_framework.settings.yaml_writer import to_yaml
 
 _KALIBR_MODEL = {"brown": "radtan", "fisheye": "equidistant"}
 _ROS_MODEL = {"brown": "plumb_bob", "fisheye": "equidistant"}

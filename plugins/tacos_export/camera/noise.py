@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.contracts import Sensor
-from tacos_framework.values import Camera, Exposure
+from tacos_framework import Camera, Exposure, Sensor
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_export.conventions import depth_codes
 from tacos_export.dataset.frame import Dataset, box_of, photograph, visible_objects, write_image
-from tacos_framework.values import FrameBatch, World
+from tacos_framework import FrameBatch, World
 
 DEPTH_CODES_PER_M = 1000.0
 """Depth files are in millimetres."""

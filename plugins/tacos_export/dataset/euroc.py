@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 from tacos_export.conventions import quaternion_xyzw, time_ns
 from tacos_export.dataset.frame import Dataset, photograph, write_image
 from tacos_export.dataset.tum import walk_folder, write_lines
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.settings.yaml_writer import to_yaml
-from tacos_framework.values import Camera, FrameBatch, Trajectory
+from tacos_framework import Camera, Fault, FrameBatch, Trajectory, UserError, to_yaml
 
 _TRUTH = (
     "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "

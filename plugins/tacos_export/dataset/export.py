@@ -10,10 +10,8 @@ from typing import Any
 
 from tacos_export.camera.description import lens_of
 from tacos_export.dataset.frame import Dataset, DatasetCamera, DatasetWriter, Encoding
-from tacos_framework import __version__
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import Fault, FrameBatch, UserError, World, __version__, did_you_mean
 from tacos_framework.files import made_folder
-from tacos_framework.values import FrameBatch, World
 from tacos_plugins.effects.tone_curve import ToneCurve
 from tacos_view.setup import RenderSetup
 

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_export.camera.description import LensModel
-from tacos_framework.camera.colour import display_image
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.values import FrameBatch, Rig, View, World
+from tacos_framework import Fault, FrameBatch, Rig, UserError, View, World
+from tacos_framework.camera import display_image
 
 Encoding = Literal["srgb", "camera"]
 """8-bit images as photographs are encoded, or the camera's own digital numbers."""

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from tacos_export.camera.description import second_from_first
 from tacos_export.conventions import depth_codes
 from tacos_export.dataset.frame import Dataset, box_of, photograph, visible_objects, write_image
-from tacos_framework.camera.geometry import invert_pose
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.values import Camera, FrameBatch
+from tacos_framework import Camera, Fault, FrameBatch, UserError
+from tacos_framework.camera import invert_pose
 
 CODES_PER_UNIT = 256.0
 """Depth [1/m] and disparity [1/px] in 16 bits, as the development kits of KITTI have it."""

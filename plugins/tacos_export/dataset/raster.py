@@ -8,8 +8,7 @@ import numpy as np
 
 from tacos_export.conventions import depth_codes
 from tacos_export.dataset.frame import Dataset, linear_16_bit, write_image
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.values import FrameBatch
+from tacos_framework import Fault, FrameBatch, UserError
 
 DEPTH_CODES_PER_M = 1000.0
 """Depth files are in millimetres."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from tacos_export.conventions import depth_codes, quaternion_xyzw
 from tacos_export.dataset.frame import Dataset, photograph, write_image
-from tacos_framework.values import FrameBatch
+from tacos_framework import FrameBatch
 
 DEPTH_CODES_PER_M = 5000.0
 """Depth in 16 bits, as the benchmark's own files have it: up to 13 m."""

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.randomness import generator
-from tacos_framework.settings import includes_pedestal, unit_of
+from tacos_framework import generator, includes_pedestal, unit_of
 from tacos_gap.answer.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.answer.pictures import share_of_pictures
 from tacos_gap.answer.transfer import Photographed, of_specimen

@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.linear_algebra import in_one_thread
-from tacos_framework.plugins.guarded import culprit_of
-from tacos_framework.randomness import generator
+from tacos_framework import culprit_of, generator, in_one_thread
 from tacos_gap.answer.causes import cause_set_of, causes_of
 from tacos_gap.answer.detection_limits import detection_limits
 from tacos_gap.answer.findings import LEAST_PRESENT, Cause, Diagnosis

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from tacos_framework.values import ImageGeometry
+from tacos_framework import ImageGeometry
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence
 from tacos_gap.evidence.boards import source_of

@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tacos_framework.camera.units import image_units_per
-from tacos_framework.settings import Settings, includes_pedestal, physical_settings, unit_of
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    includes_pedestal,
+    physical_settings,
+    unit_of,
+)
+from tacos_framework.camera import image_units_per
 
 
 def physical_settings_of(

@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.settings import Settings, unit_of
-from tacos_framework.settings.yaml_writer import to_yaml
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import ImageContext, ImageGeometry, Settings, to_yaml, unit_of
 from tacos_gap.answer.findings import Cause, Parameter, Physical, as_fine_as, short
 from tacos_gap.answer.physical_settings import physical_settings_of
 from tacos_gap.captures import RealCapture

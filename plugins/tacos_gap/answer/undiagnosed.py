@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.hypotheses.ambiguity import NextCapture
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_framework.randomness import generator
+from tacos_framework import generator
 from tacos_gap.hypotheses.parameters import HypothesisTerm, neutral_value
 from tacos_gap.inference.closure import closures_of
 from tacos_gap.inference.fit import Fitted

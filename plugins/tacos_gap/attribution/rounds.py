@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import FILE_STAGES
+from tacos_framework import FILE_STAGES
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.attribution.needed import is_plainly_needed
 from tacos_gap.attribution.pairs import best_pair

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.contracts import FILE_STAGES
+from tacos_framework import FILE_STAGES
 from tacos_gap.attribution.needed import least_needed
 from tacos_gap.attribution.result import Attribution
 from tacos_gap.attribution.rounds import (

@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.contracts.observed import FileCoding
+from tacos_framework import FileCoding, ImageContext, ImageGeometry
+from tacos_framework.camera import Places
 from tacos_framework.formation import PlacedSensor
-from tacos_framework.values import ImageContext, ImageGeometry
 
 PRINTED_WITHIN = 0.02
 """Relative accuracy of the reflectance of a printed patch."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tacos_framework.plugins.guarded import calling
+from tacos_framework import calling
 from tacos_gap.captures.capture import RealCapture
 
 

@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Tag, model_validator
 
-from tacos_framework.recipe import Scenario
-from tacos_framework.settings import Settings, also_called, setting
+from tacos_framework import Scenario, Settings, also_called, setting
 from tacos_gap.captures.entry_forms import told_apart
 
 Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Discriminator
 
-from tacos_framework.settings import Settings
+from tacos_framework import Settings
 
 _FORMS: dict[str, tuple[type, ...]] = {
     "<number>": (int, float),

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import UserError
+from tacos_framework import UserError
 from tacos_gap.captures.entries import CaptureEntry, FolderEntry
 from tacos_gap.captures.files import MAX_FRAMES, CaptureFiles
 

@@ -12,11 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_files.jpeg_coding import jpeg_coding
-from tacos_framework.contracts.observed import FileCoding
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.files import limits, read_csv
-from tacos_framework.files.regular import too_large
-from tacos_framework.settings.yaml_document import Document
+from tacos_framework import Document, Fault, FileCoding, UserError
+from tacos_framework.files import limits, read_csv, too_large
 from tacos_gap.captures.images import read_array, read_image
 
 MAX_FRAMES = 6

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from tacos_files.arrays import read_npy
 from tacos_files.image_headers import FORMATS
 from tacos_files.images import decode_samples
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.files import limits, read_bytes
-from tacos_framework.files.regular import too_large
+from tacos_framework import Fault, UserError
+from tacos_framework.files import limits, read_bytes, too_large
 
 _LARGEST_DN = 1e9
 """Beyond any file or expectation; what is larger overflows somewhere, not here."""

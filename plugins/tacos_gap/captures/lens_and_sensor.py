@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.values import ImageGeometry
+from tacos_framework import ImageGeometry
 from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry
 
 FOCAL_LENGTH_MM = 4.0

@@ -6,7 +6,7 @@ import shlex
 from itertools import islice
 from pathlib import Path
 
-from tacos_framework.errors import Fault
+from tacos_framework import Fault
 from tacos_gap.captures.images import PICTURE_SUFFIXES
 
 FILE = "captures.yaml"

@@ -6,7 +6,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault
+from tacos_framework import Fault
 from tacos_gap.captures.missing import BEGIN, FILE
 
 _MARK = "tacos_captures"

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault
+from tacos_framework import Fault
 from tacos_gap.captures.alignment import REMEDY, is_share_of_full_scale
 from tacos_gap.captures.capture import RealCapture
 

@@ -8,11 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.settings import check
-from tacos_framework.settings.yaml_document import Document
-from tacos_framework.settings.yaml_reader import read_yaml
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import Document, Fault, ImageContext, ImageGeometry, UserError, check, read_yaml
 from tacos_gap.captures.capture import Board, CaptureFolder, Objects, RealCapture
 from tacos_gap.captures.doubts import doubt_of_files, doubts
 from tacos_gap.captures.entries import BoardEntry, CaptureEntry, FolderEntry

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework import to_yaml
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.entry_files import written_entry
 from tacos_gap.captures.lens_and_sensor import moved_filters

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework import generator
 from tacos_framework.formation import PlacedEffect
-from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence.contract import N_NULL_REPLICATES, Label, ReplicateResiduals
 from tacos_gap.evidence.moved_expectation import MovedExpectation, MovedExpectations

@@ -13,9 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LIGHT_STAGES
+from tacos_framework import LIGHT_STAGES, generator
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
-from tacos_framework.randomness import generator
 from tacos_gap.captures import RealCapture
 from tacos_gap.nuisances import expectation_noise, with_noise_of_expectation
 from tacos_gap.simulation.formation import lit_by, simulate

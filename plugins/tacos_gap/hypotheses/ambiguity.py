@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.contracts import LookAlike
-from tacos_framework.plugins.guarded import calling
+from tacos_framework import LookAlike, calling
 from tacos_gap.captures import RealCapture
 
 

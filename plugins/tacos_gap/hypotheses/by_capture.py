@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from statistics import median, median_low
 from typing import Any
 
-from tacos_framework.contracts import ShownBy
+from tacos_framework import ShownBy
 from tacos_gap.captures import RealCapture
 
 _AT = "@"

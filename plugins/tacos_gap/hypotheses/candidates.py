@@ -6,8 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.plugins import Plugins
+from tacos_framework import Fault, Plugins, UserError, did_you_mean
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework import calling, period_of
 from tacos_framework.formation import PlacedEffect
-from tacos_framework.plugins.guarded import calling
-from tacos_framework.settings import period_of
 from tacos_gap.captures import RealCapture
 from tacos_gap.hypotheses.by_capture import captures_with_values, guesses_by_capture, setting_of, values_in
 

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.camera.resampling import resample
-from tacos_framework.values import ImageGeometry
+from tacos_framework import ImageGeometry
+from tacos_framework.camera import Places, resample
 from tacos_gap.captures import RealCapture
 from tacos_gap.captures.capture import Unmoved
 from tacos_gap.nuisances.freedom import LIGHT_TERMS, POSE_TERMS, Freedom

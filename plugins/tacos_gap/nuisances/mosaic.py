@@ -10,8 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.camera.resampling import resample
+from tacos_framework.camera import Places, resample
 
 Image = NDArray[np.float32]
 

@@ -13,7 +13,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left
 from tacos_gap.photographs.picture import Picture
 

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework import to_yaml
 from tacos_gap.photographs.camera import CameraFound
 
 _HEADER = """\

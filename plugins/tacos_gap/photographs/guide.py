@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import Fault, UserError, did_you_mean
 from tacos_framework.files import read_json
 from tacos_gap.captures.missing import FILE, nothing_to_read
 

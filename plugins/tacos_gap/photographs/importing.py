@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_gap.captures.missing import FILE
 from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, board_of
 from tacos_gap.photographs.camera import CameraFound, Given, camera_of, focal_px_of_views

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tacos_framework.errors import Fault
+from tacos_framework import Fault
 from tacos_gap.report.words import listed
 
 _NAMED = 20

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_gap.photographs.camera import Given
 from tacos_gap.photographs.left_out import left_out, why_unreadable

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_gap.captures.files import by_number
 from tacos_gap.captures.images import PICTURE_SUFFIXES, RAW_SUFFIXES
 

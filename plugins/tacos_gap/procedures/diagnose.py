@@ -13,16 +13,20 @@ from typing import Any
 
 from pydantic import JsonValue
 
-from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import (
+    ContextMissing,
+    Executor,
+    Fault,
+    Plugins,
+    Progress,
+    Settings,
+    Use,
+    UserError,
+    setting,
+)
 from tacos_framework.formation import PlacedSensor
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Use
 from tacos_framework.results.writing import replace_file
-from tacos_framework.settings import Settings, setting
-from tacos_framework.study.failing import KeepsFailing
-from tacos_framework.study.progress import Progress
-from tacos_framework.values import ContextMissing
+from tacos_framework.study import KeepsFailing
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis, Parameter
 from tacos_gap.answer.transfer import Photographed, patch, patched

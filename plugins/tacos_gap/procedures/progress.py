@@ -10,7 +10,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
-from tacos_framework.study.progress import Progress
+from tacos_framework import Progress
 from tacos_gap.attribution.selection import RIVALS
 from tacos_report.quantities import duration
 

@@ -7,9 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.plugins import Plugins
+from tacos_framework import Plugins, Progress
 from tacos_framework.results import Results
-from tacos_framework.study.progress import Progress
 from tacos_gap.captures import CaptureWriter, WrittenCapture
 from tacos_gap.captures.missing import BEGUN
 from tacos_gap.simulation.bench import BenchSettings, CaptureBench

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import srgb_from_linear
+from tacos_framework.camera import srgb_from_linear
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.report.image_map import DIVERGING

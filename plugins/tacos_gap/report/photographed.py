@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import srgb_from_linear
+from tacos_framework.camera import srgb_from_linear
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
 from tacos_gap.captures.coverage import untold

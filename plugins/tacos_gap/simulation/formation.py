@@ -14,12 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.camera.resampling import composed, resample
-from tacos_framework.contracts import moves_pixels
-from tacos_framework.formation import EffectChain, EpisodeDraws, PlacedEffect, form_files
-from tacos_framework.formation.chain import ActingEffect
-from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
+from tacos_framework import ContextMissing, ImageContext, ImageGeometry, moves_pixels
+from tacos_framework.camera import Places, composed, resample
+from tacos_framework.formation import ActingEffect, EffectChain, EpisodeDraws, PlacedEffect, form_files
 from tacos_gap.captures import RealCapture
 from tacos_gap.nuisances.mosaic import resampled_mosaic
 from tacos_gap.simulation.sensors import dark_signal, sensor_at

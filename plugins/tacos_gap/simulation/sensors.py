@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework import Camera, CandidateFailed, Exposure, Fault, Rig, UserError, calling
 from tacos_framework.formation import PlacedSensor, SensorAt
-from tacos_framework.plugins.guarded import calling
-from tacos_framework.values import Camera, Exposure, Rig
 from tacos_gap.captures import Noise, RealCapture
 from tacos_plugins.sensors.kept_numbers import KeptNumbers
 from tacos_plugins.sensors.noise import add_noise

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Capture as Light
-from tacos_framework.values import Episode, FrameBatch, Object, Trajectory, View, World
+from tacos_framework import Capture as Light
+from tacos_framework import Episode, FrameBatch, Object, Trajectory, View, World
 from tacos_gap.captures import RealCapture
 from tacos_gap.simulation.sensors import camera_of
 

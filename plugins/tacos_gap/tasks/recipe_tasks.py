@@ -6,13 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tacos_framework.contracts import State, learns
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, Plugins, Recipe, State, UserError, calling, generator, learns, load_recipe
 from tacos_framework.plan import ConfiguredComponent, Plan, make_plan
-from tacos_framework.plugins import Plugins, calling
-from tacos_framework.randomness import generator
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import load_recipe
 
 DEFAULT = "task.orb-features"
 DEFAULT_NODE = "features"

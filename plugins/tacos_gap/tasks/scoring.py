@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import CandidateFailed
+from tacos_framework import CandidateFailed, Rig
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
-from tacos_framework.values import Rig
 from tacos_gap.captures import RealCapture
 from tacos_gap.simulation.formation import simulate
 from tacos_gap.simulation.sensors import camera_of

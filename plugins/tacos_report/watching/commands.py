@@ -6,9 +6,7 @@ import argparse
 import time
 from pathlib import Path
 
-from tacos_framework.cli.exits import DONE
-from tacos_framework.components import Command
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import DONE, Command, Fault, UserError
 
 
 def commands() -> list[Command]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes, read_text
 from tacos_framework.results import read_run_json
 from tacos_framework.results.folder import is_in_use

@@ -13,8 +13,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LIGHT_STAGES
-from tacos_framework.randomness import generator
+from tacos_framework import LIGHT_STAGES, generator
 from tacos_gap.answer.pictures.misfit import TILES, tile_squares
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence import ImageEvidence

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework import ImageGeometry
 from tacos_framework.formation import PlacedEffect
-from tacos_framework.values import ImageGeometry
 from tacos_gap.captures.capture import Board
 from tacos_gap.evidence.boards.paper import FEWEST_VIEWS, MOST, deformations
 from tacos_gap.evidence.boards.pose import Pose, first_pose, moved_pose

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import ImageGeometry
+from tacos_framework import ImageGeometry
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.contracts import formation_order, moves_pixels
+from tacos_framework import (
+    ContextMissing,
+    ImageContext,
+    ImageGeometry,
+    calling,
+    formation_order,
+    moves_pixels,
+)
+from tacos_framework.camera import Places
 from tacos_framework.formation import PlacedEffect, in_image_units
-from tacos_framework.plugins.guarded import calling
-from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 
 LEAST_MAGNIFICATION = 0.05
 """Below it a lens images next to nothing: at a fold, and beyond."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_framework.values import ImageGeometry
+from tacos_framework import ImageGeometry
 from tacos_gap.captures.capture import RealCapture
 from tacos_plugins.effects.board_calibration import Calibration, calibrated
 

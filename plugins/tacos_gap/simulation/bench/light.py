@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera, Capture, Episode, Object, Trajectory, View, World
+from tacos_framework import Camera, Capture, Episode, Object, Trajectory, View, World
 
 FRAME_INTERVAL_S = 0.1
 """Between frames of what stands still [s]."""

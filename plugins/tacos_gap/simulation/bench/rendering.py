@@ -7,11 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.plan.procedure import plan_procedure
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe.loading import read_any_recipe
-from tacos_framework.recipe.procedure import ProcedureRecipe
+from tacos_framework import Fault, Plugins, ProcedureRecipe, UserError, did_you_mean, read_any_recipe
+from tacos_framework.plan import plan_procedure
 from tacos_gap.captures.expected_values import Render
 from tacos_gap.simulation.bench.settings import BenchSettings
 from tacos_gap.simulation.bench.simulated import CaptureBench

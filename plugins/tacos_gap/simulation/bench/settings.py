@@ -9,8 +9,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from tacos_framework.recipe import Use
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, Use, setting
 from tacos_gap.captures.entries import ALSO_CALLED, Kind
 
 Positive = Annotated[float, Field(gt=0)]

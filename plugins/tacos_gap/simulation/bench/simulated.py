@@ -10,15 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import image_velocity
-from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework import (
+    CandidateFailed,
+    Exposure,
+    Fault,
+    ImageContext,
+    ImageGeometry,
+    Plugins,
+    Rig,
+    Use,
+    UserError,
+    generator,
+    signature_of,
+)
+from tacos_framework import Capture as Rendered
+from tacos_framework.camera import image_velocity
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect, PlacedSensor, SensorAt
-from tacos_framework.graph import signature_of
-from tacos_framework.plugins import Plugins
-from tacos_framework.randomness import generator
-from tacos_framework.recipe import Use
-from tacos_framework.values import Capture as Rendered
-from tacos_framework.values import Exposure, ImageContext, ImageGeometry, Rig
 from tacos_gap.captures import Board, Noise, RealCapture
 from tacos_gap.simulation.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
 from tacos_gap.simulation.bench.settings import BenchSettings, BenchShot

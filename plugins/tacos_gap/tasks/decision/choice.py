@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from tacos_framework.study.sequential import PairedInterval
+from tacos_framework.study import PairedInterval
 from tacos_gap.tasks.decision.ranked import RankedCameras
 
 Verdict = Literal["stays", "changes", "undecided"]

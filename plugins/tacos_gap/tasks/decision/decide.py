@@ -6,16 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Evaluation, Executor, Fault, Plugins, Progress, UserError
 from tacos_framework.plan import Plan
-from tacos_framework.plugins import Plugins
 from tacos_framework.results import DESIGNED
-from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob
-from tacos_framework.study.finalists import rescore_finalists
-from tacos_framework.study.progress import Progress
-from tacos_framework.study.search import Search
-from tacos_framework.study.unseen_test import UnseenTest
+from tacos_framework.simulation import Evaluator, ScoreJob
+from tacos_framework.study import Search, UnseenTest, rescore_finalists
 from tacos_gap.tasks.decision.choice import choice, sentence
 from tacos_gap.tasks.decision.ranked import RankedCameras, ranked
 from tacos_gap.tasks.recipe_tasks import frozen_plan

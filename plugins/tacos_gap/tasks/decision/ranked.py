@@ -8,11 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.fitness import Fitness
-from tacos_framework.randomness import generator
-from tacos_framework.simulation import Evaluation
-from tacos_framework.study.racing import contributions
-from tacos_framework.study.sequential import PairedInterval, confidence_interval
+from tacos_framework import Evaluation, Fitness, generator
+from tacos_framework.study import PairedInterval, confidence_interval, contributions
 
 DRAWS = 2000
 """Resamples of the scenes; a probability of 10 % is then good to 1 %."""

@@ -1,0 +1,17 @@
+from .failing import KeepsFailing as KeepsFailing
+from .finalists import rescore_finalists as rescore_finalists
+from .pipelined import score_pipelined as score_pipelined
+from .problem import broken_by as broken_by
+from .progress import Progress as Progress
+from .progress import Silent as Silent
+from .racing import contributions as contributions
+from .running import run_study as run_study
+from .search import Search as Search
+from .sequential import PairedInterval as PairedInterval
+from .sequential import confidence_interval as confidence_interval
+from .shards import score_sharded as score_sharded
+from .study import BROKEN_OFF as BROKEN_OFF
+from .study import DEFECT as DEFECT
+from .study import DESIGNED as DESIGNED
+from .study import Study as Study
+from .unseen_test import UnseenTest as UnseenTest
