@@ -22,8 +22,6 @@ class EnvironmentFinding:
     ----------
     name
         What was looked at, e.g. ``OpenGL``.
-    value
-        What was found.
     ok
         Whether it is as it should be.
     remedy

@@ -43,8 +43,6 @@ class Breach:
 
     Parameters
     ----------
-    quantity
-        The quantity bounded.
     amount
         By how much it is broken, above 0, in the unit of the quantity; 1 where that is no number.
     sentence
@@ -129,8 +127,6 @@ class Objective:
     ----------
     name
         The quantity, as :func:`quantity` takes it; ``fitness`` for the weighted sum of scores.
-    unit
-        Its unit.
     aim
         Whether much or little of it is wanted.
     """

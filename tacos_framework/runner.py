@@ -58,8 +58,6 @@ def run(
         ``{"generations": 10}``. The result equals that of a study begun with the larger number.
     accept_changes
         Then go on although code, versions or files have changed since it was begun; the result says so.
-    progress
-        Told what happens.
     command
         How the run was started, for the report.
     report

@@ -21,11 +21,6 @@ MARGIN_SHARE = 0.01
 def analyse(record: StudyRecord) -> dict[str, Any]:
     """Rank every part, find the equals, the tolerances, what matters, and the front.
 
-    Parameters
-    ----------
-    record
-        The finished study.
-
     Returns
     -------
     ``ranking``, ``ranking_left_out``, ``equivalent``, ``importance``, and ``front`` where the recipe has

@@ -39,8 +39,6 @@ class CameraModel:
 
     Parameters
     ----------
-    record
-        The study.
     box
         One Gaussian process for each score, of everything the study scored.
     """

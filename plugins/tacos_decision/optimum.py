@@ -35,8 +35,6 @@ class BestOfParts:
     ----------
     cameras
         Its values, by the names of the parts; without combinations of which no camera keeps all constraints.
-    means
-        Their posterior means.
     impossible
         By how much the nearest camera of the other combinations breaks each constraint.
     pool

@@ -21,11 +21,6 @@ Parts = tuple[CatalogPart, ...]
 class Pool:
     """The cameras of a design space, by their parts and the rest as a row of the unit cube.
 
-    Parameters
-    ----------
-    space
-        The variables.
-
     Examples
     --------
     >>> from tacos_framework.variables.design_space import Continuous

@@ -151,8 +151,6 @@ def tiff_tags(content: bytes, directory: int | None = None) -> Iterator[tuple[in
 
     Parameters
     ----------
-    content
-        The file.
     directory
         Where the directory of the image begins; the first one's, when left out.
     """

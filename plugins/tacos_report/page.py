@@ -141,8 +141,6 @@ class Page:
         The finding, in a sentence.
     lead
         What stands behind it, in a paragraph.
-    sections
-        Pictures before words.
     reload_s
         Seconds after which the page loads itself anew; None for one that stays as it is.
     """

@@ -33,8 +33,6 @@ class TableRow:
         The scores in each scenario by its name, which is empty where there is only one.
     failed
         Why there are none, in a sentence.
-    images
-        Images rendered.
     seconds
         Time it took, summed over nodes [s].
     broken
@@ -61,14 +59,8 @@ class ScoreTable:
 
     Parameters
     ----------
-    plan
-        The study.
-    evaluate
-        Its simulation.
     executor
         Where cameras are scored.
-    results
-        The results folder.
     states
         What its trainable tasks know; nobody learns here.
     """
@@ -117,8 +109,6 @@ class ScoreTable:
 
         Parameters
         ----------
-        wanted
-            Cameras and episodes.
         on_row
             Called with a short note as each row comes.
         """

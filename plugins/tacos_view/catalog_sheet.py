@@ -201,8 +201,6 @@ def sheet(name: str, parts: Sequence[Outline], said: str, *, narrow: bool = Fals
     ----------
     name
         Unique among the drawings of a page.
-    parts
-        What is drawn.
     said
         In place of the picture to readers who do not see it.
     """

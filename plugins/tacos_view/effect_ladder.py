@@ -69,8 +69,6 @@ def effect_ladder(
         The effect, with or without ``effect.``.
     settings
         The severest settings; where empty, the effect's own guess of what is met in the field leads on.
-    plugins
-        What is installed.
     seed
         Which world; the recipe's if None.
 

@@ -61,8 +61,6 @@ def floor_plan(
         What there is, and the way through it.
     world_from_camera
         (N, 4, 4) poses of the frames, which are numbered from 1 [m].
-    camera
-        Who took them.
     widest_px
         Longer edge of the picture [px].
     """

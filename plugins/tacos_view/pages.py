@@ -69,10 +69,6 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
 
     Parameters
     ----------
-    out
-        The folder.
-    rendering
-        The frames.
     what
         The recipe or scene, as the user named it.
     assumed

@@ -56,8 +56,6 @@ def contact_sheet(tiles: Sequence[Picture], columns: int, *, widest_px: int = 14
 
     Parameters
     ----------
-    tiles
-        In reading order.
     columns
         Pictures in a row.
     widest_px

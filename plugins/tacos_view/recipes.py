@@ -44,10 +44,6 @@ def study_recipe(
     sets
         Dotted keys and the values to put there, as of ``--set``. Of a scene by itself, its own settings
         need no path: ``people`` is ``nodes.world.people``.
-    effects
-        Effects to add.
-    plugins
-        What is installed.
 
     Raises
     ------

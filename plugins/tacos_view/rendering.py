@@ -70,8 +70,6 @@ class Rendering:
         (N,) int32: frames with equal numbers follow each other continuously.
     world
         What was looked at: its parts, lights, objects and class names.
-    trajectory
-        The agent's path.
     black_level_dn, white_level_dn
         Pedestal and full scale of the images [DN].
     """
@@ -182,8 +180,6 @@ def render(
     camera
         Name of a product, or of a camera of the run; values such as ``{"focal_length_mm": 4, "sensor":
         "IMX296"}``; or None: the designed camera of a run, else the first product the recipe compares with.
-    frames
-        How many.
     seed
         Which world and trip; the recipe's seed if None.
     spread

@@ -25,10 +25,6 @@ class RenderSetup:
 
     Parameters
     ----------
-    plan
-        The study, checked.
-    camera
-        Its camera.
     simulation
         The plan brought to life.
     """

@@ -110,8 +110,6 @@ def project(
     ----------
     points_m
         (..., 3) points in the world [m].
-    camera
-        The camera.
     world_from_camera
         (4, 4) its pose [m].
 

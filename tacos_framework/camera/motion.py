@@ -35,8 +35,6 @@ def reprojected(
         Places in the image of this camera [px].
     inverse_depth
         One over the depth of what is seen there [1/m].
-    geometry
-        Of both cameras.
     other_from_camera
         (4, 4) rigid transform from this camera's frame to the other's [m].
 

@@ -42,8 +42,6 @@ def evaluate(
     x_px, y_px
         (H', W') column and row of each place, in units of the coefficients'. Those that lack any of their
         taps are moved inwards until they have all.
-    least, most
-        The bounds.
     out
         (H', W') is filled.
     """

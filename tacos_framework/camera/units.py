@@ -27,8 +27,6 @@ def image_units_per(
         ``um``, ``deg/s``, ``e-``, ``e-/s`` or ``of full scale``.
     image_unit
         ``px``, ``DN`` or ``DN/s``.
-    geometry, context
-        Of the image.
 
     Returns
     -------

@@ -29,8 +29,6 @@ class CatalogColumn:
         Ends in the unit, as in ``pixel_um``; words have none.
     unit
         The unit as it is written for people (``"um"``, ``"e-/s"``); ``"1"`` for ratios and words.
-    help
-        One sentence.
     type
         ``number``, ``integer`` or ``text``.
     required

@@ -75,8 +75,6 @@ class _LogLines(logging.Handler):
 
     Parameters
     ----------
-    console
-        Where they go.
     verbose
         All lines in full; otherwise of warnings and errors the first, as ``log.txt`` has the others.
     """

@@ -22,8 +22,6 @@ class Pace:
 
     Parameters
     ----------
-    title
-        Of the phase.
     total
         How many candidates or steps it will take; None where nobody knows.
     clock

@@ -29,8 +29,6 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
 
     Parameters
     ----------
-    plan
-        Of the study.
     verbose
         All doubts about parts in full, in place of a short list.
     """

@@ -53,8 +53,6 @@ class Sensor(Protocol):
 
         Parameters
         ----------
-        samples_dn
-            Expected samples.
         camera, exposure
             As above; of b x b photosites averaged into a pixel (`Camera.binning`) the variance is that of the
             average.

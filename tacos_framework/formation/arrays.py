@@ -27,8 +27,6 @@ class SensorAt:
     ----------
     use, name
         The component, and its node: the noise it draws follows from the name.
-    sensor
-        The component, built.
     camera, exposure
         Whose photosites, exposed for how long.
     """
@@ -84,12 +82,8 @@ def form_files(
         (1, H, W, C) samples with the pedestal, without noise [DN].
     chain
         The effects of this camera; those on light have acted already.
-    sensor
-        Draws the noise.
     geometry, context
         Where the pixels lie, and what is known of them.
-    draws
-        Generators by frame.
     frame
         Its number in the episode.
 

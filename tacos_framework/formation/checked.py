@@ -17,8 +17,6 @@ def checked_samples(component: str, samples_dn: Any, like: NDArray[Any]) -> NDAr
     ----------
     component
         Its name in messages.
-    samples_dn
-        What it gave.
     like
         (N, H, W, C) what it was given; the number of channels may have changed.
 
@@ -60,12 +58,8 @@ def refuse(
 
     Parameters
     ----------
-    component
-        Who gave them.
     array, wrong
         The values, and which of them are wrong.
-    what
-        What they are.
     first_frame
         Number of the first frame in its episode, for arrays of frames.
     """

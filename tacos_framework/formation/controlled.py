@@ -34,8 +34,6 @@ class ExposureLoop:
 
     Parameters
     ----------
-    control
-        Who closes it.
     start
         The exposure that every walk begins with.
     expose
@@ -51,8 +49,6 @@ class ExposureLoop:
 
         Parameters
         ----------
-        capture
-            Light without effects.
         sensor
             Name of the sensor's node: each has cameras of its own to control.
         draws

@@ -35,8 +35,6 @@ class ImageFormation:
 
     Parameters
     ----------
-    exposure
-        Of the scenario.
     effects
         The effects of the recipe, in any order.
     control

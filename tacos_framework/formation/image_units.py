@@ -28,8 +28,6 @@ def in_image_units(config: Settings, use: str, geometry: ImageGeometry, context:
         Settings of an effect, in physical units or in those of photosites.
     use
         The component, for messages.
-    geometry, context
-        The image.
 
     Returns
     -------

@@ -21,10 +21,6 @@ class PlacedEffect:
         The component, for messages.
     name
         Its name in the recipe; what it draws follows from it.
-    cls
-        Its class.
-    config
-        Its settings.
     by_camera
         Settings of cameras that have their own.
     cameras
@@ -63,8 +59,6 @@ class PlacedSensor:
         The component, for messages.
     name
         Its node in the recipe; the noise it draws follows from it.
-    sensor
-        The sensor.
     by_camera
         The sensors of cameras that have their own.
     """

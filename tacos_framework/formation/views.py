@@ -48,10 +48,6 @@ def with_light_effects(
         Its frames in the world.
     effects
         Those of its camera, in their order.
-    exposure
-        Of the scenario.
-    draws
-        Generators by frame.
 
     Returns
     -------

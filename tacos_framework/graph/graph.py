@@ -80,8 +80,6 @@ class Graph:
         ----------
         scene
             The scene node the episode came from.
-        episode
-            The whole episode.
         batch_frames
             Frames in a batch.
         call

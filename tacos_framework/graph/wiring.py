@@ -23,8 +23,6 @@ class Node:
         Its name in the recipe.
     kind, use
         ``"sensor"``, ``"sensor.affine-noise"``.
-    signature
-        Its ports.
     sources
         Which node feeds each input port.
     """

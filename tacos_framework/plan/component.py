@@ -19,10 +19,6 @@ class ConfiguredComponent:
     ----------
     use
         The component, ``kind.name``.
-    cls
-        Its class.
-    config
-        Its settings.
     distribution
         The distribution it comes from; None where it was registered by hand.
     built

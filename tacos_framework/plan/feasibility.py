@@ -32,8 +32,6 @@ class Infeasible:
 
     Parameters
     ----------
-    tried
-        How many were.
     unmet
         For each constraint that none of them keeps, how the one that comes nearest breaks it.
     nearest

@@ -24,10 +24,6 @@ class RecipeFindings:
 
     Parameters
     ----------
-    recipe
-        The recipe.
-    plugins
-        The installed plugins.
     faults
         What is wrong, in the order it was found.
     """

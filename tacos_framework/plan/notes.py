@@ -62,8 +62,6 @@ class DoubtedParts:
 
     Parameters
     ----------
-    catalog
-        Its name.
     parts
         How many parts can be chosen.
     by_doubt

@@ -31,10 +31,6 @@ class Plan:
 
     Parameters
     ----------
-    recipe
-        The recipe.
-    graph
-        The wired graph.
     nodes
         The component of each node.
     rig

@@ -27,8 +27,6 @@ def make_plan(recipe: Recipe, plugins: Plugins, faults: Sequence[Fault] = ()) ->
     ----------
     recipe
         The recipe; may be a draft when `faults` says so.
-    plugins
-        The installed plugins.
     faults
         Faults found while reading it.
 

@@ -16,12 +16,8 @@ def with_starting_values(
 
     Parameters
     ----------
-    recipe
-        The recipe.
     kind, owner
         ``"node"`` or ``"effect"``, and its name.
-    cls
-        The component's class.
     settings
         Those the recipe gives it.
     """

@@ -68,10 +68,6 @@ def map_by_key(
     ----------
     executor
         Runs the jobs, and hands the results on in whatever order.
-    evaluate
-        Does one job.
-    jobs
-        The jobs.
     name
         The executor as errors call it.
 

@@ -64,8 +64,6 @@ class Registry:
         ----------
         use, kind
             The name, and the kind of component that is needed.
-        where
-            Who asks.
         failures
             The plugins that are broken, one of which may be what is missed.
         """

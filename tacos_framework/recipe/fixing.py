@@ -20,8 +20,6 @@ def fix_variable(data: dict[str, Any], name: str, value: Any, where: str) -> tup
     name
         ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.quality``, ``scenario.gain_db``,
         ``exposure.target``.
-    value
-        Its value.
     where
         What to call the place in faults.
 

@@ -82,8 +82,6 @@ def load_recipe(
         Path, or name such as ``"headset_quick"``.
     sets
         Dotted keys and the values to put there, e.g. ``{"optimizer.generations": 2}``.
-    effects
-        Effects to add.
 
     Raises
     ------

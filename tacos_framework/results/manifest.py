@@ -20,8 +20,6 @@ class Manifest(BaseModel):
 
     Parameters
     ----------
-    python
-        Version of Python.
     packages
         Versions of the packages that tacos-framework needs, and of the distributions of plugins.
     code

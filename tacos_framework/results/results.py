@@ -65,8 +65,6 @@ class Results(RunFolder):
         ----------
         folder
             That of the run.
-        recipe
-            What it does.
         resumable
             Whether a run of it can be gone on with from its recipe alone, without a checkpoint.
 

@@ -23,8 +23,6 @@ def checked_output(component: str, value: Any) -> Any:
     ----------
     component
         Its name in messages.
-    value
-        What it gave.
 
     Raises
     ------

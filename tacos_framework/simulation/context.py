@@ -26,10 +26,6 @@ class EvaluationContext:
 
     Parameters
     ----------
-    plan
-        What is simulated.
-    rig
-        The candidate's cameras.
     exposure
         How long and how wide they open.
     scenario

@@ -23,8 +23,6 @@ class Raised:
         The component it arose in, with its distribution; empty where that is not known.
     kind
         Type of the error.
-    traceback
-        Where it arose.
     """
 
     component: str
@@ -53,8 +51,6 @@ class Evaluation:
     episodes
         Scores and fitness of each episode by itself, so that cameras can be compared episode by episode.
         They stay where it failed only because none of them gives a score that the fitness takes.
-    images
-        Images rendered.
     seconds
         Time spent in each node [s].
     states

@@ -15,8 +15,6 @@ def score(context: EvaluationContext, spec: EpisodeSpec, states: Mapping[str, St
 
     Parameters
     ----------
-    context
-        The candidate.
     spec
         The episode, of every scene of the graph.
     states

@@ -35,8 +35,6 @@ class Simulation:
 
     Parameters
     ----------
-    plan
-        What to simulate.
     store
         Keeps episodes for other processes and studies.
     """

@@ -50,8 +50,6 @@ def train(
     ----------
     contexts
         The candidate in each scenario, which take turns batch by batch.
-    task
-        The task node.
     state
         What the task has learned so far.
     spec

@@ -27,8 +27,6 @@ def make_record(
 
     Parameters
     ----------
-    plan
-        What was run.
     searches
         That of the designed camera first.
     lines

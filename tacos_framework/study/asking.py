@@ -23,12 +23,8 @@ class GuardedOptimizer:
 
     Parameters
     ----------
-    part
-        The component.
     space
         The variables it searches.
-    rng
-        Its generator.
     problem
         What it is told of the problem, if it asks for it.
 

@@ -48,8 +48,6 @@ class Checkpoints:
             Those of the study.
         rest
             Gives what else there is to keep.
-        now
-            In any case.
         """
         began = time.monotonic()
         if not now and began < self._not_before_s:

@@ -13,8 +13,6 @@ def degenerate(designed: Search, recipe: Recipe) -> str | None:
     ----------
     designed
         The search of the designed camera.
-    recipe
-        What was run.
     """
     if designed.best is None:
         reason = designed.last_failure or designed.stopped or "nothing was evaluated"

@@ -31,8 +31,6 @@ def rescore_finalists(
     ----------
     searches
         Those whose finalists are scored already are left as they are.
-    executor, evaluate
-        Run the jobs.
     on_counted
         Told how many there are to score, if any, before the first.
     on_evaluated

@@ -113,8 +113,6 @@ class JournaledExecutor:
 
     Parameters
     ----------
-    executor
-        Runs the jobs.
     journal
         What is known, and where what comes out is written down.
     """

@@ -24,8 +24,6 @@ class Outcome:
 
     Parameters
     ----------
-    plan
-        What was run.
     searches
         That of the designed camera first.
     test

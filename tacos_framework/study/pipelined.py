@@ -41,8 +41,6 @@ def score_pipelined(
     ----------
     jobs
         Training on and scoring each candidate, in their order; where the first begins stands in its states.
-    executor, evaluate
-        Run the jobs.
 
     Yields
     ------

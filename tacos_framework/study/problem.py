@@ -23,8 +23,6 @@ def design_problem(
 
     Parameters
     ----------
-    plan
-        The checked recipe.
     fixed
         Plain values of the variables that are not searched, as of a product.
     weights_learn
@@ -58,8 +56,6 @@ def coordinates_of(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
 
     Parameters
     ----------
-    plan
-        The checked recipe.
     values
         Plain values of all design variables, as `Evaluation.values` has them.
 
@@ -84,8 +80,6 @@ def broken_by(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
 
     Parameters
     ----------
-    plan
-        The checked recipe.
     values
         Plain values of all design variables.
     """

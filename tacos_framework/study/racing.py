@@ -41,8 +41,6 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
     blocks
         Scores of each block; a block leaves out a score that has no meaning there. With several scenarios
         they are called ``scenario/node.score``.
-    fitness
-        The weighted sum.
 
     Returns
     -------
@@ -97,8 +95,6 @@ class Behind:
 
     Parameters
     ----------
-    rival
-        The other.
     difference
         Mean difference, its own minus the rival's [fitness].
     standard_error

@@ -28,8 +28,6 @@ def write_samples(
         Plain values of the design variables, by the name of the designed camera or product.
     episode
         The episode they all see.
-    executor, evaluate
-        Run the jobs.
     results
         The folder of the run.
 

@@ -29,8 +29,6 @@ def score_in_a_race(
         Candidates known from before that have seen these very blocks, all of them.
     rules
         When a candidate is dropped.
-    executor, evaluate
-        Run the jobs.
 
     Returns
     -------

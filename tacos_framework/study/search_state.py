@@ -53,8 +53,6 @@ class SearchState:
     ----------
     name
         ``"designed"``, or the camera whose free variables are searched.
-    plan
-        The checked recipe.
     space
         The variables to search; None when nothing is free, and the fixed values are evaluated as they are.
     fixed

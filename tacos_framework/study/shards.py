@@ -21,8 +21,6 @@ def score_sharded(jobs: Sequence[ScoreJob], executor: Executor, evaluate: Evalua
     ----------
     jobs
         Scoring each camera. Those that train are left whole, as they score with what they learn.
-    executor, evaluate
-        Run the jobs.
 
     Yields
     ------

@@ -59,8 +59,6 @@ class UnseenTest:
         ----------
         cameras
             What scoring each camera is, by name; their episodes are set here.
-        executor, evaluate
-            Run the jobs.
         on_look, on_evaluated
             Told before a block of scenes how many cameras see it, and each camera's evaluation of it.
         """

@@ -27,8 +27,6 @@ class BuildingAhead:
 
     Parameters
     ----------
-    executor
-        Runs the jobs.
     worlds
         The episodes whose worlds are needed; none leaves everything as it is.
     """

@@ -39,8 +39,6 @@ def expose(
 
     Parameters
     ----------
-    sensor
-        The component, built.
     capture
         What a renderer gave.
     effects

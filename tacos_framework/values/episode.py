@@ -100,8 +100,6 @@ class Episode:
     ----------
     world
         The world; shared by all batches.
-    trajectory
-        The agent's path.
     time_s
         (N,) middle of each frame's exposure [s].
     walk

@@ -19,8 +19,6 @@ class View:
 
     Parameters
     ----------
-    camera
-        The camera.
     world_from_camera
         (N, 4, 4) float64 poses in the middle of the exposure [m].
     luminance_cd_m2
@@ -67,8 +65,6 @@ class Capture:
     ----------
     episode
         The frames in the world.
-    views
-        One per camera.
     pending
         Effects of the stages pixel and readout that stand in the graph between renderer and sensor: the
         sensor that comes next applies them at their place (`tacos_framework.formation.PlacedEffect`).

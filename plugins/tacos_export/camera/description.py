@@ -27,10 +27,6 @@ class CameraDescription:
 
     Parameters
     ----------
-    camera
-        Its pinhole geometry.
-    lens
-        The distortion model.
     distortion
         Its coefficients in OpenCV's order; zero where the simulation has no distortion.
     noise

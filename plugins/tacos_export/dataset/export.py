@@ -111,8 +111,6 @@ class Manifest:
 
     Parameters
     ----------
-    dataset
-        The cameras.
     title
         What to call the camera.
     encoding

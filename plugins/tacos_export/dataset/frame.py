@@ -34,8 +34,6 @@ class Dataset:
     ----------
     out
         The folder, which is there once frames come.
-    rig
-        The cameras.
     lenses
         Their distortion, by name.
     encoding

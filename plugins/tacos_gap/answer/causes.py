@@ -50,18 +50,10 @@ def causes_of(
 
     Parameters
     ----------
-    problem
-        The evidence.
     attribution
         The best explanation and its rivals.
-    left
-        What it leaves.
-    captures
-        All captures.
     effects
         The classes of all candidates by name, which say what looks alike.
-    seed
-        Seeds the bootstrap.
     """
     best = attribution.best
     if not best.hypothesis:

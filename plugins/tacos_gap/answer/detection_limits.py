@@ -40,8 +40,6 @@ def detection_limits(
 
     Parameters
     ----------
-    problem
-        The evidence.
     effects
         Classes of the effects by name.
     left
@@ -156,8 +154,6 @@ class _Part:
 
     Parameters
     ----------
-    evidence
-        What it says.
     count
         How many like it there are.
     null

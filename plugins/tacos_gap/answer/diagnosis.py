@@ -62,12 +62,8 @@ def diagnose(
 
     Parameters
     ----------
-    folder
-        The captures.
     effects
         Candidate causes: name (without ``effect.``) and class.
-    seed
-        Seeds the simulations.
     workers
         Threads. Each measures captures of its own.
     notify

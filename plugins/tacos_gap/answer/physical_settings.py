@@ -25,8 +25,6 @@ def physical_settings_of(
     ----------
     kind
         Settings of an effect.
-    values
-        Those given.
     geometry, context
         The camera they were found with.
 

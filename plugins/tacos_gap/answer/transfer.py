@@ -73,8 +73,6 @@ class Added:
 
     Parameters
     ----------
-    use
-        The component.
     settings
         In physical units where it has them.
     bound

@@ -21,8 +21,6 @@ class Fits:
 
     Parameters
     ----------
-    problem
-        The evidence.
     each
         A map that may work in parallel.
     """

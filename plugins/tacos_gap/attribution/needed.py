@@ -26,10 +26,6 @@ def is_plainly_needed(problem: Problem, fitted: Fitted, name: str, least: float)
 
     Parameters
     ----------
-    problem
-        The evidence.
-    fitted
-        The explanation.
     name
         One of its effects.
     least

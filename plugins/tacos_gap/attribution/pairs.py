@@ -53,8 +53,6 @@ def best_pair(
 
     Parameters
     ----------
-    directions
-        Of all effects.
     names
         Effects that may be in the pair.
     base

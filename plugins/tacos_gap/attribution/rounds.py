@@ -65,8 +65,6 @@ class Rounds:
 
     Parameters
     ----------
-    problem
-        The evidence.
     effects
         Name and class of every candidate.
     each

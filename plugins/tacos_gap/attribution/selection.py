@@ -46,12 +46,8 @@ class ForwardSelection:
 
     Parameters
     ----------
-    problem
-        The evidence.
     effects
         Name and class of every candidate.
-    workers
-        Threads.
     notify
         Told what is being done.
     simulations

@@ -56,8 +56,6 @@ def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice
 
     Parameters
     ----------
-    problem
-        The evidence.
     base
         The explanation that it is added to.
     touched

@@ -26,10 +26,6 @@ def shortlist(
 
     Parameters
     ----------
-    problem
-        The evidence.
-    directions
-        Of all effects.
     base
         The explanation that they are to extend.
     names

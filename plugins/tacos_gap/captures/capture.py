@@ -112,8 +112,6 @@ class RealCapture:
         (H, W) bool; False where `expected_dn` says nothing.
     geometry, context
         Where the pixels lie, and what else is known of the capture.
-    noise
-        The simulator's noise.
     sensor
         The sensor component that simulates it; None stands for `noise`.
     exposure_stated

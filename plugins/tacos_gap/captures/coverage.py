@@ -14,8 +14,6 @@ def untold(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) ->
 
     Parameters
     ----------
-    captures
-        The captures.
     effects
         The classes of all effects by name.
 
@@ -42,8 +40,6 @@ def beyond_own_edges(captures: Sequence[RealCapture], effects: Mapping[str, type
 
     Parameters
     ----------
-    captures
-        The captures.
     effects
         The classes of all effects by name.
     """
@@ -61,8 +57,6 @@ def beyond_even_fields(captures: Sequence[RealCapture], effects: Mapping[str, ty
 
     Parameters
     ----------
-    captures
-        The captures.
     effects
         The classes of all effects by name.
     """

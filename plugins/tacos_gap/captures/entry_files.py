@@ -21,8 +21,6 @@ def written_entry(folder: Path, name: str, capture: RealCapture, camera: Mapping
     ----------
     folder, name
         The folder of captures, and the one in it that is this capture's; both are there.
-    capture
-        What to write.
     camera
         The entry ``camera``, from which a capture may differ in size and crop.
     """

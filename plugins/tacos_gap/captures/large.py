@@ -29,11 +29,6 @@ def measured_part(capture: RealCapture) -> Part | None:
 
     A band along the longer side, so that what depends on the radius is seen as far out as that: through the
     middle, or where edges are of a capture that shows some. Of a chart all of its patches.
-
-    Parameters
-    ----------
-    capture
-        With its expectation.
     """
     height, width = capture.valid.shape
     if height * width <= MANY_PIXELS or capture.expected_dn is None:

@@ -14,15 +14,7 @@ _OWN = {_MARK, "camera", "captures", "noise"}
 
 
 def something_else(path: Path, data: Any) -> Fault | None:
-    """The fault of a file that is not of captures; None where it may be, or be meant to be.
-
-    Parameters
-    ----------
-    path
-        The file.
-    data
-        What it holds.
-    """
+    """The fault of a file that is not of captures; None where it may be, or be meant to be."""
     expected = f"a folder of captures, whose {FILE} begins with {_MARK}: 1"
     if data is None:
         return Fault(str(path), "this file is empty", expected, BEGIN)

@@ -16,8 +16,6 @@ class StatedNoise:
     ----------
     entry
         ``captures.yaml``.
-    files
-        Keeps faults.
     """
 
     def __init__(self, entry: FolderEntry, files: CaptureFiles):

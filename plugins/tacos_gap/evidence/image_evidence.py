@@ -52,8 +52,6 @@ class ImageEvidence:
 
     Parameters
     ----------
-    capture
-        The capture.
     seed
         Seeds the noise of the simulations.
     replicates

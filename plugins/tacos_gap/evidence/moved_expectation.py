@@ -25,8 +25,6 @@ class MovedExpectation:
 
     Parameters
     ----------
-    simulations
-        Simulate it.
     real
         (K,) the statistics of its real frames against the expectation.
     base_draws

@@ -37,8 +37,6 @@ class SimulatedStatistics:
         The capture: what it is measured as.
     expectation
         The same capture with what is expected of it now; `capture` itself, or one that nuisances have moved.
-    seed
-        Seeds the noise.
     taken
         Which numbers are taken; all that are finite in the real frames by default.
     numbers
@@ -96,8 +94,6 @@ class SimulatedStatistics:
         ----------
         of
             What is expected of the frames.
-        effects
-            Act on them.
         draw
             Number of the draw; the same draws give noise that is comparable.
         noise_share

@@ -29,8 +29,6 @@ def confused_with(
         Its name, without ``effect.``.
     effects
         The classes of all effects by name; what one of a pair declares holds for both.
-    captures
-        The captures.
     """
     found: dict[str, NextCapture] = {}
     for name, other, alike in _declared(effects):

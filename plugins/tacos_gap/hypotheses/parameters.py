@@ -29,8 +29,6 @@ class HypothesisTerm:
     ----------
     name
         The effect's name, without ``effect.``.
-    cls
-        Its class.
     values
         Parameters that differ from the class's defaults; those of one capture are as
         `tacos_gap.hypotheses.by_capture` names them.

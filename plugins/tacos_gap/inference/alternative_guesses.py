@@ -19,10 +19,6 @@ def in_its_best_form(
 
     Parameters
     ----------
-    problem
-        The evidence.
-    fitted
-        The fit.
     guesses
         Initial guesses of that effect; those with other free parameters than the fit has are other forms.
     worth

@@ -76,8 +76,6 @@ class Closures:
 
     Parameters
     ----------
-    together
-        By all effects.
     fair
         By each, as its fair share of that (Shapley 1953); they add up to `together`.
     alone
@@ -98,10 +96,6 @@ def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws:
         The evidence, in the units of the explanation.
     best
         The explanation, of one to six effects.
-    rng
-        Draws the resamples.
-    draws
-        How many.
     """
     names = best.names
     groups = block_index(problem)
@@ -153,8 +147,6 @@ class NegativeControl:
 
     Parameters
     ----------
-    parameters
-        How many.
     closure
         The middle one of many controls; near 0 where the held-out score is to be trusted.
     interval

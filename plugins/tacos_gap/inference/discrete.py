@@ -31,8 +31,6 @@ def searched(
 
     Parameters
     ----------
-    problem
-        The evidence.
     hypothesis
         One that its effects allow; the parameters that are fitted stay as they are.
     part

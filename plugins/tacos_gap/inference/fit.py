@@ -92,12 +92,8 @@ def fit(
 
     Parameters
     ----------
-    problem
-        The evidence.
     hypothesis
         The effects, where the search begins.
-    iterations
-        Steps at most.
     near
         A fit of most of its effects in the same units: how residuals move with the parameters that both have
         is not simulated again.

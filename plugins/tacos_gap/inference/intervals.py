@@ -39,8 +39,6 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
 
     Parameters
     ----------
-    problem
-        The evidence.
     fitted
         The explanation, where its fit ended.
     confidence

@@ -24,16 +24,12 @@ class Place:
 
     Parameters
     ----------
-    stage, statistic
-        What it is.
     z
         Largest difference, signed [noise floor].
     share
         Its share in the squared gap.
     at
         Where the largest difference was.
-    captures
-        Where it shows.
     """
 
     stage: str

@@ -59,8 +59,6 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
 
     Parameters
     ----------
-    problem
-        The evidence.
     with_it, without
         (K,) residuals of the explanation with the effect and without it [noise floor].
     """

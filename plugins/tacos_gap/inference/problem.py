@@ -70,8 +70,6 @@ def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEff
 
     Parameters
     ----------
-    hypothesis
-        The effects.
     capture
         The capture they are placed for, which may have values of its own.
     """

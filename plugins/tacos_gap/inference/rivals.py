@@ -24,8 +24,6 @@ def standard_error(problem: Problem, one: Fitted, other: Fitted) -> float:
 
     Parameters
     ----------
-    problem
-        The evidence.
     one, other
         Fits in its units.
 

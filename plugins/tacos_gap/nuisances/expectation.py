@@ -21,8 +21,6 @@ def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.
 
     Parameters
     ----------
-    capture
-        With expected values.
     freedoms
         What the nuisances are.
     nu

@@ -123,8 +123,6 @@ def stated(freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> dict[str, An
 
     Parameters
     ----------
-    freedoms
-        What they are.
     nu
         (F,) their values, in standard deviations of the priors.
     """

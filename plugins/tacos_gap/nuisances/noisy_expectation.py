@@ -32,8 +32,6 @@ def expectation_noise(
 
     Parameters
     ----------
-    capture
-        With expected values.
     rng
         Where the draw comes from.
     share

@@ -84,12 +84,8 @@ class CameraFound:
 
     Parameters
     ----------
-    entry
-        Key -> value.
     source
         Key -> where the value is from, for a comment.
-    doubts
-        Sentences.
     """
 
     entry: dict[str, Any]

@@ -20,8 +20,6 @@ class Stack:
     ----------
     kind
         Of the capture they become.
-    pictures
-        One or more.
     group
         Name of the bracket they are of.
     """

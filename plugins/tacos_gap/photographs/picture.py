@@ -26,12 +26,8 @@ class Picture:
 
     Parameters
     ----------
-    path
-        The file.
     facts, shown
         What it says and shows.
-    size_px
-        Width and height.
     mono
         Whether it has one channel, or three that are equal.
     channels

@@ -128,8 +128,6 @@ def same_shading(first: Shown, second: Shown, *, through_a_curve: bool = False) 
 
     Parameters
     ----------
-    first, second
-        Pictures of walls.
     through_a_curve
         Whether their levels differ, so that a tone curve or a pedestal gives their shading other powers.
     """

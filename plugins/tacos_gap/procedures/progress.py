@@ -76,8 +76,6 @@ class Telling:
 
     Parameters
     ----------
-    progress
-        Is told.
     every_s
         Longest silence [s].
     clock

@@ -42,14 +42,10 @@ class Artist:
 
     Parameters
     ----------
-    problem
-        The evidence.
     captures
         The captures, for histograms.
     hypothesis
         The causes; none where nothing was added.
-    seed
-        Seeds simulations.
     before, after
         What the two simulations are called; `after` is None where nothing was added.
     """

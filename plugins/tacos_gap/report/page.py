@@ -47,8 +47,6 @@ class Circumstances:
     ----------
     seed
         Seed of all simulations.
-    command
-        What to type.
     patch
         ``patched.yaml``.
     seconds

@@ -19,8 +19,6 @@ def undiagnosed_page(
 
     Parameters
     ----------
-    folder
-        The captures.
     limitations
         What each lacks, in sentences.
     effects

@@ -32,8 +32,6 @@ class StatisticBlock:
         Its name, e.g. ``"relative_illumination"``.
     stage
         The stage of image formation that shows in it most often.
-    values
-        (K,) the numbers.
     at
         For each number where it was taken: ``{"radius": [0.7, 1.0]}``, ``{"channel": "R"}``.
     margin
@@ -55,8 +53,6 @@ class Sample:
 
     Parameters
     ----------
-    capture
-        What was captured.
     frames_dn
         (N, H, W, C) the frames [DN].
     expected_dn

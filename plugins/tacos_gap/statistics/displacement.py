@@ -103,10 +103,6 @@ def _displacements(
 
     Parameters
     ----------
-    sample
-        The frames.
-    channel
-        In which channel.
     begun
         (2, T) guesses, asked for where tiles are not found within half a pixel of what is expected [px].
     """

@@ -63,12 +63,8 @@ def dense_flow(sample: Sample, frames: NDArray[np.float32], channel: int) -> NDA
 
     Parameters
     ----------
-    sample
-        Has the expectation.
     frames
         (H, W, C) what is looked at [DN].
-    channel
-        In which channel.
     """
     import cv2
 

@@ -30,8 +30,6 @@ def part_from_mean(
         (R,) those that are wanted.
     over, added
         (N, S) factor and constant of each frame, the same in every row.
-    scale
-        Of the mean.
     noise
         (N, R, S) is filled.
     """

@@ -107,10 +107,6 @@ def frozen_plan(
         Its recipe: a path, or the name of a shipped one.
     change
         Keys of it to change.
-    plugins
-        What is installed.
-    effects
-        Effects to add.
     where
         The setting that names it, for messages.
 

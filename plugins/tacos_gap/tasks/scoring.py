@@ -34,8 +34,6 @@ class CaptureScores:
 
     Parameters
     ----------
-    capture
-        Its id.
     real, sim_before, sim_after
         On real frames, and on frames simulated without and with the effects.
     """
@@ -88,8 +86,6 @@ def score_tasks(
         All captures; those of even fields and boards, and those without an expectation, show nothing.
     effects_in
         The causes in a capture, as a recipe places them.
-    tasks
-        What is scored.
     seed
         Seeds the noise of the simulations.
     """

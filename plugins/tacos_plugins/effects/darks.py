@@ -45,8 +45,6 @@ class SteadyDark:
 
     Parameters
     ----------
-    capture
-        The dark.
     above_dn
         (H, W, C) the least of the frames, less the median of all pixels [DN].
     lowest_dn

@@ -79,8 +79,6 @@ def lamp_wave(
 
     Parameters
     ----------
-    geometry
-        The image.
     depth
         Height of the wave over the mean, in a row of photosites [1].
     period_rows

@@ -76,8 +76,6 @@ def magnified_source(geometry: ImageGeometry, constant: float, square: float) ->
 
     Parameters
     ----------
-    geometry
-        The image.
     constant, square
         c and b, at most 0.05 [1].
 

@@ -35,8 +35,6 @@ class _BadLines:
 
     Parameters
     ----------
-    share
-        Of all lines.
     offset_dn
         What they show above the others; None where they are dead [DN].
     """

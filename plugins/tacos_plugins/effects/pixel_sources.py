@@ -18,12 +18,8 @@ def source_of(geometry: ImageGeometry, forward: Callable[..., Places], frames: i
 
     Parameters
     ----------
-    geometry
-        The image.
     forward
         Takes columns and rows, (N, H, W), to where they move [px].
-    frames
-        N.
 
     Returns
     -------

@@ -68,8 +68,6 @@ class JobPool(ABC, Generic[Worker]):
 
     Parameters
     ----------
-    payload
-        The pickled function.
     workers
         How many at most.
     attempts

@@ -52,8 +52,6 @@ class Pool(JobPool[WorkerProcess]):
 
     Parameters
     ----------
-    payload
-        The pickled function.
     workers
         How many processes at most.
     limits

@@ -29,8 +29,6 @@ def send_logs(channel: Connection, levels: Mapping[str, int]) -> None:
 
     Parameters
     ----------
-    channel
-        Takes records.
     levels
         The level of each logger, as in the process that reads them (`explicit_levels`).
     """
@@ -62,8 +60,6 @@ class WorkerLog:
 
     Parameters
     ----------
-    channel
-        Brings records.
     worker
         What the worker is called in front of each of its messages.
     """

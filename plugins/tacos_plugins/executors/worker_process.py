@@ -22,8 +22,6 @@ class WorkerProcess(PoolWorker):
         Counts the workers of a pool from 1; their log lines bear it.
     context
         How processes are started.
-    payload
-        The pickled function.
     lifeline
         Reading end of a pipe that breaks when the pool is closed.
     threads

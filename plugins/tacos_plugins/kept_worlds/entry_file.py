@@ -31,8 +31,6 @@ def packed(plain: Any, arrays: Sequence[NDArray[Any]]) -> bytes:
     ----------
     plain
         Anything JSON can hold.
-    arrays
-        Of numbers, C-contiguous.
     """
     from safetensors.numpy import save
 

@@ -65,8 +65,6 @@ class WorldStore:
         ----------
         key
             Content key of all that it follows from.
-        make
-            Makes it.
         classes
             The frozen dataclasses it consists of, beside arrays and plain data.
         """

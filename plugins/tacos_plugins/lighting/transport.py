@@ -36,8 +36,6 @@ class LightTransport:
     ----------
     world
         The world; its `indirect_lux` is not used.
-    rays
-        Rays per site.
     merge_m
         Vertices of one material closer than this, with similar normals, share a site [m].
     bounces

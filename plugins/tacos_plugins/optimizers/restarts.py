@@ -17,8 +17,6 @@ class Descent:
 
     Parameters
     ----------
-    population
-        Points per generation.
     sigma
         First standard deviation, in edges of the unit cube [1].
     """

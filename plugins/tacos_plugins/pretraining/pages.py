@@ -20,10 +20,6 @@ class PretrainingOutcome:
 
     Parameters
     ----------
-    node, use
-        What was trained.
-    file, size_bytes
-        The weights.
     images, held_out
         Images trained on and scored on.
     epochs

@@ -54,8 +54,6 @@ def load_calibration(name: str | Path, folder: Path | None = None) -> Calibratio
 
     Parameters
     ----------
-    name
-        Name or path.
     folder
         The folder of the recipe: its paths start there and must not leave it. None lifts that.
 

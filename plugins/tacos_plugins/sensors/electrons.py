@@ -62,8 +62,6 @@ def photons_per_luminance(
         Focal length over aperture diameter [1].
     pixel_um
         Pitch of the photosites; the whole area counts, as quantum efficiency includes the fill factor [um].
-    spectrum
-        The light.
 
     Returns
     -------

@@ -51,8 +51,6 @@ class FeasibleCandidates:
 
     Parameters
     ----------
-    space
-        What can vary.
     coordinates
         What images depend on, by name, for a candidate that keeps all constraints.
     broken
@@ -105,8 +103,6 @@ class FeasibleCandidates:
 
         Parameters
         ----------
-        centres
-            Where to look.
         count
             How many candidates to draw; those that break a constraint are left out.
         step

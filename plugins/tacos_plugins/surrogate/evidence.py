@@ -170,8 +170,6 @@ def fit_hyperparameters(
         Standard deviation of the noise that is known beforehand.
     start
         Where to begin, such as what was found for fewer observations; by default the middle of the priors.
-    most_steps
-        Iterations at most.
     """
     from scipy.optimize import minimize  # late: checking a recipe fits nothing
 

@@ -78,8 +78,6 @@ class FitnessPosterior:
         A model of each score, by name.
     predictions
         What each says of its values at the points.
-    count
-        Number of points.
     """
 
     fitness: Fitness

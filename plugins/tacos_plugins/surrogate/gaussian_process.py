@@ -121,12 +121,6 @@ class Prediction:
 
     Parameters
     ----------
-    process
-        Who knows it.
-    points
-        (m, d) coordinates.
-    mean
-        (m,) means.
     explained
         (n, m) square root of what observations take from the covariance.
     """

@@ -65,8 +65,6 @@ def extract_spread(detector: Any, grey: NDArray[np.uint8], *, cells: tuple[int, 
     ----------
     detector
         An OpenCV detector that finds more than `most`, with the strength of each.
-    grey
-        (H, W).
     cells
         Columns and rows of equal cells [1].
     most
@@ -108,8 +106,6 @@ def follow(
         Distance from its epipolar line at which a match is still an inlier [px].
     confidence
         Probability that RANSAC meets a sample free of outliers [1].
-    seed
-        Seed of RANSAC.
     """
     matches = _match(first, second)
     inliers = 0

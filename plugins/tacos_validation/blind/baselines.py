@@ -29,8 +29,6 @@ def simpler_answers(found: Diagnosis, effects: Mapping[str, type[Any]]) -> dict[
     ----------
     found
         The diagnosis, whose captures and fits are used.
-    effects
-        The catalogue.
     """
     fits = list(found.attribution.fits.values())
     return {

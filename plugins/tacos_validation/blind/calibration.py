@@ -27,14 +27,10 @@ class Bin:
 
     Parameters
     ----------
-    stated
-        Their mean.
     true
         Share of them that is so.
     low, high
         Its 95 % interval (Clopper and Pearson 1934).
-    count
-        How many.
     """
 
     stated: float
@@ -119,8 +115,6 @@ def calibration_figures(
 
     Parameters
     ----------
-    cases
-        All.
     charts, natural
         Those of T1 that are strong enough to count, by what was captured.
     """

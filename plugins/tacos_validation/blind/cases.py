@@ -16,8 +16,6 @@ class Case:
 
     Parameters
     ----------
-    name
-        Its random name.
     tier
         ``T0`` to ``T7``.
     truth

@@ -16,8 +16,6 @@ class Figure:
 
     Parameters
     ----------
-    name
-        What it is.
     value, low, high
         The figure, and its 95 % interval; NaN where there are no cases.
     count

@@ -38,10 +38,6 @@ def made_ahead(
 
     Parameters
     ----------
-    wanted
-        All cases.
-    size
-        Of a batch.
     results
         The folder of the run.
     makers

@@ -31,8 +31,6 @@ class ParameterFound:
 
     Parameters
     ----------
-    effect, name
-        What it is.
     true, found
         Both values, in the parameter's unit.
     neutral

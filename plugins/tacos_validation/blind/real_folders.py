@@ -19,8 +19,6 @@ class RealCase:
 
     Parameters
     ----------
-    name
-        What it is.
     known
         What is known of it.
     write

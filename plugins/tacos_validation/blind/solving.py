@@ -107,8 +107,6 @@ class Worker:
 
     Parameters
     ----------
-    effects
-        The catalogue.
     limit_s
         Longest processor time for a job; past it there is no answer. None for any [s].
     """

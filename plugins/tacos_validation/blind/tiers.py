@@ -54,8 +54,6 @@ def case_specifications(
 
     Parameters
     ----------
-    counts
-        How many.
     seed
         Draws names, seeds and order.
     size_px

@@ -22,8 +22,6 @@ def camera_folders(folder: str | Path, *, patched: bool = False) -> dict[str, Pa
 
     Parameters
     ----------
-    folder
-        Where they are.
     patched
         Whether each must hold a ``patched.yaml``.
 

@@ -33,8 +33,6 @@ class CamerasFindings:
         Noise over signal of each camera that told it.
     left_out
         What could not be compared, and why, in sentences.
-    seed
-        Seeds the draws.
     """
 
     patches: Mapping[str, CameraPatch]

@@ -67,8 +67,6 @@ def noise_curve(
     ----------
     captures
         Of one camera; those of the gain that most have are used, of colour the green.
-    effects
-        The causes.
     seed
         Seeds the simulation's noise.
     """

@@ -72,12 +72,8 @@ def expose(
 
     Parameters
     ----------
-    sensor
-        The component, built.
     capture
         Of one frame, which may be exposed any number of times.
-    exposure
-        How long.
     draws
         What the noise is for.
     frame

@@ -54,10 +54,6 @@ class Checked:
 
     Parameters
     ----------
-    setting
-        The setting.
-    stack
-        Frames.
     measured
         Noise of each channel.
     predicted

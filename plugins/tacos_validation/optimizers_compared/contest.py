@@ -73,8 +73,6 @@ class Run:
 
     Parameters
     ----------
-    optimizer_name, seed
-        What runs.
     search
         The search, as in a study.
     checkpoints

@@ -111,8 +111,6 @@ def neighbours(space: DesignSpace, candidate: Candidate, strides: Mapping[str, i
 
     Parameters
     ----------
-    space
-        On the grid.
     candidate
         A point of it.
     strides

@@ -48,8 +48,6 @@ class JudgedRun:
 
     Parameters
     ----------
-    optimizer, seed
-        What ran.
     images
         Images it had rendered when it recommended what stands at each checkpoint.
     fitness
@@ -124,8 +122,6 @@ def standings(
 
     Parameters
     ----------
-    runs
-        By optimizer.
     target
         Fitness on the held-out scenes that is to be reached.
     best_known
@@ -134,8 +130,6 @@ def standings(
         The images that ratios are taken of, by name; infinite where the target was not reached.
     budgets
         What stands for them then.
-    thought_ms
-        By optimizer.
     """
     found = []
     for name, own in runs.items():

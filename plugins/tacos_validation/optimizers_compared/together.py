@@ -27,8 +27,6 @@ class FilledTogether:
 
     Parameters
     ----------
-    table
-        The table.
     members
         How many fill it; each `leave` in the end.
     """

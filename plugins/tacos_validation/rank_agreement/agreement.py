@@ -77,14 +77,10 @@ def agreement(
     ----------
     cameras
         Names of those that have a place in both.
-    first, second
-        Their fitness.
     scenes
         How many there are. With one alone there is no interval.
     resamples, confidence
         Draws of scenes, and the share of them that the interval holds.
-    rng
-        Draws the scenes.
     """
     tau = _tau_on(range(scenes), cameras, first, second)
     if tau is None or scenes < 2:
@@ -109,14 +105,8 @@ def agreement_of_halves(
     ----------
     cameras
         Names of those that have a place.
-    fitness
-        The study's.
     scenes
         How many there are; of an odd number one is left out of each draw.
-    resamples
-        Draws of halves.
-    rng
-        Draws them.
     """
     half = scenes // 2
     if half == 0:

@@ -35,13 +35,6 @@ class RankedCamera:
 def cameras_of(asked: RankedCameras, plan: Plan) -> tuple[RankedCamera, ...]:
     """The cameras, with a value for every variable that the study designs.
 
-    Parameters
-    ----------
-    asked
-        Which.
-    plan
-        The study.
-
     Raises
     ------
     UserError

@@ -19,10 +19,6 @@ class RankedLight:
 
     Parameters
     ----------
-    name
-        The light.
-    agreement
-        Of the fitness.
     by_score
         Tau-b of each score that both report for all cameras; None where a study gives all the same.
     evaluations

@@ -19,14 +19,8 @@ class StudyOutcome:
     ----------
     variant
         Which of the variants.
-    seed
-        Its seed.
     scores
         Scores and fitness of the designed camera on unseen scenes.
-    camera
-        The designed camera.
-    images
-        Images rendered.
     seconds
         Time it took [s].
     """
@@ -68,8 +62,6 @@ class VariantDifference:
     ----------
     better
         Seeds with the higher score.
-    by
-        The difference.
     """
 
     variant: str

@@ -16,8 +16,6 @@ class StudyRun:
 
     Parameters
     ----------
-    study, seed
-        Which it is.
     result
         Its ``result.json``.
     generations
@@ -74,10 +72,6 @@ class RowResult:
     ----------
     title
         What it is called.
-    cells
-        One per column.
-    runs
-        Runs behind it.
     """
 
     title: str

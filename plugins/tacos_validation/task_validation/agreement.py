@@ -107,11 +107,6 @@ def within(scores: NDArray[np.float64]) -> Agreement:
 def separations(scores: NDArray[np.float64]) -> list[tuple[int, int, float]]:
     """Neighbours in the ranking by mean, best first, and how far apart they are.
 
-    Parameters
-    ----------
-    scores
-        (seeds, things).
-
     Returns
     -------
     The better, the worse, and the mean of their difference over its standard deviation from seed to seed.

@@ -77,8 +77,6 @@ class TexturedTarget:
 
         Parameters
         ----------
-        rng
-            Strews the leaves.
         illumination_lux
             Illuminance on the sheet [lux].
         """

@@ -45,8 +45,6 @@ class Rule:
     ----------
     pattern
         With ``*`` and ``?``, of a node's name or of its whole path; small and capital letters are alike.
-    class_name
-        The class.
     """
 
     pattern: str
@@ -111,8 +109,6 @@ class Label:
     ----------
     thing
         Names the thing: surfaces of one thing share it. Empty for the background.
-    class_name
-        Its class.
     """
 
     thing: str

@@ -16,8 +16,6 @@ class Skin:
 
     Parameters
     ----------
-    name
-        The material's name.
     base_colour
         (3,) linear factor [1].
     opacity

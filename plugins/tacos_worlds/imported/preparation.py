@@ -45,10 +45,6 @@ class Place:
         Mean illuminance 1 m above the floor in that world [lux].
     floor
         Where the agent can walk.
-    agent
-        Who walks.
-    occlusion, object_of_triangle
-        What lies underfoot.
     obstacles
         Ids of objects that count when stepped on.
     names

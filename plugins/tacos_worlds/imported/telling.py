@@ -17,13 +17,7 @@ SHARES = {"geometry and floor": 0.22, "light": 0.60, "brightness": 0.18}
 
 
 class Telling:
-    """Names the file, its triangles, and how long the stages to come may take at the pace of those past.
-
-    Parameters
-    ----------
-    file
-        The world.
-    """
+    """Names the file, its triangles, and how long the stages to come may take at the pace of those past."""
 
     def __init__(self, file: Path) -> None:
         self._name = file.name

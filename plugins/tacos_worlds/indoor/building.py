@@ -29,8 +29,6 @@ class Building:
 
     Parameters
     ----------
-    plan
-        Rooms and doors.
     room_kinds
         What each room is used for.
     background

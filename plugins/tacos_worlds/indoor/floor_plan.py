@@ -102,8 +102,6 @@ class FloorPlan:
         Extent of the floor along x and y, from (0, 0) [m].
     cells
         Rooms measured to the middle of the walls between them; they tile the floor [m].
-    doors
-        All doorways.
     """
 
     size_m: tuple[float, float]

@@ -35,8 +35,6 @@ class RoomsToDraw:
 
     Parameters
     ----------
-    plan
-        Rooms and doors.
     kinds, fittings, lamps, lights
         Of each room what it is used for, its ceiling lights, its lamps that may be on, and its light over
         that of the brightest [1].

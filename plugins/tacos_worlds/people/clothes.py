@@ -47,8 +47,6 @@ class Clothes:
 
     Parameters
     ----------
-    skin, hair, top, trousers, shoes
-        Of each.
     coat
         Whether the top reaches down over the hips.
     short_sleeves

@@ -36,10 +36,6 @@ def share_of_pictures(
 
     Parameters
     ----------
-    problem
-        The evidence.
-    hypothesis
-        The explanation.
     term
         The effect of it.
     rivals
@@ -74,15 +70,7 @@ def share_of_pictures(
 
 
 class _DrawnTiles:
-    """Sums of squares over resampled tiles of all pictures, the same for every hypothesis.
-
-    Parameters
-    ----------
-    pictures
-        The evidence.
-    rng
-        Draws the tiles.
-    """
+    """Sums of squares over resampled tiles of all pictures, the same for every hypothesis."""
 
     def __init__(self, pictures: Sequence[ImageEvidence], rng: np.random.Generator):
         self._pictures = pictures

@@ -30,8 +30,6 @@ def tile_squares(
 
     Parameters
     ----------
-    capture
-        With expected values.
     hypotheses
         J lists of effects.
 

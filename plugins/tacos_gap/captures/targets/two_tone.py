@@ -84,8 +84,6 @@ class Print:
 
     Parameters
     ----------
-    blur
-        The blur.
     unexplained
         Share of the picture's variance that the blurred print leaves.
     ink

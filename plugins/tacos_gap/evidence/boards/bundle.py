@@ -35,14 +35,10 @@ class View:
 
     Parameters
     ----------
-    board
-        The board.
     points_mm, corners_px
         (K, 3) its points [mm] and (K, 2) where they are seen [px].
     sigma_px
         Standard deviation that one coordinate is allowed [px].
-    geometry
-        Of the image.
     """
 
     board: Board
@@ -62,8 +58,6 @@ class Adjusted:
         For each view (2K,), all x before all y [sigma].
     shared
         (S,) what the views share, in units of its prior: paper board by board, then the lens.
-    poses
-        Of the views.
     """
 
     residuals: tuple[Array, ...]
@@ -76,8 +70,6 @@ class Bundle:
 
     Parameters
     ----------
-    views
-        The views.
     unstated
         What of the lens is fitted since nobody stated it: focal_length, principal_point.
     """

@@ -25,8 +25,6 @@ def hidden_by_pose(
 
     Parameters
     ----------
-    evidence
-        All there is.
     effects
         The classes of all candidates by name.
 

@@ -32,8 +32,6 @@ def deformations(board: Board, points_mm: NDArray[np.float64]) -> NDArray[np.flo
 
     Parameters
     ----------
-    board
-        The board.
     points_mm
         (K, 3) its points as printed [mm].
 

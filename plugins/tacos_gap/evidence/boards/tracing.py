@@ -41,8 +41,6 @@ def traced(
     ----------
     effects
         Any; those that move pixels bear on it.
-    geometry
-        Of the image.
     points_px
         (K, 2) places in the image [px].
 

@@ -81,8 +81,6 @@ def patches_of(
 
     Parameters
     ----------
-    light
-        What was rendered.
     expected_dn
         (1, H, W, C) expected values [DN].
 

@@ -29,8 +29,6 @@ class BenchShot:
         Exposure time [ms].
     level
         Signal of the brightest places over full scale at that time [1].
-    frames
-        How many frames.
     group
         Name of the series it belongs to, if that varies in the exposure time only.
     level_uncertainty

@@ -69,8 +69,6 @@ class CaptureBench:
     ----------
     settings
         Camera, effects and captures.
-    plugins
-        Resolve the components.
     seed
         Strews textures and draws noise.
 

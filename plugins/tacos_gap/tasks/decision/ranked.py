@@ -96,8 +96,6 @@ def chance_best(values: Mapping[str, NDArray[np.float64]], seed: int) -> dict[st
     ----------
     values
         (n,) what each scene tells about a camera's fitness, by name.
-    seed
-        Seeds the draws.
 
     Examples
     --------

@@ -10,8 +10,6 @@ class EvaluatorActor:
 
     Parameters
     ----------
-    payload
-        The pickled function.
     threads
         Threads OpenCV may use here.
     """

@@ -36,10 +36,6 @@ class ActorPool(JobPool[_Member]):
 
     Parameters
     ----------
-    cluster
-        Where they run.
-    payload
-        The pickled function.
     workers
         How many at most; those for which no node has room wait until one has.
     needs

@@ -23,8 +23,6 @@ class Trial:
 
     Parameters
     ----------
-    genes
-        Which.
     round
         When, counted from 0.
     fitness
@@ -47,10 +45,6 @@ class Trial:
 
         Parameters
         ----------
-        result
-            What came out.
-        round_number
-            When.
         scenes
             Goes before the numbers of episodes that name other scenes than those of the search.
         """
@@ -99,10 +93,6 @@ def observations(
 
     Parameters
     ----------
-    trial
-        What came out.
-    coordinates
-        Where.
     problem
         Whether episodes are renewed and weights learn.
     by_score

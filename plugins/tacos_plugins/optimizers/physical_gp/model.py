@@ -90,8 +90,6 @@ class SearchModel:
             What is known of the problem.
         system
             Coordinates and ranges of all candidates.
-        before
-            The last fit.
         """
         by_score = problem is not None and scores_known(trials)
         seen = [

@@ -26,8 +26,6 @@ class Located:
 
     Parameters
     ----------
-    candidates
-        Which.
     rows
         (candidates, names) scaled coordinates.
     """

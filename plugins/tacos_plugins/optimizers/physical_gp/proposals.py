@@ -42,8 +42,6 @@ class Proposal:
 
     Parameters
     ----------
-    candidates
-        Which.
     gain
         By how much the first is expected to exceed the best, as a share of its fitness.
     """
@@ -64,10 +62,6 @@ def proposed(
 
     Parameters
     ----------
-    model
-        What is known.
-    pool
-        What there is.
     tried
         The candidates that could be evaluated.
     closed
@@ -111,10 +105,6 @@ class Assessed:
 
     Parameters
     ----------
-    located
-        Which.
-    posterior
-        Their fitness.
     chances
         (candidates,) probability that each can be evaluated.
     """

@@ -13,10 +13,6 @@ class Designers:
 
     Parameters
     ----------
-    count
-        Cameras.
-    dimension
-        Genes of each.
     steps
         Changes of one camera before the next one begins.
     step_size

@@ -53,8 +53,6 @@ class Learner:
     ----------
     count
         Cameras side by side.
-    dimension
-        Genes of each.
     rollout
         Steps of each camera between two updates.
     hidden

@@ -39,8 +39,6 @@ class Culling:
 
     Parameters
     ----------
-    chunks
-        The chunks.
     triangles
         (T, 3) int32 vertices of the triangles in the order of the chunks.
     surface

@@ -54,8 +54,6 @@ def direct_light(
 
     Parameters
     ----------
-    lights
-        The area lights.
     point_m, normal
         (N, 3) points, slightly above their surface, and unit normals [m, 1].
     tracer

@@ -50,8 +50,6 @@ class GlDrawing:
 
     Parameters
     ----------
-    programs
-        The shaders.
     world
         The uploaded world, owned from now on.
     """

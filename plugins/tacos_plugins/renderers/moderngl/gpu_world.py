@@ -47,8 +47,6 @@ class GpuWorld:
 
     Parameters
     ----------
-    context
-        The context.
     world, lit
         The world and its light.
     """

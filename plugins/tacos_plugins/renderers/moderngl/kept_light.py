@@ -26,8 +26,6 @@ def kept(what: str, world: World, texel_m: float, make: Callable[[], Made]) -> M
 
     Parameters
     ----------
-    what
-        Names it.
     texel_m
         Distance of light map texels [m].
     make

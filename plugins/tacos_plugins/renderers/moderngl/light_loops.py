@@ -119,8 +119,6 @@ def mirror_rays(
         (M, 9) see `ShadingTables`.
     floats, integers
         Rows of a `PixelBatch`.
-    count
-        Pixels in it.
     """
     columns = np.int32(probe_map.shape[1])
     cells, table = probe_map.reshape(-1), materials.reshape(-1)

@@ -76,8 +76,6 @@ def colours(
         See `TexelStack`.
     floats, integers
         Rows of a `PixelBatch` [1].
-    count
-        Pixels in it.
     """
     squared, last = np.float32(2 * edge * edge), np.int32(len(offsets) - 1)
     for i in range(count):
@@ -188,8 +186,6 @@ def light_of_maps(light_map: Floats, bend_map: Floats, floats: Floats, count: in
         (rows, columns, 4) and (rows, columns, 2), as in `BakedMesh` [cd/m2, 1].
     floats
         Rows of a `PixelBatch`.
-    count
-        Pixels in it.
     """
     rows, columns = light_map.shape[0], light_map.shape[1]
     light, bend = light_map.reshape(-1), bend_map.reshape(-1)
@@ -231,8 +227,6 @@ def look_into_probes(
         Layers of a probe, and of octahedral coordinates into one.
     floats, integers
         Rows of a `PixelBatch`: directions stand in those of the normal.
-    count
-        Pixels in it.
     """
     layers, corners, edge = probes.reshape(-1), boxes.reshape(-1), np.int32(probes.shape[1])
     last, half_edge = np.float32(probes.shape[1] - 1), np.float32(probes.shape[1] / 2 - 0.5)

@@ -16,8 +16,6 @@ def projection_matrix(camera: Camera, near_m: float, far_m: float) -> NDArray[np
 
     Parameters
     ----------
-    camera
-        The camera.
     near_m, far_m
         Nearest and farthest depth kept, ``0 < near < far`` [m].
 

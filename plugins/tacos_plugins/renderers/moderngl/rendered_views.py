@@ -53,8 +53,6 @@ class Multisampling:
 
     Parameters
     ----------
-    targets
-        Where to render.
     camera, near_m
         The camera, and the least depth it sees [m].
     samples
@@ -115,8 +113,6 @@ class EdgeBlending:
 
     Parameters
     ----------
-    targets
-        Where to render.
     camera, near_m
         The camera, and the least depth it sees [m].
     by_loops

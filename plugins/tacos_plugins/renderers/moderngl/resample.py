@@ -31,12 +31,8 @@ class Resampling:
 
     Parameters
     ----------
-    store
-        Faces held.
     place
         What else the faces depend on: world, light, least depth.
-    camera
-        The camera.
     edge_px
         Pixels across a face [px].
     of_faces

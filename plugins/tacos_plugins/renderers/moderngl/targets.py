@@ -21,8 +21,6 @@ class RenderTarget:
 
     Parameters
     ----------
-    context
-        The context.
     size
         Width and height [px].
     channels

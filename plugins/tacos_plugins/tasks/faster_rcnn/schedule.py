@@ -11,14 +11,10 @@ def learning_rate(steps: int, *, start: float, decay: float, decay_every: int, f
 
     Parameters
     ----------
-    steps
-        Passes so far.
     start
         Learning rate of the first pass.
     decay
         Factor of each decay.
-    decay_every
-        Passes between decays.
     floor
         Share of `start` it never falls below: the weights of a long study still move at its end.
 

@@ -78,8 +78,6 @@ class DepthScores:
             (H, W) estimates in the left image; 0 or below stands for infinitely far [px].
         depth_m
             (H, W) truth of the left camera; infinite where nothing is [m].
-        pair
-            The cameras.
         """
         near = depth_m < self._max_depth_m
         truth_m = np.minimum(depth_m, self._max_depth_m).astype(np.float64)

@@ -25,8 +25,6 @@ class StereoExample:
         Pedestal and full scale [DN].
     depth_m
         (H, W) float32 truth of the left image; infinite where nothing is [m].
-    pair
-        The cameras.
     """
 
     left_dn: NDArray[Any]

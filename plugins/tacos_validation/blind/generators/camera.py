@@ -76,8 +76,6 @@ class IdealShot:
 
     Parameters
     ----------
-    camera
-        The ideal camera.
     look
         What is before it, at the exposure of the shot.
     exposure_ms

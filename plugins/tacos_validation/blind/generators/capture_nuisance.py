@@ -22,8 +22,6 @@ class CaptureNuisance:
         Of the camera, in its image [px, deg].
     gain, slope
         Of the light: a factor, and relative slopes over the width, the height and the diagonals.
-    level_uncertainty
-        Declared for it.
     expected_frames
         Noisy frames behind the expectation; 0 for a noiseless one.
     defocus_px

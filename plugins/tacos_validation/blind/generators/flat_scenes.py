@@ -129,8 +129,6 @@ class Chart:
 
     Parameters
     ----------
-    picture
-        The chart.
     boxes
         (P, 4) x, y, width, height in the image [px].
     colours

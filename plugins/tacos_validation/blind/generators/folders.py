@@ -32,12 +32,8 @@ def write_folder(
 
     Parameters
     ----------
-    folder
-        To be made.
     camera
         As the simulator believes it.
-    acquisitions
-        What is taken.
     effects
         What is wrong with the camera.
     rng

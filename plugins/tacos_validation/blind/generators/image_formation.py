@@ -40,12 +40,6 @@ def take(
 
     Parameters
     ----------
-    shot
-        What is taken.
-    effects
-        What is wrong.
-    frames
-        How many.
     rng
         Draws what differs from frame to frame.
     sensor_seed

@@ -95,10 +95,6 @@ class NoiseFloor:
     ----------
     acquisitions
         The captures; boards count for nothing here.
-    camera
-        The ideal camera.
-    seed
-        Draws its noise.
     """
 
     def __init__(self, acquisitions: Sequence[Acquisition], camera: IdealCamera, seed: int):

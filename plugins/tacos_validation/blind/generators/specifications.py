@@ -37,8 +37,6 @@ class CaseSpecification:
 
     Parameters
     ----------
-    case
-        Its random name.
     seed
         Draws everything in it.
     tier

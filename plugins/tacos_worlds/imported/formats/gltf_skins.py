@@ -19,8 +19,6 @@ class Skins:
 
     Parameters
     ----------
-    buffers
-        The file.
     most_px
         Longest edge of textures [px].
     """

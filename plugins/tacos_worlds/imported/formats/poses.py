@@ -40,8 +40,6 @@ class RecordedPath:
         (K,) rising, from 0 [s].
     poses
         (K, 4, 4) of a body in the world of the recording [m].
-    form
-        The format found.
     """
 
     time_s: NDArray[np.float64]

@@ -37,10 +37,6 @@ class Furnisher:
     ----------
     rng
         The room's stream of random numbers.
-    floor
-        The room's floor.
-    style
-        The room's finishes.
     catalogue
         Where furniture comes from.
     clutter

@@ -30,8 +30,6 @@ class Stretch:
 
     Parameters
     ----------
-    walk
-        The walk.
     start_s
         Where in the walk it begins, at or before its first frame [s].
     end_s

@@ -17,8 +17,6 @@ class WindowStyle:
     ----------
     width, height, sill
         Of the opening, and its height above the floor [cell].
-    columns, rows
-        Panes.
     trim
         Width of the surround; 0 for none [cell].
     frame

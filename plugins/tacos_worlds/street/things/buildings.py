@@ -48,8 +48,6 @@ class House:
     ----------
     width_m, depth_m
         Its footprint: x from 0 to the width, y from 0 (the street) to the depth [m].
-    floors
-        Upper floors.
     floor_m
         Height of each of them [m].
     kind
