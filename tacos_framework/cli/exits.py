@@ -32,18 +32,8 @@ def exit_status(command: Callable[[], int]) -> int:
 
     Whatever is printed meanwhile, by commands of plugins too, holds no control characters.
     """
-    from tacos_framework.plugins.import_traces import end_without_left_threads
-
-    status: int | str | None = FAILED
-    try:
-        with printable_output():
-            status = _status(command)
-    except SystemExit as ended:
-        status = ended.code
-        raise
-    finally:
-        end_without_left_threads(status if isinstance(status, int) else FAILED if status else DONE)
-    return status
+    with printable_output():
+        return _status(command)
 
 
 def _status(command: Callable[[], int]) -> int:

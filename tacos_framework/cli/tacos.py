@@ -57,8 +57,6 @@ def _plugins(plugins: Plugins) -> int:
         )
     for failure in plugins.failures:
         print(f"broken: plugin {failure.plugin}: {failure.reason}. {failure.remedy}", file=sys.stderr)
-    for remark in plugins.remarks:
-        print(f"note: {remark.name}: {remark.value}", file=sys.stderr)
     return DONE
 
 
@@ -91,7 +89,6 @@ def _findings(plugins: Plugins) -> Iterator[EnvironmentFinding]:
         yield EnvironmentFinding(f"plugin {failure.plugin}", failure.reason, ok=False, remedy=failure.remedy)
     if not broken:
         yield EnvironmentFinding("plugins", f"{components} components, none of them broken")
-    yield from plugins.remarks
 
 
 def _torch() -> EnvironmentFinding:

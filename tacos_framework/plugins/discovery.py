@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from functools import partial
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from tacos_framework.components import CONTRACT_VERSION, Component
-from tacos_framework.environment import EnvironmentFinding
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.plugins.failures import WITHOUT_VARIABLE, PluginFailure, PluginFailures, in_words
-from tacos_framework.plugins.importing import imported, say_what_ended_the_last_start
+from tacos_framework.plugins.failures import WITHOUT_VARIABLE, PluginFailure, PluginFailures, in_words, tried
 from tacos_framework.plugins.offers import GROUP, HookedPlugin, Offers
 from tacos_framework.plugins.registry import Registered, Registry
 
@@ -37,7 +34,6 @@ class Plugins:
         self.offers = Offers(self._failures)
         self._components = Registry()
         self._modules: list[str] = []
-        self._remarks: dict[tuple[str, str], EnvironmentFinding] = {}
 
     @classmethod
     def discover(cls) -> Plugins:
@@ -46,7 +42,6 @@ class Plugins:
         A broken one ends up in `failures`.
         """
         plugins = cls()
-        say_what_ended_the_last_start()
         without = [name.strip() for name in os.environ.get(WITHOUT_VARIABLE, "").split(",") if name.strip()]
         spared = set()
         for entry_point in sorted(entry_points(group=GROUP), key=lambda found: (found.name, found.value)):
@@ -64,7 +59,7 @@ class Plugins:
     def _load(self, entry_point: EntryPoint) -> None:
         distribution = _name_of(entry_point)
         plugin = distribution or entry_point.name
-        module, error = imported(entry_point.load, plugin, partial(self._remark, plugin))
+        module, error = tried(entry_point.load, f"the import of plugin {plugin}")
         if error is not None:
             self._failures.add(plugin, f"its import failed: {in_words(error)}", error)
         else:
@@ -100,15 +95,6 @@ class Plugins:
     def failures(self) -> list[PluginFailure]:
         """What cannot be used, as far as it is known without importing components."""
         return [*self._failures, *self._components.clashes()]
-
-    def _remark(self, plugin: str, what: str) -> None:
-        remark = EnvironmentFinding(f"plugin {plugin}", what, ok=False, remedy="Update it.")
-        self._remarks[plugin, what] = remark
-
-    @property
-    def remarks(self) -> list[EnvironmentFinding]:
-        """What imports so far have changed in this process."""
-        return list(self._remarks.values())
 
     def unusable(self) -> list[PluginFailure]:
         """Components that cannot be imported or do not fit their kind. Imports every one of them.
@@ -193,7 +179,7 @@ class Plugins:
                 )
             )
         source = self.distribution_of(use) or component.target
-        loaded, error = imported(component.load, source, partial(self._remark, source))
+        loaded, error = tried(component.load, f"the import of plugin {source}")
         if isinstance(error, Exception):
             error.add_note(f"while importing {component.target} for {use} ({where})")
             raise error

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import os
-import signal
-import sys
-import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from types import FrameType
-from typing import Any, TypeVar
+from typing import TypeVar
 
 Result = TypeVar("Result")
 
@@ -67,46 +62,21 @@ class PluginFailures:
 def tried(
     call: Callable[[], Result], doing: str = "what a plugin does"
 ) -> tuple[Result | None, BaseException | None]:
-    """What a stranger's code returns, or what it raises; Ctrl-C alone gets through.
+    """What a plugin's code returns, or what it raises, `SystemExit` included.
 
-    It says what it broke off. A `KeyboardInterrupt` that no signal has brought is the stranger's own.
+    `KeyboardInterrupt` alone passes, with a note of what it interrupted.
     """
     process, result, raised = os.getpid(), None, None
-    with _signals_that_interrupt() as came:
-        try:
-            result = call()
-        except BaseException as error:  # noqa: BLE001 - also those that would end the host without a word
-            raised = error
-        end_copy_of(process, doing)
-    if isinstance(raised, KeyboardInterrupt) and came:
-        raised.add_note(f"during {doing}")
-        raise raised
-    return result, raised
-
-
-@contextmanager
-def _signals_that_interrupt() -> Iterator[list[int]]:
-    """The signals that came meanwhile; their handlers are called as ever."""
-    came: list[int] = []
-
-    def noting(handler: Callable[[int, FrameType | None], Any]) -> Callable[[int, FrameType | None], Any]:
-        def note(number: int, frame: FrameType | None) -> None:
-            came.append(number)
-            handler(number, frame)
-
-        return note
-
-    is_main = threading.current_thread() is threading.main_thread()  # others hear of no signals
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM) if is_main}
-    for number, handler in handlers.items():
-        if callable(handler):
-            signal.signal(number, noting(handler))
     try:
-        yield came
+        result = call()
+    except KeyboardInterrupt as interrupt:
+        interrupt.add_note(f"during {doing}")
+        raise
+    except BaseException as error:  # noqa: BLE001 - also those that would end the host without a word
+        raised = error
     finally:
-        for number, handler in handlers.items():
-            if callable(handler):
-                signal.signal(number, handler)
+        end_copy_of(process, doing)
+    return result, raised
 
 
 def end_copy_of(process: int, doing: str) -> None:
@@ -120,8 +90,3 @@ def in_words(error: BaseException) -> str:
     """The type of an error and what it says."""
     text = str(error)
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
-
-
-def say(warning: str) -> None:
-    """Warn the user at once, as what comes next may never come."""
-    print(f"warning: {warning}", file=sys.stderr, flush=True)

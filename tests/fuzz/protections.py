@@ -166,21 +166,6 @@ PROTECTIONS = (
         "if False:",
         "tests/study/test_damaged_runs.py::test_a_damaged_file_is_named_and_never_gives_another_result",
     ),
-    Protection(
-        "an import is bounded by the clock, too",
-        "tacos_framework/plugins/import_time.py",
-        "if processor_s > 0 < clock_s else 0.0",
-        "if processor_s > 0 else 0.0",
-        "tests/plugins/test_plugins_gone_wild.py::"
-        "test_an_import_that_does_not_end_or_interrupts_is_a_failure",
-    ),
-    Protection(
-        "what an import changes is undone",
-        "tacos_framework/plugins/import_traces.py",
-        "if names := _undone_environment(environment):",
-        "if names := []:",
-        "tests/plugins/test_plugins_gone_wild.py::test_what_an_import_changes_is_undone_and_said",
-    ),
 )
 
 
