@@ -1,16 +1,15 @@
 """Pages of procedures, and the report of a study: one file each, nothing fetched from elsewhere.
 
 ================  ===========================================================================================
-``page``          a page of a procedure: text, tables, drawings, written in one go
+``page``          the one model of all pages: sections of text, tables, drawings, written in one go
 ``palette``       the colours of all of them, in light and dark
 ``quantities``    numbers in words
 ``study_data``    a results folder as plain values
 ``story``         sentences made from them, with ``comparison`` behind the differences
-``tables``        tables, cell by cell
 ``pictures``      sample frames, and how large to show them beside one another
 ``view_geometry`` where a camera looks: pure geometry
 ``figures``       the drawings, one a file, on the ``canvas`` that all pages draw on
-``html``          the report of a study: all of it on one page
+``study_page``    the report of a study, from the ``sections`` that each show one thing
 ``watching``      a study while it runs, in the terminal or as a page that reloads itself
 ================  ===========================================================================================
 
@@ -42,8 +41,10 @@ def write_report(folder: Path) -> Path:
     UserError
         Where the folder holds no readable ``result.json``.
     """
-    from tacos_report.html import render
-    from tacos_report.page import write_html
+    from tacos_report.page import write_page
     from tacos_report.study_data import read_study
+    from tacos_report.study_page import study_page
 
-    return write_html(folder / "report.html", render(read_study(folder)))
+    report = folder / "report.html"
+    write_page(report, study_page(read_study(folder)))
+    return report

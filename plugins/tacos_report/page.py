@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph of plain text."""
+    """A paragraph of plain text; a quiet one explains what stands beside it."""
 
     text: str
+    quiet: bool = False
     kind: Literal["paragraph"] = "paragraph"
 
 
@@ -54,24 +55,39 @@ class PagePicture:
     uri: str
     caption: str
     enlarged: bool = False
+    widest_px: int | None = None
     kind: Literal["picture"] = "picture"
 
 
 @dataclass(frozen=True)
 class Detailed:
-    """A cell with a detail in small print below its text."""
+    """A cell with a detail in small print below its text; the best of a row is named."""
 
     text: str
-    detail: str
+    detail: str = ""
+    best: bool = False
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of text under a heading."""
+    """Rows of text under a heading.
+
+    Parameters
+    ----------
+    colours
+        A CSS colour per head, "" for none.
+    row_heads
+        Whether the first cell of each row is its heading.
+    total
+        Whether the last row sums up the others.
+    """
 
     heads: tuple[str, ...]
     rows: tuple[tuple[str | Detailed, ...], ...]
     caption: str = ""
+    colours: tuple[str, ...] = ()
+    row_heads: bool = False
+    total: bool = False
     kind: Literal["table"] = "table"
 
 
@@ -95,7 +111,7 @@ class Heading:
 class SideBySide:
     """Blocks side by side, all equally wide."""
 
-    blocks: tuple[Drawing | PagePicture | Table, ...]
+    blocks: tuple[Drawing | PagePicture | Table | Paragraph, ...]
     kind: Literal["row"] = "row"
 
 
@@ -109,15 +125,67 @@ class ContactSheet:
 
 @dataclass(frozen=True)
 class Folded:
-    """A table that opens when its summary is clicked: for rows that few want to see."""
+    """A table or text that opens when its summary is clicked: for what few want to see."""
 
     summary: str
-    table: Table
+    block: Table | Code
     kind: Literal["folded"] = "folded"
 
 
+@dataclass(frozen=True)
+class Legend:
+    """What colours stand for, as (name, CSS colour)."""
+
+    entries: tuple[tuple[str, str], ...]
+    kind: Literal["legend"] = "legend"
+
+
+@dataclass(frozen=True)
+class Hero:
+    """The first picture of a page beside its facts: (label, value, detail), the main one first."""
+
+    facts: tuple[tuple[str, str, str], ...]
+    picture: Drawing | PagePicture | None = None
+    widest_px: int | None = None
+    kind: Literal["hero"] = "hero"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A picture of a `FrameRow`: where it lies in percent of the row's width, and what it is."""
+
+    uri: str
+    alt: str
+    title: str
+    detail: str
+    colour: str
+    width: float
+    top: float
+
+
+@dataclass(frozen=True)
+class FrameRow:
+    """Pictures of one moment side by side, to one scale, at most so wide."""
+
+    frames: tuple[Frame, ...]
+    widest_px: int
+    kind: Literal["frames"] = "frames"
+
+
 Block = (
-    Paragraph | Warnings | Drawing | PagePicture | Table | Code | Heading | SideBySide | ContactSheet | Folded
+    Paragraph
+    | Warnings
+    | Drawing
+    | PagePicture
+    | Table
+    | Code
+    | Heading
+    | SideBySide
+    | ContactSheet
+    | Folded
+    | Legend
+    | Hero
+    | FrameRow
 )
 
 
@@ -143,6 +211,12 @@ class Page:
         What stands behind it, in a paragraph.
     reload_s
         Seconds after which the page loads itself anew; None for one that stays as it is.
+    header
+        What stands below the lead, before the first section.
+    tab_title
+        What a browser shows on its tab; the eyebrow by default.
+    version
+        Version of the package that made what is shown, where it is known.
     """
 
     eyebrow: str
@@ -150,6 +224,9 @@ class Page:
     lead: str
     sections: Sequence[Section]
     reload_s: float | None = None
+    header: tuple[Block, ...] = ()
+    tab_title: str = ""
+    version: str = ""
 
 
 def image_uri(image: NDArray[np.uint8]) -> str:
@@ -171,17 +248,23 @@ Styles stand beside what they are of, which no hash can name; what a result hold
 
 
 def write_page(path: Path, page: Page) -> None:
-    """Write the page as one HTML file that fetches nothing."""
+    """Write the page as one HTML file that fetches nothing, whole or not at all."""
+    partial = path.with_name(f"{path.name}.partial")
+    partial.write_text(html_of(page), encoding="utf-8")
+    partial.replace(path)
+
+
+def html_of(page: Page) -> str:
+    """The page as HTML; all text is escaped."""
     from markupsafe import Markup
 
     from tacos_report.palette import stylesheet
 
-    template = page_templates().get_template("page.html.j2")
-    write_html(path, template.render(page=page, palette=Markup(stylesheet())))
+    template = _templates().get_template("page.html.j2")
+    return template.render(page=page, palette=Markup(stylesheet()))
 
 
-def page_templates() -> Environment:
-    """Where the templates of all pages are found, ``page.css`` for one; text is escaped."""
+def _templates() -> Environment:
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -195,11 +278,3 @@ def page_templates() -> Environment:
     environment.filters["svg"] = Markup
     environment.globals["policy"] = CONTENT_POLICY
     return environment
-
-
-def write_html(path: Path, text: str) -> Path:
-    """Write a page whole or not at all: a reader never meets half of it."""
-    partial = path.with_name(f"{path.name}.partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
-    return path

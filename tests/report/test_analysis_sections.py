@@ -18,10 +18,11 @@ from tacos_report import write_report
 from tacos_report.analysis import Analysis, read_analysis
 from tacos_report.figures.carriers import carrier_of
 from tacos_report.figures.side_view import side_view
-from tacos_report.html import render
+from tacos_report.page import html_of
 from tacos_report.pictures import MOST_ENLARGED, EmbeddedImage, FramePlacement, row_width_px
 from tacos_report.sections import ranking
 from tacos_report.study_data import CameraResult, StudyData, read_study
+from tacos_report.study_page import study_page
 from tests.report.analysed_results import analysed, decided
 from tests.report.results_folder import write_json, write_results
 from tests.report.test_study_page import Page
@@ -166,7 +167,7 @@ def test_odd_values_never_reach_the_reader(folder: Path, data: st.DataObject) ->
     result = data.draw(odd_results(dict(study.result)))
     cameras = tuple(replace(camera, samples=(), derived={}) for camera in study.cameras)
     odd = replace(study, result=result, analysis=read_analysis(result), cameras=cameras, generations=())
-    text = Page(render(replace(odd, log="", recipe=""))).text
+    text = Page(html_of(study_page(replace(odd, log="", recipe="")))).text
     assert re.findall(r".{60}(?:\bNone\b|\bnan\b|\binf\b|not a number|\{'|\[\])", text) == []
 
 

@@ -9,8 +9,8 @@ import pytest
 from tacos_framework.fitness import standard_errors
 from tacos_report import story
 from tacos_report.comparison import CameraDifference, difference
+from tacos_report.sections.cameras import score_table
 from tacos_report.study_data import CameraResult, Generation, StudyData, Tried
-from tacos_report.tables import score_table
 
 
 def camera(name: str, fitness: float | None, *episodes: float, **scores: float) -> CameraResult:
@@ -104,11 +104,12 @@ def test_errors_that_the_fitness_leaves_out_are_better_when_lower() -> None:
     ours = camera("designed", 1.0, **{"depth.error": 0.1, "depth.share": 0.1})
     theirs = camera("a", 0.9, **{"depth.error": 0.2, "depth.share": 0.2})
     data = study(ours, theirs, lower_is_better=["depth.error"])
-    rows = {row.label: row for row in score_table(data)}
-    error, share = rows["depth: error"], rows["depth: share"]
-    assert (error.outcome, share.outcome) == ("better", "worse")
-    assert [cell.best for cell in error.cells] == [True, False]
-    assert [cell.best for cell in share.cells] == [False, True]
+    rows = {label.text: cells for label, *cells in score_table(data).rows}
+    *error, of_error = rows["depth: error"]
+    *share, of_share = rows["depth: share"]
+    assert (of_error.detail, of_share.detail) == ("better", "worse")
+    assert [cell.best for cell in error] == [True, False]
+    assert [cell.best for cell in share] == [False, True]
     weighed = study(
         ours, theirs, fitness=[{"score": "depth.error", "weight": 1}], lower_is_better=["depth.error"]
     )

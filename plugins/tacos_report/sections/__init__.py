@@ -1,28 +1,53 @@
-"""Sections of the report that tell what a study decided and what its analysis found, one a file.
+"""Sections of the report of a study, one a file.
 
 Each has a function ``blocks(study)``: what it shows, nothing where the result does not have it.
 """
 
 from __future__ import annotations
 
-from tacos_report.page import Section
-from tacos_report.sections import decision, equivalents, front, importance, purchase, ranking, scenarios
+from collections.abc import Iterable, Iterator
+
+from tacos_report.page import Block, Section
+from tacos_report.sections import (
+    cameras,
+    decision,
+    equivalents,
+    front,
+    importance,
+    moments,
+    purchase,
+    ranking,
+    run,
+    scenarios,
+    search,
+    views,
+)
+from tacos_report.story import failure_groups
 from tacos_report.study_data import StudyData
 
-_ANSWERS = (
-    ("How sure is that?", decision),
-    ("What to buy", purchase),
-    ("All parts, ranked", ranking),
-    ("Any of these will do", equivalents),
-    ("What matters, and how much", importance),
-    ("More than one aim", front),
-)
 
-
-def answers(study: StudyData) -> list[Section]:
-    """What to do and how sure that is: before any detail of the cameras."""
-    found = (Section(title, tuple(section.blocks(study))) for title, section in _ANSWERS)
+def of_study(study: StudyData) -> list[Section]:
+    """What to do and how sure that is, then the cameras, then how they were found; no empty ones."""
+    found = (Section(title, tuple(blocks)) for title, blocks in _titled(study))
     return [section for section in found if section.blocks]
+
+
+def _titled(study: StudyData) -> Iterator[tuple[str, Iterable[Block]]]:
+    yield "How sure is that?", decision.blocks(study)
+    yield "What to buy", purchase.blocks(study)
+    yield "All parts, ranked", ranking.blocks(study)
+    yield "Any of these will do", equivalents.blocks(study)
+    yield "What matters, and how much", importance.blocks(study)
+    yield "More than one aim", front.blocks(study)
+    yield "The same moments through each camera", moments.blocks(study)
+    yield "What each camera sees", views.blocks(study)
+    yield cameras.title(study), cameras.blocks(study)
+    yield "Scenario by scenario", scenarios.blocks(study)
+    yield "The search", search.course(study)
+    yield "The design space explored", search.space(study)
+    failed = failure_groups(study.tried)
+    yield f"Where the time went{', and what failed' if failed else ''}", run.costs(study)
+    yield "Repeat this run", run.repeat(study)
 
 
 def cautions(study: StudyData) -> list[str]:
@@ -32,9 +57,3 @@ def cautions(study: StudyData) -> list[str]:
     if (stopped := study.result.get("stopped")) and not study.tested:
         found.append(f"The search ended: {stopped}")
     return found
-
-
-def by_scenario(study: StudyData) -> list[Section]:
-    """The scores of each scenario by itself, where there are several."""
-    blocks = tuple(scenarios.blocks(study))
-    return [Section("Scenario by scenario", blocks)] if blocks else []
