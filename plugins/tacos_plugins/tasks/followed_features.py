@@ -100,23 +100,32 @@ def follow(
 ) -> FollowedFeatures:
     """Match two frames by mutual nearest neighbours, and count what RANSAC finds to be one rigid motion.
 
+    Equal features and seeds give equal counts, whatever else uses OpenCV's generator.
+
     Parameters
     ----------
     threshold_px
-        Distance from its epipolar line at which a match is still an inlier [px].
+        Distance from its epipolar line (Sampson's) at which a match is still an inlier [px].
     confidence
         Probability that RANSAC meets a sample free of outliers [1].
+    seed
+        Of the samples that RANSAC draws.
+
+    References
+    ----------
+    Raguram et al. 2013, "USAC: a universal framework for random sample consensus", as OpenCV implements it.
     """
     matches = _match(first, second)
     inliers = 0
     if len(matches) >= MATCHES_NEEDED:
-        cv2.setRNGSeed(seed)
+        consensus = cv2.UsacParams()
+        consensus.threshold = threshold_px
+        consensus.confidence = confidence
+        consensus.randomGeneratorState = seed
         fundamental, mask = cv2.findFundamentalMat(
             first.points_px[[match.queryIdx for match in matches]],
             second.points_px[[match.trainIdx for match in matches]],
-            cv2.FM_RANSAC,
-            threshold_px,
-            confidence,
+            consensus,
         )
         inliers = 0 if fundamental is None else int(np.count_nonzero(mask))
     return FollowedFeatures((len(first) + len(second)) / 2, len(matches), inliers)
