@@ -74,12 +74,6 @@ class Recipe(Written, Settings):
         """What in it contradicts something else, in sentences; a draft may be asked as well."""
         if self.test is not None and self.test.seed == self.seed:
             yield f"test.seed and seed are both {self.seed}: the test scenes would not be unseen"
-        shared = [name for name, use in self.nodes.items() if use.train and use.train.weights == "shared"]
-        if self.study.race is not None and shared:
-            yield (
-                f"study.race compares candidates that start alike, but {shared[0]} trains with shared "
-                f"weights, so that each goes on where the one before stopped: set branched or frozen"
-            )
 
     @model_validator(mode="after")
     def _has_no_clash(self) -> Recipe:

@@ -199,17 +199,6 @@ class Weighted(Settings):
     weight: float = setting(help="Its weight in the sum; negative for scores to keep small.")
 
 
-class RaceSettings(Settings):
-    """When a candidate that is behind is scored no further."""
-
-    standard_errors: float = setting(
-        2.0,
-        help="Standard errors of its mean paired difference to the leader it must be behind by.",
-        gt=0,
-    )
-    min_blocks: int = setting(3, help="Blocks every candidate is scored on before any is dropped.", ge=2)
-
-
 class StudySettings(Settings):
     """How candidates are compared."""
 
@@ -249,22 +238,6 @@ class StudySettings(Settings):
     final_episodes: int | None = setting(
         None, help="Episodes the finalists are scored on; as many as `episodes` if absent.", ge=1
     )
-    race: RaceSettings | None = setting(
-        None, help="Drop candidates that are clearly behind, block by block; {} for the default rules."
-    )
-
-    @model_validator(mode="after")
-    def _race_can_be_run(self) -> StudySettings:
-        if self.race is None:
-            return self
-        if not self.common_random_numbers:
-            raise ValueError("a race compares frame by frame, so common_random_numbers must be true")
-        if self.episodes * self.blocks <= self.race.min_blocks:
-            raise ValueError(
-                f"a race over episodes x blocks = {self.episodes} x {self.blocks} ends before any candidate "
-                f"can be dropped, after {self.race.min_blocks}: more of either are needed"
-            )
-        return self
 
 
 class Compare(Settings):

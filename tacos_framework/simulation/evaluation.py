@@ -61,9 +61,6 @@ class Evaluation:
         Where there are several scenarios, the scores of each episode in each of them.
     scenarios
         Then also the scores and the fitness of each scenario by itself.
-    dropped
-        Why it was not scored on all episodes, in a sentence; its fitness is then what its place in the race
-        stands for, not the sum of `terms`, which are of the episodes it saw.
     raised
         The error behind `failed`, where a component has a defect rather than nothing to say.
     broken
@@ -83,7 +80,6 @@ class Evaluation:
     seconds: Mapping[str, float] = field(default_factory=dict)
     states: Mapping[str, State] = field(default_factory=dict)
     cached: bool = False
-    dropped: str | None = None
     raised: Raised | None = None
     scenario_episodes: Mapping[str, Sequence[Scores]] = field(default_factory=dict)
     scenarios: Mapping[str, Scores] = field(default_factory=dict)
@@ -95,7 +91,7 @@ class Evaluation:
         """What the tasks reported in each episode, by its number; named as in `blocks`, without fitness."""
         return {
             number: {name: value for name, value in scores.items() if name.rpartition("/")[2] != "fitness"}
-            for number, scores in zip(self.episode_numbers, self.blocks, strict=False)  # a race may end early
+            for number, scores in zip(self.episode_numbers, self.blocks, strict=False)  # none are counted
         }
 
     @property

@@ -9,13 +9,13 @@
 ``episodes``     which episodes candidates are scored and trained on
 ``evaluating``   candidates that do not hand on what they learn: each thing once
 ``pipelined``    weights that candidates share: the next one trains while the last is scored
-``scoring``      candidates of a generation in a race, with ``racing``, its statistics
 ``finalists``    the most promising of every search, scored once more at the same time
 ``account``      what evaluations took, and why those failed that did
 ``shards``       a few cameras on many episodes, cut up so that no worker idles
 ``worlds_ahead`` worlds of the test, built while workers would wait
 ``failing``      when candidates keep failing by one defect
-``unseen_test``  cameras on scenes that none was designed on, with ``sequential``, its statistics
+``unseen_test``  cameras on scenes that none was designed on, with ``sequential``, its statistics,
+                 and ``contributions``, what each scene tells about the fitness
 ``samples``      frames of the cameras, to look at
 ``analysis``     all that was scored, as a ``record`` for those who analyse it
 ``degenerate``   when no winner may be named

@@ -1,10 +1,10 @@
+from .contributions import contributions as contributions
 from .failing import KeepsFailing as KeepsFailing
 from .finalists import rescore_finalists as rescore_finalists
 from .pipelined import score_pipelined as score_pipelined
 from .problem import broken_by as broken_by
 from .progress import Progress as Progress
 from .progress import Silent as Silent
-from .racing import contributions as contributions
 from .running import run_study as run_study
 from .search import Search as Search
 from .sequential import PairedInterval as PairedInterval

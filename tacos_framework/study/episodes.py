@@ -24,7 +24,7 @@ def scored_episodes(recipe: Recipe, purpose: str, count: int, generation: int) -
     blocks = recipe.study.blocks
     return tuple(
         EpisodeSpec(recipe.seed, (purpose, era, i), block=(block, blocks))
-        for block in range(blocks)  # every world early: those that race are compared in all
+        for block in range(blocks)  # every world early
         for i in range(count)
     )
 

@@ -1,31 +1,14 @@
-"""Evaluating candidates that do not hand on what they learn: each once, in a race where one is wanted."""
+"""Evaluating candidates that do not hand on what they learn: each once."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Executor
 from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob, state_key
-from tacos_framework.study.scoring import score_in_a_race
 from tacos_framework.study.shards import score_sharded
-
-
-@dataclass(frozen=True)
-class Known:
-    """What was evaluated before.
-
-    Parameters
-    ----------
-    cache
-        Evaluations by the keys of their jobs.
-    leader
-        The best so far, where its fitness compares: it takes part in races.
-    """
-
-    cache: Mapping[str, Evaluation]
-    leader: Evaluation | None
 
 
 def job_keys(jobs: Sequence[ScoreJob]) -> list[str]:
@@ -41,21 +24,26 @@ def _key(job: ScoreJob, weights: str) -> str:
 
 def evaluate_each_once(
     wanted: Sequence[ScoreJob],
-    known: Known,
+    known: Mapping[str, Evaluation],
     executor: Executor,
     evaluate: Evaluator,
     on_evaluated: Callable[[Evaluation], None],
 ) -> tuple[list[Evaluation], dict[str, Evaluation]]:
     """Evaluate what has not been evaluated before in exactly this way, each thing once.
 
+    Parameters
+    ----------
+    known
+        Evaluations of before, by the keys of their jobs.
+
     Returns
     -------
     The evaluations in the order wanted, and those of them that are new, by the keys of their jobs.
     """
     keys = job_keys(wanted)
-    jobs = {key: job for key, job in zip(keys, wanted, strict=True) if key not in known.cache}
+    jobs = {key: job for key, job in zip(keys, wanted, strict=True) if key not in known}
     fresh: dict[str, Evaluation] = {}
-    for key, evaluation in zip(jobs, _scored(jobs, keys, known, executor, evaluate), strict=True):
+    for key, evaluation in zip(jobs, score_sharded(list(jobs.values()), executor, evaluate), strict=True):
         fresh[key] = evaluation
         on_evaluated(evaluation)
     evaluations, given = [], set()
@@ -63,26 +51,8 @@ def evaluate_each_once(
         if key in fresh and key not in given:
             evaluations.append(fresh[key])
         else:
-            again = replace(fresh.get(key) or known.cache[key], cached=True, images=0, seconds={})
+            again = replace(fresh.get(key) or known[key], cached=True, images=0, seconds={})
             evaluations.append(again)
             on_evaluated(again)
         given.add(key)
     return evaluations, fresh
-
-
-def _scored(
-    jobs: Mapping[str, ScoreJob],
-    keys: Sequence[str],
-    known: Known,
-    executor: Executor,
-    evaluate: Evaluator,
-) -> Iterable[Evaluation]:
-    """The evaluations of jobs, by a race where the recipe asks for one."""
-    rules = evaluate.plan.recipe.study.race
-    if rules is None:
-        return score_sharded(list(jobs.values()), executor, evaluate)
-    others = {key: known.cache[key] for key in keys if key in known.cache}
-    if known.leader is not None:
-        others["best"] = known.leader
-    rivals = {key: e for key, e in others.items() if e.fitness is not None and e.dropped is None}
-    return score_in_a_race(jobs, rivals, rules, executor, evaluate)

@@ -27,7 +27,6 @@ def candidate_record(evaluation: Evaluation) -> dict[str, Any]:
         "failed": evaluation.failed,
         "broken": evaluation.broken,
         "cached": evaluation.cached,
-        "dropped": evaluation.dropped,
         **({"scenarios": evaluation.scenarios} if evaluation.scenarios else {}),
     }
 

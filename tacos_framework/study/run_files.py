@@ -33,7 +33,6 @@ class KeptEvaluation(_Kept):
     images: int
     seconds: Scores
     cached: bool
-    dropped: str | None
     scenario_episodes: dict[str, list[Scores]]
     scenarios: dict[str, Scores]
     broken: Scores

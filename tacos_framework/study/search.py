@@ -11,11 +11,10 @@ from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
 from tacos_framework.study.asking import GuardedOptimizer, not_evaluated, result_of
 from tacos_framework.study.episodes import scored_episodes, training_episode
-from tacos_framework.study.evaluating import Known, evaluate_each_once, job_keys
+from tacos_framework.study.evaluating import evaluate_each_once, job_keys
 from tacos_framework.study.failing import MOST_ALIKE, KeepsFailing, limit_of
 from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.study.problem import broken_by, design_problem
-from tacos_framework.study.scoring import refuse_race_of_parts
 from tacos_framework.study.search_state import EndOfSearch, SearchState, fitness_of
 
 MOST_BROKEN_IN_A_ROW = 1000
@@ -175,8 +174,6 @@ class Search(SearchState):
         jobs = []
         for i, each in enumerate(asked):
             numbers = self._numbers(each)
-            if len(numbers) < len(episodes):
-                refuse_race_of_parts(self.plan.recipe, self.optimizer.origin, numbers)
             values = {**self.fixed, **each.candidate.as_dict()}
             specs = tuple(episodes[number] for number in numbers)
             jobs.append(ScoreJob(values, specs, self.states, self._training_episode(i)))
@@ -197,10 +194,7 @@ class Search(SearchState):
                 evaluations.append(evaluation)
                 on_evaluated(evaluation)
             return evaluations, states
-        leader = self.best if self.comparable else None
-        evaluations, fresh = evaluate_each_once(
-            jobs, Known(self.cache, leader), executor, evaluate, on_evaluated
-        )
+        evaluations, fresh = evaluate_each_once(jobs, self.cache, executor, evaluate, on_evaluated)
         if self.repeatable:  # otherwise no later generation can ask the same again
             known = {key: e for key, e in fresh.items() if e.raised is None}  # a defect may be mended
             self.cache.update({key: replace(e, states={}) for key, e in known.items()})

@@ -149,9 +149,7 @@ class SearchState:
             self.candidate_stats[key] = CandidateStats(
                 old.values, old.fitness_sum + evaluation.fitness, old.times + 1
             )
-            if evaluation.dropped is None and (
-                self.best is None or evaluation.fitness > fitness_of(self.best)
-            ):
+            if self.best is None or evaluation.fitness > fitness_of(self.best):
                 self.best = replace(evaluation, states={}, cached=False)
 
     # checkpoint -------------------------------------------------------------------------------------------

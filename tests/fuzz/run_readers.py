@@ -95,7 +95,6 @@ _EVALUATION: dict[str, Any] = {
     "images": 3,
     "seconds": {},
     "cached": False,
-    "dropped": None,
     "scenario_episodes": {},
     "scenarios": {},
     "broken": {},

@@ -139,10 +139,10 @@ def test_the_last_variable_cannot_be_fixed(tmp_path, toys):
         ({"foo.bar": 1}, "--set foo.bar: unknown key 'foo'"),
         ({"test": {"seed": -1}}, "--set test: test.seed is -1"),
         (
-            {"study.race": {}, "study.race.min_blocks": 1},
-            "--set study.race.min_blocks: study.race.min_blocks",
+            {"test": {"seed": 5}, "test.seed": -1},
+            "--set test.seed: test.seed is -1",
         ),
-        ({"study.race.min_blocks": 1, "study.race": 3}, "--set study.race: study.race is 3"),
+        ({"test.seed": 1, "test": 3}, "--set test: test is 3"),
     ],
 )
 def test_faults_of_a_value_are_placed_at_its_option_and_never_at_a_line(file, toys, sets, message):

@@ -17,7 +17,7 @@ from tacos_framework.simulation import (
     merged_evaluation,
     with_fitness,
 )
-from tacos_framework.study.racing import contributions
+from tacos_framework.study.contributions import contributions
 
 DAY, NIGHT = {"name": "day", "weight": 1}, {"name": "night", "weight": 3, "illumination_lux": 2}
 BOTH = {"scenario": [DAY, NIGHT], "fitness": [{"score": "width.brightness", "weight": 2}]}
@@ -89,8 +89,8 @@ def test_results_have_the_scenarios_beside(toys, tmp_path, over):
 
 
 VARIANTS = {
-    "races": {"study": {"race": {}, "episodes": 2, "blocks": 3}, "optimizer": {"population": 10}},
-    "worst race": {"study": {"race": {}, "blocks": 6, "scenarios": "worst"}},
+    "blocks": {"study": {"episodes": 2, "blocks": 3}, "optimizer": {"population": 10}},
+    "worst of blocks": {"study": {"blocks": 6, "scenarios": "worst"}},
     "shared weights": merged(LEARNER, {"study": {"train_best": 1}}),
     "branched weights": merged(
         LEARNER, {"nodes": {"learner": {"train": {"weights": "branched", "epochs": 2}}}}

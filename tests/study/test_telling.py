@@ -14,7 +14,6 @@ from toy_study import comparable, run, toy_recipe
 
 from tacos_framework.components import Component
 from tacos_framework.contracts import Asked
-from tacos_framework.errors import UserError
 from tacos_framework.hookspecs import hookimpl
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
@@ -220,24 +219,6 @@ def test_a_search_in_which_nothing_can_be_built_ends_and_names_the_constraint(pl
     assert result["stopped"].startswith("10 candidates in a row broke a constraint, the last as vfov_deg is ")
     assert result["stopped"].endswith("above the largest allowed value 9.2")
     assert (result["evaluations"], result["frames_rendered"]) == (0, 0)
-
-
-def test_candidates_of_different_episodes_cannot_race(plugins, tmp_path):
-    recipe = recipe_of({}, study={"renew_episodes": "never", "episodes": 6, "race": {}})
-    with pytest.raises(UserError) as refused:
-        run(recipe, plugins, tmp_path / "out")
-    (fault,) = refused.value.faults
-    assert fault.where.endswith("study.race")
-    assert "optimizer.rotating asks for one to be scored on episodes 0 only" in fault.what
-    assert fault.remedy
-
-
-def test_one_that_asks_for_all_may_race(plugins, tmp_path):
-    study = {"renew_episodes": "never", "episodes": 6, "race": {}}
-    run(recipe_of({"rounds": 6, "at_a_time": 0}, study=study), plugins, tmp_path / "out")
-    assert {len(told.episodes) for told in Rotating.told} >= {6}
-    dropped = [c for line in lines_of(tmp_path / "out") for c in line["candidates"] if c["dropped"]]
-    assert all(len(candidate["episodes"]) < 6 for candidate in dropped)
 
 
 def test_an_episode_without_meaning_is_told_with_what_it_has(plugins, tmp_path, monkeypatch):

@@ -33,7 +33,7 @@ class Dropping:
 
 STUDIES = {
     "plain": {},
-    "race": {"study": {"blocks": 5, "race": {"min_blocks": 2}}},
+    "blocks": {"study": {"blocks": 5}},
     "shared": LEARNER,
     "branched": merged(LEARNER, {"nodes": {"learner": {"train": {"weights": "branched"}}}}),
     "best": merged(LEARNER, {"study": {"train_best": 2}}),

@@ -48,7 +48,7 @@ def contenders_of(config: CompareOptimizersConfig, plugins: Plugins) -> Contende
     loaded = load_recipe(config.problem, dict(config.change))
     if not isinstance(loaded, Recipe):
         raise UserError(Fault("problem", f"{config.problem} is no study", "a recipe that designs"))
-    study = loaded.study.model_copy(update={"renew_episodes": "never", "race": None})
+    study = loaded.study.model_copy(update={"renew_episodes": "never"})
     held_out = config.held_out  # its test scenes here, so that as many worlds are kept
     test = Test(seed=held_out.seed, frames=held_out.frames, episodes=held_out.episodes)
     recipe = loaded.model_copy(update={"study": study, "compare": None, "test": test})
