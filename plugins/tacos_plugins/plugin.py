@@ -295,12 +295,29 @@ def tacos_episode_stores() -> list[Any]:
 
 @hookimpl
 def tacos_doctor() -> list[EnvironmentFinding]:
-    """What renders here: a GPU, the CPU, or nothing."""
+    """What renders here, and what networks run on: a GPU, the CPU, or nothing."""
+    return [_opengl(), _torch()]
+
+
+def _opengl() -> EnvironmentFinding:
     from tacos_framework.errors import UserError
     from tacos_plugins.renderers.moderngl.context import describe_gl
 
     try:
-        return [EnvironmentFinding("OpenGL", str(describe_gl()))]
+        return EnvironmentFinding("OpenGL", str(describe_gl()))
     except UserError as error:
         (fault,) = error.faults
-        return [EnvironmentFinding("OpenGL", fault.what, ok=False, remedy=fault.remedy)]
+        return EnvironmentFinding("OpenGL", fault.what, ok=False, remedy=fault.remedy)
+
+
+def _torch() -> EnvironmentFinding:
+    """By torch's metadata: every study asks, and importing torch takes seconds."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    from tacos_plugins.chosen_device import gpus
+
+    try:
+        found = version("torch")
+    except PackageNotFoundError:
+        return EnvironmentFinding("torch", "not installed; only tasks that learn need it")
+    return EnvironmentFinding("torch", f"{found}, {'cuda' if gpus() and '+cpu' not in found else 'cpu'}")

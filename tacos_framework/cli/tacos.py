@@ -81,7 +81,6 @@ def _findings(plugins: Plugins) -> Iterator[EnvironmentFinding]:
     yield EnvironmentFinding("Python", platform.python_version())
     yield EnvironmentFinding("cores", str(usable_cores()))
     yield from plugins.offers.findings()
-    yield _torch()
     components = len(list(plugins))
     print(f"     importing {components} components, one after the other", file=sys.stderr)
     broken = [*plugins.failures, *plugins.unusable()]
@@ -89,17 +88,3 @@ def _findings(plugins: Plugins) -> Iterator[EnvironmentFinding]:
         yield EnvironmentFinding(f"plugin {failure.plugin}", failure.reason, ok=False, remedy=failure.remedy)
     if not broken:
         yield EnvironmentFinding("plugins", f"{components} components, none of them broken")
-
-
-def _torch() -> EnvironmentFinding:
-    from importlib.util import find_spec
-
-    from tacos_framework.environment import EnvironmentFinding
-
-    if find_spec("torch") is None:
-        return EnvironmentFinding("torch", "not installed; only tasks that learn need it")
-    import torch
-
-    return EnvironmentFinding(
-        "torch", f"{torch.__version__}, {'cuda' if torch.cuda.is_available() else 'cpu'}"
-    )

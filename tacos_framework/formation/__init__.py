@@ -7,7 +7,6 @@
 ``checked``         arrays that are not finite, refused with who made them so
 ``draws``           what is drawn and remembered along an episode, frame by frame
 ``arrays``          from light or expected samples to the values of a file, on arrays
-``rounding_loops``  rounding to whole digital numbers, compiled
 ``controlled``      the loop from a frame to the exposure of the next
 ``views``           effects on the light of rendered views, truth moved along
 ``image_formation`` all of it for captures and frames, as a study calls it

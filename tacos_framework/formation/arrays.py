@@ -116,12 +116,8 @@ def digital(samples_dn: NDArray[np.floating], white_level_dn: float) -> Samples:
     >>> digital(np.float32([-3.0, 0.5, 1.5, 1.4, 254.6, 300.0]), 255).tolist()
     [0.0, 0.0, 2.0, 1.0, 255.0, 255.0]
     """
-    from tacos_framework.formation.rounding_loops import round_and_clip
-
-    samples = np.ascontiguousarray(samples_dn, dtype=np.float32)
-    rounded = np.empty(samples.shape, np.float32)
-    round_and_clip(samples.reshape(-1), np.float32(white_level_dn), rounded.reshape(-1))
-    return rounded
+    rounded = np.rint(np.asarray(samples_dn, np.float32))
+    return np.clip(rounded, np.float32(0), np.float32(white_level_dn), out=rounded)
 
 
 def file_type(white_level_dn: float) -> type[np.unsignedinteger]:

@@ -8,6 +8,7 @@ import logging
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Self
 
@@ -232,12 +233,11 @@ class RunFolder:
 
     def write_sample(self, name: str, image: NDArray[np.uint8]) -> str:
         """Write an (H, W, 3) uint8 RGB picture to ``samples/NAME.png``; returns its relative path."""
-        import cv2
+        from PIL import Image
 
-        encoded, data = cv2.imencode(".png", np.ascontiguousarray(image[..., ::-1]))
-        if not encoded:
-            raise ValueError(f"picture {name!r} of shape {image.shape} could not be encoded as PNG")
+        encoded = BytesIO()
+        Image.fromarray(image).save(encoded, "PNG", compress_level=1)
         relative = f"samples/{name}.png"
-        self._write(relative, data.tobytes())
-        self.samples[relative] = checksum(data.tobytes())
+        self._write(relative, encoded.getvalue())
+        self.samples[relative] = checksum(encoded.getvalue())
         return relative

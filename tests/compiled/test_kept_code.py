@@ -9,7 +9,7 @@ import sys
 import pytest
 
 LOOP = """
-from tacos_framework.compiled import compiled, inlined, unaliased
+from tacos_plugins.compiled.loops import compiled, inlined, unaliased
 from layout import WIDTH, scaled
 
 @{decorator}
@@ -19,7 +19,7 @@ def area(height):
 print(area(10), sum(area.stats.cache_hits.values()))
 """
 LAYOUT = """
-from tacos_framework.compiled import compiled, inlined, unaliased
+from tacos_plugins.compiled.loops import compiled, inlined, unaliased
 
 WIDTH = {width}
 

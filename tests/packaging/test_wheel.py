@@ -96,6 +96,7 @@ def test_entry_points(wheel: zipfile.ZipFile) -> None:
         "view": "tacos_view.plugin",
         "export": "tacos_export.plugin",
     }
+    assert dict(points["tacos_loops"]) == {"spline": "tacos_plugins.compiled.spline:evaluate"}
     assert dict(points["console_scripts"]) == {
         "tacos-run": "tacos_framework.cli:run_main",
         "tacos": "tacos_framework.cli:tacos_main",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled
+from tacos_plugins.compiled.loops import compiled
 
 
 @compiled

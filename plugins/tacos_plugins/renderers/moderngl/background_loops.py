@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled
+from tacos_plugins.compiled.loops import compiled
 
 
 @compiled

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled
+from tacos_plugins.compiled.loops import compiled
 
 CORNERS = 9
 """Most corners of a triangle cut by five planes, and one to close it."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled, unaliased
+from tacos_plugins.compiled.loops import compiled, unaliased
 
 # Places around a pixel centre, in half pixels, and their weights in the mean.
 _PLACES = np.array([(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx])

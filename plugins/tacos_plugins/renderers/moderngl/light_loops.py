@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled, inlined, unaliased
+from tacos_plugins.compiled.loops import compiled, inlined, unaliased
 from tacos_plugins.renderers.moderngl.pixel_batch import (
     AROUND_BLUE,
     AROUND_GREEN,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import inlined, unaliased
+from tacos_plugins.compiled.loops import inlined, unaliased
 from tacos_plugins.renderers.moderngl.pixel_batch import (
     AROUND_BLUE,
     AROUND_GREEN,

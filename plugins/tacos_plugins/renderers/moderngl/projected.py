@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled
+from tacos_plugins.compiled.loops import compiled
 from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
 
 SUB = 256

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.compiled import compiled, inlined, unaliased
+from tacos_plugins.compiled.loops import compiled, inlined, unaliased
 from tacos_plugins.renderers.moderngl.covered import BLOCK, is_hidden, nothing_drawn
 from tacos_plugins.renderers.moderngl.lanes import LANES
 from tacos_plugins.renderers.moderngl.projected import (

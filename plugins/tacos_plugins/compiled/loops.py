@@ -9,7 +9,7 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 
-from tacos_framework.kept_code import KeptCode
+from tacos_plugins.compiled.kept_code import KeptCode
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}  # division by zero is not looked for
 
