@@ -1,4 +1,4 @@
-"""From the best explanation to causes: with probabilities, intervals and evidence, and as a set."""
+"""From the best explanation to causes: with scores, intervals and evidence, and as a set."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def causes_of(
         rest = problem.residual(without(best.hypothesis, term.name))
         share = 0.0 if rest is None else share_explained(problem, best.z, rest)
         near = [name for name in rivals if probabilities[name] > 0.05]
-        sure = max(BY_STATISTICS.by(share), 1 - left.probability)
+        sure = max(BY_STATISTICS.by(share), 1 - left.score)
         if sure < 1 and certainty > LEAST_CERTAIN:
             rivals_of_it = _in_place_of(attribution, term)
             in_pictures = share_of_pictures(problem, best.hypothesis, term, rivals_of_it, seed)
@@ -83,7 +83,7 @@ def causes_of(
         causes.append(
             Cause(
                 effect=term.name,
-                probability=certainty * (1 - left.probability),
+                present=certainty * sure,
                 parameters=_parameters(term, half_width[start:stop], camera),
                 closure=closures.fair[term.name].value,
                 closure_interval=closures.fair[term.name].interval,
@@ -92,7 +92,6 @@ def causes_of(
                 confused_with=tuple(dict.fromkeys([*alike, *near])),
                 evidence=_evidence(problem, best, term, attribution),
                 settings=_settings(term),
-                present=certainty * sure,
                 specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
             )
         )

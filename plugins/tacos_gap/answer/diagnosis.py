@@ -117,16 +117,16 @@ def _explained(
     left = unexplained(problem, problem.replicate_residuals(best.hypothesis))
     tell("how far the gap shrinks")
     causes = causes_of(problem, attribution, left, captures, effects, seed)
-    if left.probability >= 0.5:  # a little of everything fits what nothing explains
+    if left.score >= 0.5:  # a little of everything fits what nothing explains
         causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.is_proven]
     before, after = problem.gap(problem.null), problem.gap(best.held_out)
     places = locate(problem, problem.null)
     if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
-        left = replace(left, probability=max(left.probability, LEAST_PRESENT), where=places[0].statistic)
+        left = replace(left, score=max(left.score, LEAST_PRESENT), where=places[0].statistic)
     cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
-    if not causes and left.probability < 0.5:
+    if not causes and left.score < 0.5:
         cause_set, wanted = hidden_by_pose(problem.evidence, effects)
-    if wanted is None and (len(cause_set) > max(len(causes), 1) or left.probability > 0.5):
+    if wanted is None and (len(cause_set) > max(len(causes), 1) or left.score > 0.5):
         wanted = best_capture(captures, _rival_hypotheses(attribution, cause_set), seed, left.where)
     nuisances = _nuisances(problem, best)
     return Diagnosis(
@@ -233,8 +233,8 @@ def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:
     if not causes:
-        return "unknown" if left.probability >= 0.5 else "no_gap"
-    if left.probability < 0.5:
+        return "unknown" if left.score >= 0.5 else "no_gap"
+    if left.score < 0.5:
         return "explained"
     proven = any(cause.is_proven for cause in causes)
     return "partly_explained" if proven or closure(before, after) >= 0.5 else "unknown"

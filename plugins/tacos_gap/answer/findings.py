@@ -41,20 +41,19 @@ class Parameter:
 
 
 LEAST_PRESENT = 0.5
-"""Probability that an effect is there from which on it is said to be."""
+"""Score from which on an effect is said to be there."""
 
 
 @dataclass(frozen=True)
 class Cause:
     """An effect that the captures support.
 
-    `probability` is that it is there and the explanation complete; `present` that it is there, whatever else
-    is: it goes by the captures that show it. `settings` are those of the captured camera; those of `specimen`
-    among them belong to it alone.
+    `present` is a score from 0 to 1 that it is there, whatever else is: it goes by the captures that show it.
+    `settings` are those of the captured camera; those of `specimen` among them belong to it alone.
     """
 
     effect: str
-    probability: float
+    present: float
     parameters: Mapping[str, Parameter]
     closure: float
     closure_interval: tuple[float, float]
@@ -64,7 +63,6 @@ class Cause:
     evidence: str
     settings: Mapping[str, Any]
     specimen: tuple[str, ...] = ()
-    present: float = 0.0
 
     @property
     def is_proven(self) -> bool:
@@ -129,11 +127,11 @@ class Diagnosis:
             "causes": [_cause_as_data(cause) for cause in self.causes],
             "cause_set": list(self.cause_set),
             "complete": {
-                "probability": _round(1 - self.unknown.probability),
+                "score": _round(1 - self.unknown.score),
                 "by_stage": {name: _round(1 - p) for name, p in self.unknown.by_stage.items()},
                 "by_capture": {name: _round(1 - p) for name, p in self.unknown.by_capture.items()},
             },
-            "unknown": {"probability": self.unknown.probability, "where": self.unknown.where},
+            "unknown": {"score": self.unknown.score, "where": self.unknown.where},
             "detectable": {effect: dict(limits) for effect, limits in self.detectable.items()},
             "nuisances": {capture: dict(values) for capture, values in self.nuisances.items()},
             "next_capture": self.next_capture
@@ -163,7 +161,6 @@ class Diagnosis:
 def _cause_as_data(cause: Cause) -> dict[str, Any]:
     return {
         "effect": cause.effect,
-        "probability": _round(cause.probability),
         "present": _round(cause.present),
         "parameters": {name: _parameter_as_data(parameter) for name, parameter in cause.parameters.items()},
         "closure": {

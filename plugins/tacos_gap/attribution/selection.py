@@ -99,10 +99,10 @@ class ForwardSelection:
         """The best explanation from nothing on, or from another beginning where much stays unexplained."""
         rounds = self._rounds
         best, left = rounds.grown(null)
-        if left.probability >= 0.5 and not rounds.are_spent() and (chance := self._by_chance(best)):
+        if left.score >= 0.5 and not rounds.are_spent() and (chance := self._by_chance(best)):
             self._notify("what differs by chance")
             best, left = self._better_of(best, chance)
-        if left.probability < 0.5 or rounds.are_spent():
+        if left.score < 0.5 or rounds.are_spent():
             return best
         if left.share < MUCH or len(self._on_files(rounds.fits.null)) < 2:
             return best

@@ -27,7 +27,7 @@ class Proof:
     proven: float
 
     def by(self, share: float) -> float:
-        """Probability that nothing unknown looks like an effect which explains such a share where it shows.
+        """Score from 0 to 1 that nothing unknown looks like an effect that explains such a share.
 
         Examples
         --------

@@ -32,8 +32,9 @@ class Unexplained:
 
     Parameters
     ----------
-    probability
-        Of an effect outside the catalogue.
+    score
+        From 0 to 1, that an effect outside the catalogue is at work: no probability, but a ramp between the
+        shares `TOLERATED` and `CERTAIN` of the gap.
     p_value
         That the simulator differs from itself as much anywhere.
     gap
@@ -43,13 +44,13 @@ class Unexplained:
     where
         Statistic that holds most of it; None where nothing is left.
     by_stage, by_capture
-        The probability for the statistics of a stage, or of a capture, alone.
+        The score for the statistics of a stage, or of a capture, alone.
     negligible
         Whether all blocks that differ significantly lie within the noise floor: equivalence margins are part
         of it, and a steady simulator makes differences within them significant.
     """
 
-    probability: float
+    score: float
     p_value: float
     gap: float
     share: float
@@ -79,18 +80,18 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     test = block_test(z, residuals.replicates, blocks, SLACK)
     p_value = test.family_p_value()
     share = max(gap - SLACK, 0.0) / max(before - 1.0, 1e-9) if before > SLACK else 0.0
-    probability = _doubt(share) * (1 - p_value) if p_value < SIGNIFICANT else 0.0
+    score = _doubt(share) * (1 - p_value) if p_value < SIGNIFICANT else 0.0
     own = np.bincount(blocks, robust(z) ** 2, len(names))
     significant = test.p_values <= test.least_p_value(SIGNIFICANT)
     worst = int(np.argmax(own)) if len(own) else 0
     stages = {block: label.stage for block, label in zip(blocks.tolist(), problem.labels, strict=True)}
     part = _PartwiseDoubt(z, null, residuals.replicates, blocks, test)
     return Unexplained(
-        round(probability, 3),
+        round(score, 3),
         p_value,
         gap,
         round(share, 4),
-        names[worst][1] if probability > 0.1 else None,
+        names[worst][1] if score > 0.1 else None,
         part.by([stages[k] for k in range(len(names))]),
         part.by([capture for capture, _ in names]),
         negligible=not np.any(significant & (own > np.bincount(blocks, minlength=len(names)))),
@@ -99,7 +100,7 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
 
 @dataclass(frozen=True, eq=False)
 class _PartwiseDoubt:
-    """How likely something unknown shows in a part of the numbers."""
+    """How much says that something unknown shows in a part of the numbers."""
 
     z: NDArray[np.float64]
     null: NDArray[np.float64]
@@ -108,7 +109,7 @@ class _PartwiseDoubt:
     test: BlockTest
 
     def by(self, part_of_block: Sequence[str]) -> dict[str, float]:
-        """The probability for each part, from the name of the part that each block belongs to."""
+        """The score for each part, from the name of the part that each block belongs to."""
         significant = discoveries(self.test.p_values, SIGNIFICANT)
         found = {}
         for part in dict.fromkeys(part_of_block):

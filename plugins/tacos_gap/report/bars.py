@@ -1,4 +1,4 @@
-"""Bars of what was found: probabilities of the causes, and how much of the gap each closes."""
+"""Bars of what was found: scores of the causes, and how much of the gap each closes."""
 
 from __future__ import annotations
 
@@ -20,30 +20,29 @@ _LEAST_SHOWN = 0.005
 _RIVALS = 3
 
 
-def probabilities(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
+def certainties(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
     """SVG of a bar per cause, its nearest rivals below it, and *unknown* last."""
-    rows: list[tuple[str, float, str]] = []  # name, probability, colour
+    rows: list[tuple[str, float, str]] = []  # name, score, colour
     for cause in diagnosis.causes:
-        rows.append((effect_words(cause.effect), cause.probability, AFTER))
+        rows.append((effect_words(cause.effect), cause.present, AFTER))
         places = diagnosis.attribution.probabilities(cause.effect)
         rivals = sorted((n for n in places if n not in ("", cause.effect)), key=lambda n: -places[n])
         near = [n for n in rivals if places[n] >= _LEAST_SHOWN]
         alike = [n for n in cause.confused_with if n not in near]
         rows += [
-            (f"or {effect_words(n)}", min(places.get(n, 0.0), 1 - cause.probability), DOT)
-            for n in near[:_RIVALS]
+            (f"or {effect_words(n)}", min(places.get(n, 0.0), 1 - cause.present), DOT) for n in near[:_RIVALS]
         ]
-        rows += [(f"or {effect_words(n)}", cause.probability, DOT) for n in alike]
-    rows.append(("something unknown", diagnosis.unknown.probability, TERMS[5]))
+        rows += [(f"or {effect_words(n)}", cause.present, DOT) for n in alike]
+    rows.append(("something unknown", diagnosis.unknown.score, TERMS[5]))
     height, top = (0.34, -0.8) if narrow else (0.62, -0.5)
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
-        for place, (_, probability, colour) in enumerate(rows):
+        for place, (_, score, colour) in enumerate(rows):
             axes.barh(place, 1.0, color=RULE, alpha=0.35, height=height)
-            axes.barh(place, probability, color=colour, height=height)
+            axes.barh(place, score, color=colour, height=height)
             weight = "bold" if colour == AFTER else "normal"
-            text = "less than 1 %" if probability < _LEAST_SHOWN else f"{100 * probability:.0f} %"
+            text = "below 0.01" if score < _LEAST_SHOWN else f"{score:.2f}"
             axes.text(1.015, place, text, va="center", color=INK, fontweight=weight)
         names = name_rows(axes, [name for name, _, _ in rows], narrow=narrow)
         for label, (_, _, colour) in zip(names, rows, strict=True):
@@ -56,11 +55,11 @@ def probabilities(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
         axes.tick_params(length=0)
         axes.spines[:].set_visible(False)
 
-    said = ", ".join(f"{name} {probability:.2f}" for name, probability, _ in rows)
+    said = ", ".join(f"{name} {score:.2f}" for name, score, _ in rows)
     if narrow:
         size_in = (NARROW_IN, 0.3 + 0.48 * len(rows))
-        return draw("probabilities-narrow", size_in, f"Probabilities: {said}.", paint)
-    return draw("probabilities", (9.2, 0.25 + 0.36 * len(rows)), f"Probabilities: {said}.", paint)
+        return draw("certainties-narrow", size_in, f"Scores: {said}.", paint)
+    return draw("certainties", (9.2, 0.25 + 0.36 * len(rows)), f"Scores: {said}.", paint)
 
 
 def closures(diagnosis: Diagnosis, *, narrow: bool = False) -> str:

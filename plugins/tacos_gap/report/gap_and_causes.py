@@ -73,9 +73,9 @@ def _paired(drawings: Sequence[Drawing]) -> Iterator[SideBySide]:
 def causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
     """The section "What causes it": each cause with its parameters and the statistic that decided."""
     yield in_both_widths(
-        partial(bars.probabilities, diagnosis),
-        "How probable each cause is, with the effects that could stand in its place, scored on what none was "
-        "fitted to.",
+        partial(bars.certainties, diagnosis),
+        "How sure each cause is, from 0 to 1, with the effects that could stand in its place. These are "
+        "scores, not probabilities.",
     )
     for cause in diagnosis.causes:
         name = words.effect_words(cause.effect)

@@ -199,11 +199,6 @@ def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
         yield Paragraph(own)
 
 
-def _explained(capture: str, unknown: Mapping[str, float]) -> str:
-    """The probability that nothing unknown is at work in a capture."""
-    return words.share(1 - unknown[capture]) if capture in unknown else ""
-
-
 def _repeat(
     diagnosis: Diagnosis,
     captures: Sequence[RealCapture],
@@ -224,10 +219,7 @@ def _repeat(
                 f"{width} × {height}",
                 "not compared" if before is None else number(before, 2),
                 "" if after is None else number(after, 2),
-                *(
-                    [words.share(1 - explained[capture.id]) if capture.id in explained else ""]
-                    * bool(explained)
-                ),
+                *([f"{1 - explained[capture.id]:.2f}" if capture.id in explained else ""] * bool(explained)),
             )
         )
     heads = ("capture", "kind", "frames", "size [px]", "gap before", "after")

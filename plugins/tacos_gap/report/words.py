@@ -82,15 +82,15 @@ def cause_sentence(cause: Cause) -> str:
         for key, parameter in cause.parameters.items()
         if not isinstance(parameter.value, list)
     ]
-    sure = share(cause.present)
+    sure = f"{cause.present:.2f}"
     sized = f", {listed(said)}" if said else ""
     closes = f"adding it alone closes {share(cause.closure_alone)} of the gap"
     if not cause.is_proven:
         return (
-            f"The simulator may lack {name}{sized}: {closes}, but with a probability of only {sure} "
+            f"The simulator may lack {name}{sized}: {closes}, but with a score of only {sure} of 1 "
             "it is this, and not something else that looks like it."
         )
-    return f"The simulator lacks {name}{sized}: it is there with a probability of {sure}, and {closes}."
+    return f"The simulator lacks {name}{sized}: it is there with a score of {sure} of 1, and {closes}."
 
 
 def _spoken(name: str, parameter: Parameter) -> str:
@@ -188,10 +188,10 @@ def cannot_tell(diagnosis: Diagnosis) -> list[str]:
         if cause.confused_with:
             others = listed([effect_words(name) for name in cause.confused_with])
             said.append(f"{effect_words(cause.effect).capitalize()} cannot be told from {others} here.")
-    if diagnosis.unknown.probability >= 0.1 and diagnosis.unknown.where:
+    if diagnosis.unknown.score >= 0.1 and diagnosis.unknown.where:
         place = view_of(diagnosis.unknown.where).title.lower()
         said.append(
-            f"With a probability of {share(diagnosis.unknown.probability)} something is at work that no "
+            f"With a score of {diagnosis.unknown.score:.2f} of 1 something is at work that no "
             f"effect here describes. It shows in: {place}."
         )
     if diagnosis.below_floor:
@@ -257,10 +257,10 @@ def remainder(diagnosis: Diagnosis) -> str:
     left = diagnosis.unknown
     chance = left.p_value
     text = f"What is left measures {number(left.gap, 2)} times the noise floor. "
-    if left.probability < 0.1:
+    if left.score < 0.1:
         return f"{text}That is no more than a right model of a real camera leaves."
     fraction = "none of" if chance <= 0.06 else f"{share(chance)} of"
     return (
         f"{text}Of the simulator's comparisons with itself {fraction} them is as extreme: something "
-        f"outside of the catalogue remains, with a probability of {share(left.probability)}."
+        f"outside of the catalogue remains, with a score of {left.score:.2f} of 1."
     )

@@ -56,7 +56,7 @@ def completenesses(cases: Iterable[Case]) -> list[Stated]:
     for case in cases:
         stated = case.answer.get("complete")
         if case.tier not in ("T5", "T6") and isinstance(stated, dict) and not case.failed:
-            found.append((float(stated["probability"]), case.everything <= set(case.causes)))
+            found.append((float(stated["score"]), case.everything <= set(case.causes)))
     return found
 
 

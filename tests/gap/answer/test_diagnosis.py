@@ -79,7 +79,7 @@ def test_a_single_effect_is_named_with_its_parameter(effects, name, settings):
     found = run(taken(bench(), [make(effects, name, **settings)]), effects)
     assert found.verdict == "explained"
     assert found.causes[0].effect == name
-    assert found.causes[0].probability > 0.8
+    assert found.causes[0].present > 0.8
     assert found.causes[0].closure > 0.8
     for parameter, value in settings.items():
         assert found.causes[0].parameters[parameter].value == pytest.approx(value, rel=0.12)
@@ -112,9 +112,9 @@ def test_an_effect_outside_the_catalogue_is_unknown(effects):
     truth = make(effects, "crosstalk", share=0.04)
     fewer = {name: cls for name, cls in effects.items() if name != "crosstalk"}
     found = run(taken(bench(), [truth]), fewer)
-    assert found.unknown.probability > 0.5
+    assert found.unknown.score > 0.5
     assert found.verdict in ("unknown", "partly_explained")
-    assert all(cause.probability < 0.5 for cause in found.causes)
+    assert all(not cause.is_proven for cause in found.causes)
 
 
 def test_one_frame_of_one_flat_does_not_tell_the_lens_from_the_light(effects):

@@ -153,4 +153,4 @@ def test_defocus_is_named_although_depth_and_glints_leave_a_rest(sharp):
     found = diagnose(CaptureFolder(None, (scene(elsewhere(real)),)), effects, workers=1)
     assert found.causes[0].effect == "defocus"
     assert found.causes[0].present > 0.5
-    assert found.unknown.probability > 0.5
+    assert found.unknown.score > 0.5

@@ -51,7 +51,7 @@ def test_nothing_left_is_nothing_unknown():
     of = [Problem([Blocks(seed)]) for seed in range(30)]
     left = [unexplained(each, each.replicate_residuals(())) for each in of]
     assert np.mean([u.is_significant for u in left]) <= 0.15
-    assert all(u.probability == 0 for u in left)
+    assert all(u.score == 0 for u in left)
 
 
 def test_something_left_in_one_place_alone_stands_out():
@@ -59,4 +59,4 @@ def test_something_left_in_one_place_alone_stands_out():
     left = unexplained(of, of.replicate_residuals(()))
     assert left.is_significant
     assert left.where == "statistic 4"
-    assert left.probability > 0.5
+    assert left.score > 0.5

@@ -38,7 +38,7 @@ def problem() -> Problem:
 
 def test_what_is_left_is_left_in_a_stage_and_in_captures(problem):
     left = unexplained(problem, problem.replicate_residuals(()))
-    assert left.probability > 0.9
+    assert left.score > 0.9
     assert left.by_stage["optics"] < 0.1 < 0.9 < left.by_stage["pixel"]
     assert all((p > 0.9) == name.startswith("scene") for name, p in left.by_capture.items())
 

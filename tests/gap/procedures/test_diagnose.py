@@ -98,7 +98,7 @@ def test_what_tells_nothing_gets_an_answer_with_every_key(plugins: Plugins, tmp_
     for one, other in ((told, data), *((told[k], data[k]) for k in ("gap", "complete", "unknown"))):
         assert set(one) == set(other)
     assert (data["verdict"], data["causes"], data["cause_set"]) == ("unknown", [], [])
-    assert data["complete"]["probability"] == 0
+    assert data["complete"]["score"] == 0
     assert data["next_capture"]["kind"] == "flat"
     assert any("its mask leaves no pixel" in text for text in data["limitations"])
     assert headline(report) == "Nothing could be measured in these captures"

@@ -24,7 +24,7 @@ NOT_ASKED: Any = None
 def cause(effect: str, shapley: float = 0.9, **changes: Any) -> Cause:
     made = Cause(
         effect=effect,
-        probability=0.95,
+        present=0.0,
         parameters={"k1": Parameter(-0.31, (-0.33, -0.29), "1")},
         closure=shapley,
         closure_interval=(0.8, 0.95),
@@ -111,7 +111,7 @@ def test_limits_name_what_looks_alike_what_is_unknown_and_what_is_too_small() ->
     )
     said = words.cannot_tell(diagnosis)
     assert said[0] == "Vignetting cannot be told from illumination gradient here."
-    assert "70 %" in said[1]
+    assert "a score of 0.70 of 1" in said[1]
     assert "contrast of detail" in said[1]
     assert said[2].endswith("row noise.")
     assert said[3] == "a and b: one frame."
@@ -144,7 +144,16 @@ def test_the_headline_says_which_of_several_is_not_proven() -> None:
 def test_what_fits_and_is_not_proven_is_no_lack_of_the_simulator() -> None:
     said = words.cause_sentence(cause("jpeg", present=0.02))
     assert "may lack" in said
-    assert "a probability of only 2 %" in said
+    assert "a score of only 0.02 of 1" in said
+
+
+def test_a_cause_beside_a_rest_keeps_its_one_number_and_no_ramp_is_called_a_probability() -> None:
+    rest = Unexplained(1.0, 0.01, 4.0, 0.3, "detail")
+    data = found("partly_explained", cause("lens-distortion", present=0.99), unknown=rest).as_data()
+    assert data["causes"][0]["present"] == 0.99
+    assert data["unknown"]["score"] == 1.0
+    assert data["complete"]["score"] == 0.0
+    assert "probability" not in str(data)
 
 
 def test_a_detection_limit_is_told_as_fine_as_it_lies_from_neutral() -> None:
