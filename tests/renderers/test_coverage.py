@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tacos_plugins.renderers.moderngl.coverage import find_edges, seeing_several
+from tacos_plugins.renderers.software.coverage import find_edges, seeing_several
 
 
 def blended(colour, surface):

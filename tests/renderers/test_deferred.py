@@ -11,13 +11,13 @@ from scipy.ndimage import map_coordinates
 from small_worlds import box, camera, matte, pose, quad, world
 
 from tacos_framework.values import Light, Material
-from tacos_plugins.renderers.moderngl import pixel_batch as row
 from tacos_plugins.renderers.moderngl.device import device
-from tacos_plugins.renderers.moderngl.light_loops import between_two, mirror_rays, reflect
-from tacos_plugins.renderers.moderngl.lookup_loops import colours, light_of_maps, look_into_probes, tilts
 from tacos_plugins.renderers.moderngl.rendered_views import EdgeBlending
-from tacos_plugins.renderers.moderngl.seen_triangles import planes, runs_by_kind
-from tacos_plugins.renderers.moderngl.shading_tables import TexelStack
+from tacos_plugins.renderers.software import pixel_batch as row
+from tacos_plugins.renderers.software.light_loops import between_two, mirror_rays, reflect
+from tacos_plugins.renderers.software.lookup_loops import colours, light_of_maps, look_into_probes, tilts
+from tacos_plugins.renderers.software.seen_triangles import planes, runs_by_kind
+from tacos_plugins.renderers.software.shading_tables import TexelStack
 
 NEAR_M = 0.05
 

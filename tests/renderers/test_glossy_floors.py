@@ -10,9 +10,9 @@ from scipy.ndimage import binary_erosion, uniform_filter
 from small_worlds import box, camera, matte, pose, quad, rig, room, standing, world
 
 from tacos_framework.values import Exposure, Light, Material
+from tacos_plugins.renderers.light.probe_map import map_probes
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl import device
-from tacos_plugins.renderers.moderngl.probe_map import map_probes
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 
 pytest.importorskip("mitsuba", reason="the extra mitsuba is not installed")

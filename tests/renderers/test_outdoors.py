@@ -169,8 +169,8 @@ def test_only_things_that_say_so_may_move():
 
 
 def test_coarse_parts_get_fewer_texels_and_the_same_light():
-    from tacos_plugins.renderers.moderngl.charts import find_charts
-    from tacos_plugins.renderers.moderngl.flatten import flatten
+    from tacos_plugins.renderers.light.charts import find_charts
+    from tacos_plugins.renderers.light.flatten import flatten
 
     fine = quad((0, 0, 0), (10, 0, 0), (0, 10, 0))
     texels = []

@@ -10,8 +10,8 @@ from hypothesis.extra.numpy import arrays
 from small_worlds import box, camera, matte, pose, quad, rig, room, standing, world
 
 from tacos_framework.values import Exposure, Light, Material
-from tacos_plugins.renderers.moderngl.probe_map import ProbeMap, map_probes, two_heaviest
-from tacos_plugins.renderers.moderngl.rays import RayTracer
+from tacos_plugins.renderers.light.probe_map import ProbeMap, map_probes, two_heaviest
+from tacos_plugins.renderers.light.rays import RayTracer
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 
 SIDES = np.array([[1.0, 1.0, 1.0], [5.0, 1.0, 1.0]])  # probes on either side of a wall at x = 3

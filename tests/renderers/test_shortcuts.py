@@ -8,14 +8,14 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from tacos_framework.values import Light
-from tacos_plugins.renderers.moderngl.culling import looked_up
-from tacos_plugins.renderers.moderngl.probes import (
+from tacos_plugins.renderers.light.probes import (
     face_camera,
     face_rotations,
     may_show,
     paint_light,
     pixel_rays,
 )
+from tacos_plugins.renderers.moderngl.culling import looked_up
 
 metres = st.floats(-4, 4)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tacos_framework.values import Material
-from tacos_plugins.renderers.moderngl.textures import texture_layers
+from tacos_plugins.renderers.light.textures import texture_layers
 
 
 def material(texture: np.ndarray | None, normal_map: np.ndarray | None = None, tint: float = 1.0) -> Material:

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_plugins.renderers.moderngl.lanes import with_lanes
-from tacos_plugins.renderers.moderngl.projected import project
-from tacos_plugins.renderers.moderngl.visibility import look
+from tacos_plugins.renderers.software.lanes import with_lanes
+from tacos_plugins.renderers.software.projected import project
+from tacos_plugins.renderers.software.visibility import look
 
 SHAPE = (40, 50)
 NEAR_M = 0.1

@@ -10,13 +10,13 @@ from small_worlds import box, matte, pose, quad, room, world
 
 from tacos_framework.camera.geometry import invert_pose, project
 from tacos_framework.values import Camera, MeshPart
-from tacos_plugins.renderers.moderngl.charts import MOST_TEXELS, find_charts, pack_shelves
+from tacos_plugins.renderers.light.charts import MOST_TEXELS, find_charts, pack_shelves
+from tacos_plugins.renderers.light.flatten import cut_into_chunks, flatten
+from tacos_plugins.renderers.light.prefilter import ggx_lobe, octahedral_directions
+from tacos_plugins.renderers.light.surfaces import closed_parts, smooth_surfaces
+from tacos_plugins.renderers.light.tangents import tangent_frames
 from tacos_plugins.renderers.moderngl.culling import Culling
-from tacos_plugins.renderers.moderngl.flatten import cut_into_chunks, flatten
-from tacos_plugins.renderers.moderngl.prefilter import ggx_lobe, octahedral_directions
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
-from tacos_plugins.renderers.moderngl.surfaces import closed_parts, smooth_surfaces
-from tacos_plugins.renderers.moderngl.tangents import tangent_frames
 
 
 def mesh_of(parts):

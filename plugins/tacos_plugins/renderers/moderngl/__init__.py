@@ -1,1 +1,1 @@
-"""Headless OpenGL rasterizer: baked light, physically based materials, exact depth and ids."""
+"""Headless OpenGL rasterizer: physically based materials, exact depth and ids."""

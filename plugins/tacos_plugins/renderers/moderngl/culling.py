@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.flatten import Chunks, SurfaceKind
+from tacos_plugins.renderers.light.flatten import Chunks, SurfaceKind
 
 _KINDS = 2 * int(max(SurfaceKind))
 """More than any combination of the bits of `SurfaceKind`."""

@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 
 from tacos_framework.cache import LRUCache
 from tacos_framework.values import Camera, World
-from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, light_world
+from tacos_plugins.renderers.light.baked_mesh import BakedMesh, light_world
+from tacos_plugins.renderers.light.flatten import SurfaceKind
+from tacos_plugins.renderers.light.probe_map import ProbeMap, map_probes
+from tacos_plugins.renderers.light.probes import Probe, look_around, probe_places
 from tacos_plugins.renderers.moderngl.context import describe_gl, gl_context
 from tacos_plugins.renderers.moderngl.drawn_world import DrawnWorld
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gl_drawing import Programs
 from tacos_plugins.renderers.moderngl.kept_light import kept
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import FaceStore
-from tacos_plugins.renderers.moderngl.pixel_batch import PixelBatch
-from tacos_plugins.renderers.moderngl.probe_map import ProbeMap, map_probes
-from tacos_plugins.renderers.moderngl.probes import Probe, look_around, probe_places
 from tacos_plugins.renderers.moderngl.rendered_views import EdgeBlending
 from tacos_plugins.renderers.moderngl.targets import TargetPool
+from tacos_plugins.renderers.software.pixel_batch import PixelBatch
 
 log = logging.getLogger(__name__)
 

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import World
-from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh
+from tacos_plugins.renderers.light.baked_mesh import BakedMesh
+from tacos_plugins.renderers.light.probe_map import ProbeMap
+from tacos_plugins.renderers.light.probes import Probe
 from tacos_plugins.renderers.moderngl.culling import Culling
-from tacos_plugins.renderers.moderngl.deferred import DeferredShading
 from tacos_plugins.renderers.moderngl.gl_drawing import GlDrawing, Programs
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
-from tacos_plugins.renderers.moderngl.pixel_batch import PixelBatch
-from tacos_plugins.renderers.moderngl.probe_map import ProbeMap
-from tacos_plugins.renderers.moderngl.probes import Probe
-from tacos_plugins.renderers.moderngl.shading_tables import ShadingTables
+from tacos_plugins.renderers.software.deferred import DeferredShading
+from tacos_plugins.renderers.software.pixel_batch import PixelBatch
+from tacos_plugins.renderers.software.shading_tables import ShadingTables
 
 
 class DrawnWorld:

@@ -8,12 +8,12 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_plugins.renderers.light.flatten import SurfaceKind
+from tacos_plugins.renderers.light.prefilter import PROBE_SCALE
+from tacos_plugins.renderers.light.probes import MOST_PROBES
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.culling import DrawList
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.gpu_world import GpuWorld
-from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
-from tacos_plugins.renderers.moderngl.probes import MOST_PROBES
 from tacos_plugins.renderers.moderngl.programs import compile_program
 from tacos_plugins.renderers.moderngl.targets import RenderTarget
 from tacos_plugins.renderers.moderngl.viewpoint import Viewpoint

@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import World
-from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
-from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
-from tacos_plugins.renderers.moderngl.probe_map import ProbeMap
-from tacos_plugins.renderers.moderngl.probes import Probe
-from tacos_plugins.renderers.moderngl.textures import (
+from tacos_plugins.renderers.light.baked_mesh import BakedMesh
+from tacos_plugins.renderers.light.flatten import SurfaceKind
+from tacos_plugins.renderers.light.prefilter import BRIGHTEST, prefiltered, roughness_levels
+from tacos_plugins.renderers.light.probe_map import ProbeMap
+from tacos_plugins.renderers.light.probes import Probe
+from tacos_plugins.renderers.light.textures import (
     colour_levels,
     material_table,
     normal_levels,
     texture_layers,
-    uploaded,
 )
+from tacos_plugins.renderers.moderngl.context import add_level, describe_gl
 
 SURFACE_VERTEX = np.dtype(
     [
@@ -38,8 +38,8 @@ GLOSS_VERTEX = np.dtype(
 )
 GEOMETRY_VERTEX = np.dtype([("in_position", "f4", 3), ("in_surface", "i4")])
 
-BRIGHTEST = float(np.finfo(np.float16).max)
-"""What textures of light hold at most; the skin of a lamp may be brighter, and would turn to infinity."""
+ANISOTROPY = 16.0
+"""Samples along the longer side of a pixel's footprint, where the hardware takes them [1]."""
 
 
 class GpuWorld:
@@ -65,8 +65,8 @@ class GpuWorld:
         self.indices = _buffer(context, lit.mesh.triangles)
         self.commands = context.buffer(reserve=20 * max(len(lit.chunks.first), 1), dynamic=True)
         self.textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
-            "colours": uploaded(context, colour_levels(world.materials)),
-            "normals": uploaded(context, normal_levels(world.materials)),
+            "colours": _uploaded(context, colour_levels(world.materials)),
+            "normals": _uploaded(context, normal_levels(world.materials)),
             "light_map": _map(context, lit.light_map),
             "bend_map": _map(context, lit.bend_map),
             "materials": _table(context, material_table(world.materials, level_of_material)),
@@ -197,4 +197,18 @@ def _layers(context: moderngl.Context, data: NDArray[np.float32]) -> moderngl.Te
     texture = context.texture_array((columns, rows, layers), channels, content, dtype="f2")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
+def _uploaded(context: moderngl.Context, levels: Sequence[NDArray[np.uint8]]) -> moderngl.TextureArray:
+    layers, edge = levels[0].shape[:2]
+    texture = context.texture_array((edge, edge, layers), 4, levels[0])
+    texture.repeat_x = texture.repeat_y = True
+    for number, level in enumerate(levels[1:], start=1):
+        add_level(texture, number, level)
+    in_software = describe_gl().is_software  # where blending two levels costs half as much again per pixel
+    between_levels = moderngl.LINEAR_MIPMAP_NEAREST if in_software else moderngl.LINEAR_MIPMAP_LINEAR
+    texture.filter = (between_levels, moderngl.LINEAR)
+    if not in_software and context.max_anisotropy > 1:
+        texture.anisotropy = min(ANISOTROPY, context.max_anisotropy)
     return texture

@@ -9,11 +9,11 @@ from tacos_framework.cache import content_key
 from tacos_framework.values import World
 from tacos_plugins.kept_worlds.fingerprints import code_key
 from tacos_plugins.kept_worlds.store import store_of_user
-from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh, SurfaceLight
+from tacos_plugins.renderers.light.baked_mesh import BakedMesh, SurfaceLight
+from tacos_plugins.renderers.light.flatten import Chunks, FlatMesh
+from tacos_plugins.renderers.light.probe_map import ProbeMap
+from tacos_plugins.renderers.light.probes import Probe
 from tacos_plugins.renderers.moderngl.context import describe_gl
-from tacos_plugins.renderers.moderngl.flatten import Chunks, FlatMesh
-from tacos_plugins.renderers.moderngl.probe_map import ProbeMap
-from tacos_plugins.renderers.moderngl.probes import Probe
 
 Made = TypeVar("Made")
 

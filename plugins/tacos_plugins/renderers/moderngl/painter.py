@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
+from tacos_plugins.renderers.light.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.culling import DrawList
-from tacos_plugins.renderers.moderngl.deferred import Views
 from tacos_plugins.renderers.moderngl.drawn_world import DrawnWorld
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.targets import RenderTarget
 from tacos_plugins.renderers.moderngl.viewpoint import Viewpoint, viewpoint
+from tacos_plugins.renderers.software.deferred import Views
 
 if TYPE_CHECKING:
-    from tacos_plugins.renderers.moderngl.projected import Projected
+    from tacos_plugins.renderers.software.projected import Projected
 
 
 class Painter:
@@ -93,7 +93,7 @@ class Painter:
     def projected(self, view: Viewpoint, chunks: NDArray[np.intp]) -> list[Projected]:
         """The triangles of some chunks on the image, for what is seen to be drawn without OpenGL."""
         # Compiled loops take a moment to import, which checking a recipe need not wait for.
-        from tacos_plugins.renderers.moderngl.projected import project
+        from tacos_plugins.renderers.software.projected import project
 
         camera, mesh = view.camera, (self.world.position_m, self.world.triangles)
         shape = (camera.height_px, camera.width_px)

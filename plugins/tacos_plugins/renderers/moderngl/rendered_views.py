@@ -135,7 +135,7 @@ class EdgeBlending:
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
         """The picture from a pose."""
-        from tacos_plugins.renderers.moderngl.coverage import find_edges  # takes a moment to import
+        from tacos_plugins.renderers.software.coverage import find_edges  # takes a moment to import
 
         view = painter.viewpoint(self._camera, world_from_camera, self._near_m)
         fine = painter.viewpoint(self._half_pixels, world_from_camera, self._near_m)
@@ -169,8 +169,8 @@ class EdgeBlending:
         Half pixels of a whole image at many megapixels are fetched from memory each time a triangle covers
         them; those of a band stay in the cache.
         """
-        from tacos_plugins.renderers.moderngl.coverage import seeing_several
-        from tacos_plugins.renderers.moderngl.visibility import at_centres, farthest_behind, look
+        from tacos_plugins.renderers.software.coverage import seeing_several
+        from tacos_plugins.renderers.software.visibility import at_centres, farthest_behind, look
 
         projected, several = painter.projected(fine, chunks), []
         of_surface = painter.world.surface_of_triangle

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Camera
+from tacos_plugins.renderers.light.probes import face_rotations
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import (
     LEVELS,
@@ -17,7 +18,6 @@ from tacos_plugins.renderers.moderngl.panorama import (
     FaceStore,
     face_of,
 )
-from tacos_plugins.renderers.moderngl.probes import face_rotations
 from tacos_plugins.renderers.moderngl.rendered_views import Photographer, RenderedView
 
 _SAME_PLANE = np.float32(

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.lanes import with_lanes
+from tacos_plugins.renderers.software.lanes import with_lanes
 
 _MOST_BYTES = 1 << 30
 _MOST_SIZES = 8

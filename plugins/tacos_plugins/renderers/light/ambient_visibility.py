@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.rays import RayTracer
+from tacos_plugins.renderers.light.rays import RayTracer
 
 REACH_M = 0.5
 """How far away things still darken the indirect light of a point [m]."""

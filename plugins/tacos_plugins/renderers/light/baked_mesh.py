@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import World
-from tacos_plugins.renderers.moderngl.ambient_visibility import near_ambient_visibility
-from tacos_plugins.renderers.moderngl.charts import Charts, find_charts
-from tacos_plugins.renderers.moderngl.direct_light import LightAtPoints, direct_light
-from tacos_plugins.renderers.moderngl.flatten import (
+from tacos_plugins.renderers.light.ambient_visibility import near_ambient_visibility
+from tacos_plugins.renderers.light.charts import Charts, find_charts
+from tacos_plugins.renderers.light.direct_light import LightAtPoints, direct_light
+from tacos_plugins.renderers.light.flatten import (
     Chunks,
     FlatMesh,
     SurfaceKind,
@@ -21,9 +21,9 @@ from tacos_plugins.renderers.moderngl.flatten import (
     kind_of,
     movers,
 )
-from tacos_plugins.renderers.moderngl.rays import RayTracer
-from tacos_plugins.renderers.moderngl.surfaces import closed_parts, smooth_surfaces
-from tacos_plugins.renderers.moderngl.tangents import tangent_frames
+from tacos_plugins.renderers.light.rays import RayTracer
+from tacos_plugins.renderers.light.surfaces import closed_parts, smooth_surfaces
+from tacos_plugins.renderers.light.tangents import tangent_frames
 
 LIFT_M = 2e-3
 """Points are lifted off their own surface by this before rays are traced [m]."""

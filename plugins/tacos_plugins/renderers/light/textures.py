@@ -1,23 +1,18 @@
-"""Materials as OpenGL sees them: stacks of textures and a table of figures."""
+"""Materials as shading looks them up: stacks of textures and a table of figures."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
 import cv2
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
 from tacos_framework.values import Material
-from tacos_plugins.renderers.moderngl.context import add_level, describe_gl
 
 GREATEST_TEXTURE_PX = 1024
 """Larger textures are reduced to this edge [px]."""
-
-ANISOTROPY = 16.0
-"""Samples along the longer side of a pixel's footprint, where the hardware takes them [1]."""
 
 
 def linear_of_bytes(encoded: NDArray[np.uint8]) -> NDArray[np.float32]:
@@ -136,17 +131,3 @@ def _stack(
                 level = cv2.resize(level, (size, size), interpolation=cv2.INTER_LINEAR).astype(np.uint8)
             cv2.cvtColor(level, cv2.COLOR_RGB2RGBA, dst=place[layer])
     return stacked
-
-
-def uploaded(context: moderngl.Context, levels: Sequence[NDArray[np.uint8]]) -> moderngl.TextureArray:
-    layers, edge = levels[0].shape[:2]
-    texture = context.texture_array((edge, edge, layers), 4, levels[0])
-    texture.repeat_x = texture.repeat_y = True
-    for number, level in enumerate(levels[1:], start=1):
-        add_level(texture, number, level)
-    in_software = describe_gl().is_software  # where blending two levels costs half as much again per pixel
-    between_levels = moderngl.LINEAR_MIPMAP_NEAREST if in_software else moderngl.LINEAR_MIPMAP_LINEAR
-    texture.filter = (between_levels, moderngl.LINEAR)
-    if not in_software and context.max_anisotropy > 1:
-        texture.anisotropy = min(ANISOTROPY, context.max_anisotropy)
-    return texture

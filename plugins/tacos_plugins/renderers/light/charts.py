@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.flatten import FlatMesh
+from tacos_plugins.renderers.light.flatten import FlatMesh
 
 LEAST_WIDTH_M = 0.10
 LEAST_LENGTH_M = 0.25

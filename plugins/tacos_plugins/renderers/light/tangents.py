@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.flatten import FlatMesh
+from tacos_plugins.renderers.light.flatten import FlatMesh
 
 
 def tangent_frames(mesh: FlatMesh) -> NDArray[np.float32]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.compiled.loops import compiled
-from tacos_plugins.renderers.moderngl.clipping import CORNERS, cut, needs_cutting
+from tacos_plugins.renderers.software.clipping import CORNERS, cut, needs_cutting
 
 SUB = 256
 """Places a sample's width is divided into."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.compiled.loops import compiled
-from tacos_plugins.renderers.moderngl.pixel_batch import (
+from tacos_plugins.renderers.software.pixel_batch import (
     BLUE,
     CAPACITY,
     COLOUR_LAYER,

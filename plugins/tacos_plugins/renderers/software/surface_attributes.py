@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl import pixel_batch as row
-from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
+from tacos_plugins.renderers.light.baked_mesh import BakedMesh
+from tacos_plugins.renderers.light.flatten import SurfaceKind
+from tacos_plugins.renderers.software import pixel_batch as row
 
 
 def of_vertices(lit: BakedMesh) -> NDArray[np.float32]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.compiled.loops import compiled, inlined, unaliased
-from tacos_plugins.renderers.moderngl.pixel_batch import (
+from tacos_plugins.renderers.software.pixel_batch import (
     AROUND_BLUE,
     AROUND_GREEN,
     AROUND_RED,

@@ -14,10 +14,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
-from tacos_plugins.renderers.moderngl.pixel_batch import PixelBatch
-from tacos_plugins.renderers.moderngl.prefilter import PROBE_SCALE
-from tacos_plugins.renderers.moderngl.shading_tables import ShadingTables, TexelStack
+from tacos_plugins.renderers.light.flatten import SurfaceKind
+from tacos_plugins.renderers.light.prefilter import PROBE_SCALE
+from tacos_plugins.renderers.software.pixel_batch import PixelBatch
+from tacos_plugins.renderers.software.shading_tables import ShadingTables, TexelStack
 
 Step = Callable[[int], object]
 """Computes something for so many pixels of a batch."""
@@ -68,7 +68,7 @@ class DeferredShading:
             (H, W) number of the triangle seen, 0 for none, and how far away it is [m].
         """
         # Compiled loops take a moment to import, which checking a recipe need not wait for.
-        from tacos_plugins.renderers.moderngl.seen_triangles import interpolate, planes, put, runs_by_kind
+        from tacos_plugins.renderers.software.seen_triangles import interpolate, planes, put, runs_by_kind
 
         tables, floats, integers = self.tables, self._batch.floats, self._batch.integers
         self._behind_all(views, triangle, luminance_cd_m2)
@@ -93,7 +93,7 @@ class DeferredShading:
     def _behind_all(
         self, views: Views, triangle: NDArray[np.int32], luminance_cd_m2: NDArray[np.float32]
     ) -> None:
-        from tacos_plugins.renderers.moderngl.background_loops import even, sky
+        from tacos_plugins.renderers.software.background_loops import even, sky
 
         if self.tables.sky is None:
             even(self.tables.ambient_cd_m2, triangle, luminance_cd_m2)
@@ -102,8 +102,8 @@ class DeferredShading:
 
     def _scattering(self, kind: SurfaceKind) -> Iterator[Step]:
         """Light that surfaces send into all directions."""
-        from tacos_plugins.renderers.moderngl.light_loops import scatter
-        from tacos_plugins.renderers.moderngl.lookup_loops import colours, light_of_maps, tilts
+        from tacos_plugins.renderers.software.light_loops import scatter
+        from tacos_plugins.renderers.software.lookup_loops import colours, light_of_maps, tilts
 
         tables, batch = self.tables, (self._batch.floats, self._batch.integers)
         textured, bumpy = SurfaceKind.TEXTURED in kind, SurfaceKind.BUMPY in kind
@@ -117,8 +117,8 @@ class DeferredShading:
 
     def _mirroring(self, kind: SurfaceKind) -> Iterator[Step]:
         """Light that glossy surfaces mirror, from one probe or between two, and that they emit."""
-        from tacos_plugins.renderers.moderngl import light_loops as loops
-        from tacos_plugins.renderers.moderngl.lookup_loops import look_into_probes
+        from tacos_plugins.renderers.software import light_loops as loops
+        from tacos_plugins.renderers.software.lookup_loops import look_into_probes
 
         if SurfaceKind.GLOSSY not in kind:
             return

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Material
-from tacos_plugins.renderers.moderngl.ambient_visibility import around
-from tacos_plugins.renderers.moderngl.probes import FACE_PX, Probe, face_camera, face_rotations
+from tacos_plugins.renderers.light.ambient_visibility import around
+from tacos_plugins.renderers.light.probes import FACE_PX, Probe, face_camera, face_rotations
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -21,6 +21,9 @@ LAYER_PX = 96
 
 PROBE_SCALE = 0.5 * (LAYER_PX - 2) / LAYER_PX
 """From octahedral coordinates -1..1 to texture coordinates around 0.5 [1]."""
+
+BRIGHTEST = float(np.finfo(np.float16).max)
+"""What textures of light hold at most; the skin of a lamp may be brighter, and would turn to infinity."""
 
 _ROUGHNESS_STEP = 0.1
 _SAMPLES = 64

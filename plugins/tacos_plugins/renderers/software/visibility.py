@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.compiled.loops import compiled, inlined, unaliased
-from tacos_plugins.renderers.moderngl.covered import BLOCK, is_hidden, nothing_drawn
-from tacos_plugins.renderers.moderngl.lanes import LANES
-from tacos_plugins.renderers.moderngl.projected import (
+from tacos_plugins.renderers.software.covered import BLOCK, is_hidden, nothing_drawn
+from tacos_plugins.renderers.software.lanes import LANES
+from tacos_plugins.renderers.software.projected import (
     ALONG_X,
     ALONG_Y,
     FARTHEST,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import Light
-from tacos_plugins.renderers.moderngl.rays import RayTracer
+from tacos_plugins.renderers.light.rays import RayTracer
 
 LEAST_SHARE = 0.003
 """Lights that would give a point a smaller share of its unshadowed light are left out there [1]."""

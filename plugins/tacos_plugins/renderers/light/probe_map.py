@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.renderers.moderngl.rays import RayTracer
+from tacos_plugins.renderers.light.rays import RayTracer
 
 CELL_M = 0.1
 """Edge of a cell [m]: finer than walls are thick. Larger worlds get coarser maps."""

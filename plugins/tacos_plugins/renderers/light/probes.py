@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.geometry import agent_from_camera, pixel_rays
 from tacos_framework.values import Camera, Light, World
-from tacos_plugins.renderers.moderngl.rays import RayTracer
+from tacos_plugins.renderers.light.rays import RayTracer
 
 FACE_PX = 128
 """Edge of each of the six views of a probe [px]."""

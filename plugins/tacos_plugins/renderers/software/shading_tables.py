@@ -9,19 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values import World
-from tacos_plugins.renderers.moderngl.baked_mesh import BakedMesh
-from tacos_plugins.renderers.moderngl.flatten import SurfaceKind
-from tacos_plugins.renderers.moderngl.gpu_world import BRIGHTEST
-from tacos_plugins.renderers.moderngl.prefilter import prefiltered, roughness_levels
-from tacos_plugins.renderers.moderngl.probe_map import ProbeMap
-from tacos_plugins.renderers.moderngl.probes import Probe
-from tacos_plugins.renderers.moderngl.surface_attributes import of_vertices, rows_of
-from tacos_plugins.renderers.moderngl.textures import (
+from tacos_plugins.renderers.light.baked_mesh import BakedMesh
+from tacos_plugins.renderers.light.flatten import SurfaceKind
+from tacos_plugins.renderers.light.prefilter import BRIGHTEST, prefiltered, roughness_levels
+from tacos_plugins.renderers.light.probe_map import ProbeMap
+from tacos_plugins.renderers.light.probes import Probe
+from tacos_plugins.renderers.light.textures import (
     colour_levels,
     material_table,
     normal_levels,
     texture_layers,
 )
+from tacos_plugins.renderers.software.surface_attributes import of_vertices, rows_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,1 @@
+"""Pictures without OpenGL, by compiled loops: which triangle a pixel sees, then its shading."""
