@@ -22,14 +22,19 @@ class FitnessTerm:
         ``node.score``, as in ``features.inliers``.
     weight
         Its weight; negative for a score to keep small.
+    margin
+        Difference of the score that does not matter, in its unit, 0 or more.
     """
 
     score: str
     weight: float
+    margin: float = 0.0
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.weight):
             raise ValueError(f"the weight of {self.score} must be a finite number, not {self.weight}")
+        if not (math.isfinite(self.margin) and self.margin >= 0):
+            raise ValueError(f"the margin of {self.score} must be 0 or more, not {self.margin}")
 
 
 @dataclass(frozen=True)
@@ -108,6 +113,21 @@ class Fitness:
             worst = min(values, key=lambda name: values[name])
             return {name: float(name == worst) for name in values}
         return self.mean_weights
+
+    @property
+    def margin(self) -> float:
+        """Difference of the fitness that does not matter: the root of the sum of (weight x margin) squared.
+
+        It is what differences of the scores come to that are each as large as its margin and independent.
+        The sum would let a score differ by several of its margins, the smallest term would let the least
+        important score decide. Neither the zero nor the size of the fitness enters.
+        """
+        return math.hypot(*(term.weight * term.margin for term in self.terms))
+
+    @property
+    def margins(self) -> dict[str, float]:
+        """The margin of each score, in its unit; none where it is 0."""
+        return {term.score: term.margin for term in self.terms if term.margin}
 
     @property
     def mean_weights(self) -> dict[str, float]:

@@ -121,6 +121,7 @@ class WidthTask:
         die_above_deg: float = setting(360.0, help="Takes its process with it there.", unit="deg")
 
     scores: ClassVar[tuple[str, ...]] = ("closeness", "brightness")
+    margins: ClassVar[Mapping[str, float]] = {"closeness": 0.01}
     begun: ClassVar[int] = 0
     interrupt_at: ClassVar[int | None] = None
     """Acts as Ctrl-C when this many episodes have begun in this process."""

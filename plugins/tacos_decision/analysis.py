@@ -13,9 +13,6 @@ from tacos_decision.pool import Pool
 from tacos_decision.ranking import left_out, ranking
 from tacos_framework import StudyRecord, UserError, in_one_thread
 
-MARGIN_SHARE = 0.01
-"""Share of the best fitness that does not matter, where the recipe has no ``test:`` that says it."""
-
 
 @in_one_thread
 def analyse(record: StudyRecord) -> dict[str, Any]:
@@ -37,12 +34,10 @@ def analyse(record: StudyRecord) -> dict[str, Any]:
     found = best_of_parts(model, pool)
     if not found.cameras:
         return {"ranking_absent": "No camera can be ranked: none of those tried keeps all constraints."}
-    share = record.recipe.test.margin if record.recipe.test else MARGIN_SHARE
-    best_fitness = max(found.means.values())
     return {
-        "ranking": ranking(model, pool, found, share * abs(best_fitness)),
+        "ranking": ranking(model, pool, found, record.problem.fitness.margin),
         "ranking_left_out": left_out(model, pool, found),
-        "equivalent": equivalence(model, pool, found, share),
+        "equivalent": equivalence(model, pool, found, record.problem.fitness),
         "importance": importance(model, pool, found.best),
         **aims,
     }

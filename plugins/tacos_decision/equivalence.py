@@ -11,7 +11,7 @@ import numpy as np
 from tacos_decision.model import CameraModel
 from tacos_decision.optimum import BestOfParts
 from tacos_decision.pool import Pool, joined, part_names
-from tacos_framework import CatalogChoice, Categorical, Values
+from tacos_framework import CatalogChoice, Categorical, Fitness, Values
 
 TOLD_APART = 0.05
 """A camera is no equal once the probability that it lies within the margin of the best falls below this."""
@@ -31,7 +31,7 @@ RULE = (
 )
 
 
-def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, margin_share: float) -> dict[str, Any]:
+def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, fitness: Fitness) -> dict[str, Any]:
     """The key ``equivalent``.
 
     Parameters
@@ -42,12 +42,12 @@ def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, margin_share
         The cameras of the design space.
     found
         Cameras that keep all constraints, and the best of them.
-    margin_share
-        Differences up to this share of the best camera's fitness do not matter.
+    fitness
+        Its margin is the difference that does not matter.
     """
     mean = model.posterior_of(found.pool).mean
     best = int(np.argmax(mean))
-    margin = margin_share * abs(float(mean[best]))
+    margin = fitness.margin
     order = _hopeful(found, pool, mean)
     likely = model.draws_of([found.pool[i] for i in order], DRAWS_OF_MANY)
     reference = likely[:, order.index(best)][:, None]
@@ -61,7 +61,7 @@ def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, margin_share
     parts = sorted(probability, key=lambda name: -probability[name])
     return {
         "margin": margin,
-        "margin_share": margin_share,
+        "margins": fitness.margins,
         "rule": RULE,
         "parts": parts,
         "probability": {name: probability[name] for name in parts},

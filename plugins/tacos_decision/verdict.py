@@ -27,7 +27,7 @@ def verdict(record: StudyRecord) -> dict[str, Any]:
         "decision": {
             **_comparison(best, closest),
             "margin": closest.margin,
-            "margin_share": settings.margin,
+            "margins": record.problem.fitness.margins,
             "confidence": settings.confidence,
             "sentence": _sentence(titles[best], closest, settings.confidence),
         },

@@ -30,11 +30,11 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Decision:
-    """The comparison with the best product; ``margin`` is the difference that is none [fitness]."""
+    """The comparison with the best product; below ``margin`` [fitness] a difference does not matter."""
 
     comparison: Comparison
     margin: float
-    margin_share: float | None
+    margins: Mapping[str, float]
     confidence: float
 
 
@@ -65,7 +65,7 @@ class Equivalents:
     """
 
     margin: float | None
-    margin_share: float | None
+    margins: Mapping[str, float]
     parts: tuple[str, ...]
     probability: Mapping[str, float]
     ranges: Mapping[str, Interval | tuple[str, ...]]
@@ -178,7 +178,7 @@ def _decision(row: Mapping[str, Any]) -> Decision | None:
     return Decision(
         comparison,
         margin=finite(row.get("margin")) or 0.0,
-        margin_share=finite(row.get("margin_share")),
+        margins=numbers(row.get("margins")),
         confidence=finite(row.get("confidence")) or 0.95,
     )
 
@@ -204,7 +204,7 @@ def _equivalents(row: Mapping[str, Any]) -> Equivalents | None:
         return None
     return Equivalents(
         finite(row.get("margin")),
-        finite(row.get("margin_share")),
+        numbers(row.get("margins")),
         texts(row.get("parts")),
         {
             name: p

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from tacos_report.analysis import Comparison, Decision
 from tacos_report.plain_values import Interval
-from tacos_report.quantities import joined, number, signed
+from tacos_report.quantities import joined, number, signed, words
 
 WORDS = {
     "better": "better",
@@ -33,7 +35,7 @@ def headline(decision: Decision, title: str, products: int) -> str:
         case "worse":
             return f"On unseen scenes it is worse than {best}, {sure}: buy that one."
         case "equivalent":
-            equal = f"as good as {best}, within {_margin(decision)}"
+            equal = f"as good as {best}, within a margin of {number(decision.margin, 2)}"
             return f"On unseen scenes it is {equal}, {sure}: either will do."
     return f"Whether it is better than {best} is undecided after {_scenes(decision.comparison)}."
 
@@ -49,7 +51,8 @@ def lead(decision: Decision) -> str:
     else:
         text += f", after {_scenes(found)}, which are too few for an interval."
     if decision.margin > 0:
-        text += f" Differences below {number(decision.margin, 2)} ({_margin(decision)}) count as none."
+        of_scores = f", from {margin_words(decision.margins)}" if decision.margins else ""
+        text += f" Differences below {number(decision.margin, 2)}{of_scores}, count as none."
     if found.verdict == "undecided":
         text += " Raise test.most_episodes to settle it, or choose by price and supply."
     return text
@@ -85,10 +88,14 @@ def _confidence(decision: Decision) -> str:
     return share_words(decision.confidence)
 
 
-def _margin(decision: Decision) -> str:
-    if decision.margin_share is None:
-        return f"a margin of {number(decision.margin, 2)}"
-    return f"{share_words(decision.margin_share)} of the fitness"
+def margin_words(margins: Mapping[str, float]) -> str:
+    """Margins of scores in a row.
+
+    >>> margin_words({"features.inliers": 10.0, "detect.ap50": 0.05})
+    '10 in features: inliers and 0.05 in detect: ap50'
+    """
+    said = [f"{number(margin)} in {words(score)}" for score, margin in margins.items()]
+    return " and ".join(filter(None, (", ".join(said[:-1]), said[-1])))
 
 
 def _scenes(comparison: Comparison) -> str:

@@ -57,6 +57,9 @@ class Task(Protocol):
         What a score says, in a few words, where its name does not tell those who read a report.
     ``score_scales: ClassVar[Mapping[str, ScoreScale]]``
         Which of the scores are counts, and which are shares between 0 and 1; the others may be any number.
+    ``margins: ClassVar[Mapping[str, float]]``
+        Differences of a score that do not matter on the job, in its unit. A study calls cameras equal by them
+        unless its recipe has other ones; a score without has a margin of 0.
     ``depends_on: ClassVar[Mapping[str, Sequence[str]]]``
         The coordinates of the rig (`RigBuilder`) a score depends on, where it does not depend on all.
     ``frames_per_update: int``

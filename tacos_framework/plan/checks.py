@@ -41,6 +41,30 @@ def check_scores(findings: RecipeFindings, nodes: Mapping[str, ConfiguredCompone
             findings.add(path, f"no task reports {term.score!r}", "node.score", remedy)
 
 
+def check_margins(findings: RecipeFindings) -> None:
+    """Whether every margin is that of a score which the fitness takes."""
+    recipe = findings.recipe
+    taken = [term.score for term in recipe.fitness]
+    for score in recipe.test.margins if recipe.test else ():
+        if score not in taken:
+            remedy = did_you_mean(score, taken)
+            findings.add(
+                ("test", "margins", score),
+                f"the fitness does not take {score!r}",
+                "one of its scores",
+                remedy,
+            )
+
+
+def declared_margins(nodes: Mapping[str, ConfiguredComponent]) -> dict[str, float]:
+    """Differences of scores that do not matter, as tasks declare them, by ``node.score``."""
+    return {
+        f"{name}.{score}": margin
+        for name, part in nodes.items()
+        for score, margin in getattr(part.cls, "margins", {}).items()
+    }
+
+
 def scores_of(nodes: Mapping[str, ConfiguredComponent]) -> set[str]:
     """Names of all scores that tasks of the recipe report."""
     return {f"{name}.{score}" for name, part in nodes.items() for score in getattr(part.cls, "scores", ())}

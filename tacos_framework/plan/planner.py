@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.fitness import Fitness, FitnessTerm
 from tacos_framework.plan.bounded import boundable, find_constraints, find_objectives, narrowed
-from tacos_framework.plan.checks import check_scenarios, check_scores, find_cameras
+from tacos_framework.plan.checks import (
+    check_margins,
+    check_scenarios,
+    check_scores,
+    declared_margins,
+    find_cameras,
+)
+from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.design import find_space
 from tacos_framework.plan.effects import find_effects
 from tacos_framework.plan.exposure import find_exposure
@@ -54,6 +61,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     constraints = find_constraints(findings, known)
     objectives = find_objectives(findings, known, nodes)
     check_scores(findings, nodes)
+    check_margins(findings)
     optimizer = findings.part(recipe.optimizer, "optimizer", ("optimizer",)) if recipe.optimizer else None
     executor = findings.executor()
     cameras = find_cameras(findings, rig)
@@ -68,7 +76,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
         rig=rig,
         fixed=fixed,
         space=narrowed(space, constraints),
-        fitness=_fitness(recipe),
+        fitness=_fitness(recipe, nodes),
         constraints=constraints + own,
         effects=tuple(effects.values()),
         optimizer=optimizer,
@@ -81,7 +89,10 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     return plan
 
 
-def _fitness(recipe: Recipe) -> Fitness:
-    terms = tuple(FitnessTerm(term.score, term.weight) for term in recipe.fitness)
+def _fitness(recipe: Recipe, nodes: Mapping[str, ConfiguredComponent]) -> Fitness:
+    margins = {**declared_margins(nodes), **(recipe.test.margins if recipe.test else {})}
+    terms = tuple(
+        FitnessTerm(each.score, each.weight, margins.get(each.score, 0.0)) for each in recipe.fitness
+    )
     weights = tuple((s.name, s.weight) for s in recipe.scenarios if isinstance(s, NamedScenario))
     return Fitness(terms, weights, recipe.study.scenarios)

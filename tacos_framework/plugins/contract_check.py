@@ -103,7 +103,7 @@ def _score_misfits(cls: type[Any]) -> Iterator[str]:
         if score not in scores:
             meant = did_you_mean(str(score), scores)
             yield f"{name}.lower_is_better has {score!r}, which is no score of it. {meant}"
-    for attribute in ("score_scales", "depends_on"):
+    for attribute in ("score_scales", "depends_on", "margins"):
         given = getattr(cls, attribute, {})
         if not isinstance(given, Mapping) or not set(given) <= set(scores):
             yield f"{name}.{attribute} is {given!r}, not a mapping with scores of it as keys"
@@ -112,6 +112,8 @@ def _score_misfits(cls: type[Any]) -> Iterator[str]:
             if attribute == "score_scales" and value not in get_args(ScoreScale):
                 known = ", ".join(get_args(ScoreScale))
                 yield f"{name}.score_scales has {value!r} for {score!r}, not one of {known}"
+            if attribute == "margins" and not (isinstance(value, int | float) and value >= 0):
+                yield f"{name}.margins has {value!r} for {score!r}, not a number of 0 or more"
             if attribute == "depends_on" and not _are_texts(value, tuple, list):
                 yield f"{name}.depends_on has {value!r} for {score!r}, not a tuple of names of coordinates"
 

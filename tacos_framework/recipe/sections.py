@@ -268,8 +268,10 @@ class Test(Settings):
         help="Episodes are added until the best product is decided, up to these; none are if absent.",
         ge=1,
     )
-    margin: float = setting(
-        0.01, help="Differences up to this share of the designed camera's fitness do not matter.", ge=0
+    margins: dict[str, Annotated[float, Field(ge=0)]] = setting(
+        {},
+        help="Differences of a score (node.score) that do not matter, in its unit; by default what its task "
+        "declares. The margin of the fitness is the root of the sum of (weight x margin) squared.",
     )
     confidence: float = setting(
         0.95, help="How sure a verdict must be, over all products and planned looks.", gt=0.5, lt=1

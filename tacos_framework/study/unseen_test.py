@@ -121,7 +121,7 @@ class UnseenTest:
         if own is None or other is None:
             return PairedInterval(ours.fitness - theirs.fitness, None, count, "undecided")
         error = error_at(count, self.looks, error)
-        return compared(own - other, error=error, margin=self.settings.margin * abs(ours.fitness))
+        return compared(own - other, error=error, margin=self.fitness.margin)
 
     @property
     def on_common_scenes(self) -> dict[str, Evaluation]:

@@ -108,7 +108,10 @@ def test_the_best_is_among_its_equals_and_pitch_may_be_anything():
 def test_a_wider_margin_has_no_fewer_equals(share, more):
     pool = Pool(recorded().space)
     found = best_of_parts_once()
-    few, many = (equivalence(model(), pool, found, margin) for margin in (share, share + more))
+    few, many = (
+        equivalence(model(), pool, found, Fitness((FitnessTerm("width.closeness", 1.0, margin),)))
+        for margin in (share, share + more)
+    )
     assert set(few["parts"]) <= set(many["parts"])
     for name, (low, high) in few["range"].items():
         assert many["range"][name][0] <= low <= high <= many["range"][name][1]

@@ -49,7 +49,8 @@ def test_a_study_decides_and_its_result_can_be_read(tmp_path):
     assert decision["verdict"] in ("better", "worse", "equivalent")
     assert decision["against"] == "flea3"
     assert decision["interval"][0] <= decision["difference"] <= decision["interval"][1]
-    assert (decision["confidence"], decision["margin_share"]) == (0.95, 0.01)
+    assert decision["confidence"] == 0.95
+    assert (decision["margin"], decision["margins"]) == (0.01, {"width.closeness": 0.01})
     assert "8 unseen scenes" in decision["sentence"]
     assert "degenerate" not in result
     read = read_result(tmp_path / "out")

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tacos_framework.fitness import Fitness, FitnessTerm
 from tacos_framework.recipe import Test as Settings
@@ -42,8 +45,11 @@ class _Workers:
         return [evaluate(job) for job in jobs]
 
 
-def _test(workers: int = 1, cameras=("designed", "far", "near", "twin"), **settings) -> UnseenTest:
-    test = UnseenTest(Settings(seed=1, **{"episodes": 8, **settings}), FITNESS, "designed")
+def _test(
+    workers: int = 1, cameras=("designed", "far", "near", "twin"), margin: float = 0.01, **settings
+) -> UnseenTest:
+    fitness = Fitness((FitnessTerm("task.score", 1.0, margin),))
+    test = UnseenTest(Settings(seed=1, **{"episodes": 8, **settings}), fitness, "designed")
     jobs = {name: ScoreJob({"name": name}, ()) for name in cameras}
     test.run(jobs, _Workers(workers), _scores, lambda count: None, lambda evaluation: None)
     return test
@@ -75,6 +81,27 @@ def test_a_margin_makes_equals():
     found = _test(most_episodes=60, margin=0.1).comparisons
     assert found["twin"].verdict == "equivalent"
     assert found["twin"].episodes < 60
+
+
+@given(st.floats(-1e3, 1e3), st.sampled_from([0.0, 0.02, 0.1]))
+def test_what_is_added_to_the_fitness_of_all_changes_no_verdict(constant, margin):
+    """The zero of a fitness is arbitrary: a score less its mean is as good a score."""
+    plain = _test(most_episodes=20, margin=margin)
+    moved = replace(plain)
+    moved.evaluations = {
+        name: with_fitness(
+            replace(
+                found, episodes=tuple({"task.score": e["task.score"] + constant} for e in found.episodes)
+            ),
+            plain.fitness,
+        )
+        for name, found in plain.evaluations.items()
+    }
+    assert moved.comparisons.keys() == plain.comparisons.keys()
+    for name, found in moved.comparisons.items():
+        assert found.verdict == plain.comparisons[name].verdict
+        assert found.margin == plain.comparisons[name].margin
+        assert found.interval == pytest.approx(plain.comparisons[name].interval, abs=1e-9)
 
 
 @pytest.mark.parametrize("workers", [2, 5])

@@ -141,3 +141,20 @@ def test_a_mean_over_scenarios_is_over_those_that_report_a_score_and_count() -> 
     weights = {"day": 1.0, "night": 3.0, "fog": 0.0}
     assert weighted_mean(by_scenario, weights) == {"a.x": 4.0, "b.y": 5.0}
     assert weighted_mean(by_scenario, {"day": 1.0}) == {"a.x": 1.0, "b.y": 5.0}
+
+
+@given(
+    st.lists(st.tuples(st.floats(-5, 5), st.floats(0, 5)), min_size=1, max_size=5),
+    st.integers(0, 4),
+)
+def test_the_margin_grows_with_that_of_each_score_and_knows_no_zero(terms, which):
+    fitness = Fitness(tuple(FitnessTerm(f"t.s{i}", *term) for i, term in enumerate(terms)))
+    alone = [abs(weight * margin) for weight, margin in terms]
+    assert max(alone) <= fitness.margin * (1 + 1e-9) <= sum(alone) * (1 + 1e-8) + 1e-12
+    assert set(fitness.margins) == {f"t.s{i}" for i, (_, margin) in enumerate(terms) if margin}
+
+
+@pytest.mark.parametrize("margin", [-1.0, math.nan, math.inf])
+def test_a_margin_is_a_number_of_0_or_more(margin):
+    with pytest.raises(ValueError, match=r"the margin of a\.b must be 0 or more"):
+        FitnessTerm("a.b", 1.0, margin)

@@ -34,7 +34,13 @@ def decided(result: dict[str, Any], verdict: str = "better") -> dict[str, Any]:
     ]  # fmt: skip
     why = "hfov_deg is 152, above its maximum of 140"
     left_out = {"against": "fisheye_190", "verdict": "not admissible", "why": why}
-    decision = {**first, "margin": MARGIN, "margin_share": 0.01, "confidence": 0.95, "sentence": "said"}
+    decision = {
+        **first,
+        "margin": MARGIN,
+        "margins": {"features.inliers": 2},
+        "confidence": 0.95,
+        "sentence": "said",
+    }
     return {"decision": decision, "comparisons": [first, *others, left_out]}
 
 
@@ -50,7 +56,7 @@ def analysed(result: dict[str, Any], parts: int = 43) -> dict[str, Any]:
         "ranking_left_out": [{"part": "LINE4K", "why": "megapixels is 31.2, above its maximum of 20"}],
         "equivalent": {
             "margin": MARGIN,
-            "margin_share": 0.01,
+            "margins": {"features.inliers": 2},
             "parts": [row["part"] for row in rows[:7]],
             "probability": {row["part"]: 0.99 if place < 5 else 0.21 for place, row in enumerate(rows[:7])},
             "range": {

@@ -84,6 +84,8 @@ class ObstacleVisibility:
 
     scores: ClassVar[tuple[str, ...]] = ("seen_ratio", "seen_early")
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {"seen_ratio": "share", "seen_early": "share"}
+    margins: ClassVar[Mapping[str, float]] = {"seen_ratio": 0.02, "seen_early": 0.02}
+    """One obstacle in fifty."""
     depends_on: ClassVar[Mapping[str, Sequence[str]]] = {"seen_ratio": VIEW, "seen_early": VIEW}
     score_meanings: ClassVar[Mapping[str, str]] = {
         "seen_ratio": "share of obstacles on the path that were seen in time",

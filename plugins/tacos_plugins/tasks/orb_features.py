@@ -130,6 +130,13 @@ class OrbFeatures:
         "matches": "count",
         "extracted": "count",
     }
+    margins: ClassVar[Mapping[str, float]] = {
+        "inliers": 5.0,
+        "inlier_ratio": 0.01,
+        "matches": 5.0,
+        "extracted": 5.0,
+    }
+    """Five features are what RANSAC's own draws change on a pair of frames with outliers."""
     score_meanings: ClassVar[Mapping[str, str]] = {
         "inliers": "features matched between frames that agree with one motion",
         "inlier_ratio": "share of the features found that agree with one motion",

@@ -15,7 +15,7 @@ from tacos_framework.contracts import Scores, ScoreScale, State
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import FrameBatch, Rig
-from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MEANINGS, SCALES, SCORES, DepthScores
+from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MARGINS, MEANINGS, SCALES, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 
 STEP = 16
@@ -73,6 +73,7 @@ class Sgbm:
         )
 
     scores: ClassVar[tuple[str, ...]] = SCORES
+    margins: ClassVar[Mapping[str, float]] = MARGINS
     score_meanings: ClassVar[Mapping[str, str]] = MEANINGS
     lower_is_better: ClassVar[frozenset[str]] = ERRORS
     score_scales: ClassVar[Mapping[str, ScoreScale]] = SCALES

@@ -57,6 +57,8 @@ class SurroundCoverage:
 
     scores: ClassVar[tuple[str, ...]] = ("covered", "things_seen")
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {"covered": "share", "things_seen": "count"}
+    margins: ClassVar[Mapping[str, float]] = {"covered": 0.01, "things_seen": 0.1}
+    """A strip of 3.6 deg of a whole turn; a tenth of a thing."""
     score_meanings: ClassVar[Mapping[str, str]] = {
         "covered": "share of the directions around that some camera has in view",
         "things_seen": "labelled things in sight, counted by how well they are seen",

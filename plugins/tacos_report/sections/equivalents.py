@@ -12,7 +12,6 @@ from tacos_report.plain_values import Interval, finite
 from tacos_report.quantities import number, quantity, unit_of, words
 from tacos_report.sections.ranking import chance
 from tacos_report.study_data import StudyData
-from tacos_report.verdicts import share_words
 
 MORE_LIKELY_THAN_NOT = 0.5
 """Parts of a smaller probability to be as good are named apart: too little was seen of them."""
@@ -49,10 +48,9 @@ def blocks(study: StudyData) -> Iterator[Block]:
 
 
 def _parts_words(found: Equivalents, parts: Sequence[str], study: StudyData) -> str:
-    share = f"{share_words(found.margin_share)} of the best fitness" if found.margin_share else "the margin"
-    margin = f" ({number(found.margin, 2)})" if found.margin else ""
+    margin = f"a margin of {number(found.margin, 2)}" if found.margin else "the margin"
     if not parts:
-        return f"Cameras within {share}{margin} of the best lie in these ranges."
+        return f"Cameras within {margin} of the best lie in these ranges."
     total = len(study.analysis.ranking)
     of = f" of {total}" if total >= len(parts) else ""
     one = len(parts) == 1
@@ -60,7 +58,7 @@ def _parts_words(found: Equivalents, parts: Sequence[str], study: StudyData) -> 
     closing = (
         "No other is as good" if len(found.parts) == 1 else "Choose among them by price, supply and size"
     )
-    return f"{len(parts)}{of} {lie} within {share}{margin}: {', '.join(parts)}. {closing}."
+    return f"{len(parts)}{of} {lie} within {margin} of the best: {', '.join(parts)}. {closing}."
 
 
 def _unsure_words(found: Equivalents, parts: Sequence[str]) -> str:

@@ -20,7 +20,7 @@ from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_o
 from tacos_plugins.tasks.learning.states import fresh_state, restore, state_of
 from tacos_plugins.tasks.psmnet.network import MULTIPLE_PX, PSMNet
 from tacos_plugins.tasks.psmnet.training import SMALLEST_PX, WHERE, PsmnetTraining, network_pairs, train
-from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MEANINGS, SCALES, SCORES, DepthScores
+from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MARGINS, MEANINGS, SCALES, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.examples import StereoExample, stereo_examples
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 
@@ -74,6 +74,7 @@ class PsmnetDepth:
     Training = PsmnetTraining
 
     scores: ClassVar[tuple[str, ...]] = SCORES
+    margins: ClassVar[Mapping[str, float]] = MARGINS
     score_meanings: ClassVar[Mapping[str, str]] = MEANINGS
     lower_is_better: ClassVar[frozenset[str]] = ERRORS
     score_scales: ClassVar[Mapping[str, ScoreScale]] = SCALES

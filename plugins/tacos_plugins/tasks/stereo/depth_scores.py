@@ -19,6 +19,16 @@ ERRORS = frozenset(SCORES) - {"inverse_log_error"}
 SCALES: dict[str, ScoreScale] = {"d1": "share"}
 """Those of them that are no plain numbers."""
 
+MARGINS = {
+    "log_error": 0.002,
+    "inverse_log_error": 0.2,
+    "rmse_m": 1.0,
+    "d1": 0.01,
+    "log_error_all": 0.002,
+    "rmse_all_m": 1.0,
+}
+"""Differences that do not matter: a fifth of a percent of a distance, a metre over a whole street."""
+
 MEANINGS = {
     "log_error": "mean error of the logarithm of depth",
     "inverse_log_error": "one over the mean error of the logarithm of depth",
