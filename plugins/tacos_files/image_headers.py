@@ -5,8 +5,7 @@ Pure functions of bytes.
 
 References
 ----------
-PNG: ISO/IEC 15948. JPEG: ITU-T T.81, Annex B. TIFF 6.0, and BigTIFF. WebP: RFC 9649. BMP: Microsoft,
-``BITMAPINFOHEADER``. PGM and PPM: Netpbm.
+TIFF 6.0, and BigTIFF. PGM and PPM: Netpbm.
 """
 
 from __future__ import annotations
@@ -15,6 +14,20 @@ import re
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+UNREADABLE = (
+    OSError,
+    SyntaxError,
+    ValueError,
+    EOFError,
+    LookupError,
+    TypeError,
+    OverflowError,
+    struct.error,
+)
+"""What Pillow's readers raise on files that are damaged, `PIL.UnidentifiedImageError` among them."""
 
 
 class HeaderError(ValueError):
@@ -70,51 +83,48 @@ FORMATS = "PNG, JPEG, TIFF, WebP, BMP, PGM, PPM"
 _SHORT = "it breaks off in the middle"
 
 
-def _png(content: bytes) -> ImageHeader:
-    kind, width, height, depth, colour = struct.unpack_from(">4sIIBB", content, 12)
-    channels = {0: 1, 2: 3, 3: 3, 4: 4, 6: 4}.get(colour)
-    if kind != b"IHDR" or channels is None or depth not in (1, 2, 4, 8, 16):
-        raise HeaderError("its header is broken")
-    offset = 8
-    while (kind := content[offset + 4 : offset + 8]) != b"IEND":
-        (length,) = struct.unpack_from(">I", content, offset)
-        if kind in (b"acTL", b"fdAT"):
-            raise HeaderError("it is an animation")
-        offset += 12 + length
-    return ImageHeader("PNG", width, height, channels * (2 if depth == 16 else 1))
+def _by_pillow(content: bytes) -> ImageHeader:
+    """The header of any format but TIFF and PNM, whose depth Pillow does not tell."""
+    from PIL.BmpImagePlugin import BmpImageFile
+    from PIL.ImageFile import ImageFile
+    from PIL.JpegImagePlugin import JpegImageFile
+    from PIL.PngImagePlugin import PngImageFile
+    from PIL.WebPImagePlugin import WebPImageFile
 
-
-_NO_LENGTH = frozenset({0x01, 0xD8, *range(0xD0, 0xD8)})
-_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
-_SCAN, _END = 0xDA, b"\xff\xd9"
-
-
-def _jpeg(content: bytes) -> ImageHeader:
-    offset, header = 2, None
-    while True:
-        if content[offset] != 0xFF:
-            raise HeaderError("its header is broken")
-        while content[offset] == 0xFF:  # markers may be filled up
-            offset += 1
-        marker = content[offset]
-        offset += 1
-        if marker in _NO_LENGTH:
-            continue
-        if marker == _SCAN:
-            break
-        (length,) = struct.unpack_from(">H", content, offset)
-        if marker in _FRAMES:
-            depth, height, width, channels = struct.unpack_from(">BHHB", content, offset + 2)
-            if header or depth not in (8, 12) or channels not in (1, 3, 4):
-                raise HeaderError("its header is broken")
-            # A progressive file is decoded by way of its coefficients, of two bytes each.
-            header = ImageHeader("JPEG", width, height, channels * (3 if marker in (0xC2, 0xC6) else 1))
-        offset += length
-    if header is None:
-        raise HeaderError("its header is broken")
-    if content.find(_END, offset) < 0:
+    # Not by `Image.open`, which has a limit of its own and takes a photograph of several for MPO.
+    kinds: dict[bytes, Callable[[BytesIO], ImageFile]] = {
+        b"\x89P": PngImageFile,
+        b"\xff\xd8": JpegImageFile,
+        b"RI": WebPImageFile,
+        b"BM": BmpImageFile,
+    }
+    if content[:4] == b"RIFF" and int.from_bytes(content[4:8], "little") + 8 > len(content):
         raise HeaderError(_SHORT)
-    return header
+    try:
+        image = kinds[content[:2]](BytesIO(content))
+    except UNREADABLE as error:
+        raise HeaderError(f"its header is broken: {error}") from error
+    if getattr(image, "is_animated", False):
+        raise HeaderError("it is an animation")
+    name = str(image.format)
+    if content.rfind(_ENDS.get(name, b"")) < 0 or _end_of_rows(image) > len(content):
+        raise HeaderError(_SHORT)
+    # OpenCV makes colours of palettes, and colours and alpha of greys with alpha.
+    channels = 4 if name == "BMP" or image.mode in ("P", "LA") else len(image.getbands())
+    depth = 2 if ";16" in str(image.tile) else 1
+    # A progressive JPEG is decoded by way of its coefficients, of two bytes each.
+    work = 3 if name == "JPEG" and "progressive" in image.info else 1
+    return ImageHeader(name, *image.size, channels * depth * work)
+
+
+def _end_of_rows(image: Any) -> int:
+    """Where the rows of a BMP end that are not packed; 0 for others."""
+    rows = [(start, args[1]) for kind, _, start, args in image.tile if kind == "raw"]
+    return max((start + stride * image.height for start, stride in rows), default=0)
+
+
+_ENDS = {"PNG": b"IEND", "JPEG": b"\xff\xd9"}
+"""What stands at the end of a whole file; decoders refuse others that are cut short."""
 
 
 _TYPE_SIZES = {1: 1, 3: 2, 4: 4, 16: 8}
@@ -183,34 +193,6 @@ def tiff_tags(content: bytes, directory: int | None = None) -> Iterator[tuple[in
     yield from found.items()
 
 
-def _webp(content: bytes) -> ImageHeader:
-    (size,) = struct.unpack_from("<I", content, 4)
-    kind = content[8:16]
-    if size + 8 > len(content):
-        raise HeaderError(_SHORT)
-    if kind == b"WEBPVP8X":
-        if content[20] & 2:
-            raise HeaderError("it is an animation")
-        wide, high = (int.from_bytes(content[at : at + 3], "little") for at in (24, 27))
-        return ImageHeader("WebP", wide + 1, high + 1, 4)
-    if kind == b"WEBPVP8L":
-        (packed,) = struct.unpack_from("<I", content, 21)
-        return ImageHeader("WebP", (packed & 0x3FFF) + 1, (packed >> 14 & 0x3FFF) + 1, 4)
-    if kind == b"WEBPVP8 ":
-        wide, high = struct.unpack_from("<HH", content, 26)
-        return ImageHeader("WebP", wide & 0x3FFF, high & 0x3FFF, 4)
-    raise HeaderError("its header is broken")
-
-
-def _bmp(content: bytes) -> ImageHeader:
-    start, size, width, height, _, bits, packed = struct.unpack_from("<IIiiHHI", content, 10)
-    if size < 40 or packed not in (0, 3) or bits not in (1, 4, 8, 16, 24, 32):
-        raise HeaderError("its header is broken, or it is compressed")
-    if start + (width * bits + 31) // 32 * 4 * abs(height) > len(content):
-        raise HeaderError(_SHORT)
-    return ImageHeader("BMP", width, abs(height), 4)
-
-
 _PNM = re.compile(
     rb"P([2356])(?:\s+(?:#[^\n]*\n\s*)*)(\d{1,9})(?:\s+(?:#[^\n]*\n\s*)*)(\d{1,9})(?:\s+(?:#[^\n]*\n\s*)*)(\d{1,5})\s"
 )
@@ -230,13 +212,13 @@ def _pnm(content: bytes) -> ImageHeader:
 
 
 _READERS: tuple[tuple[bytes, Callable[[bytes], ImageHeader]], ...] = (
-    (b"\x89PNG\r\n\x1a\n", _png),
-    (b"\xff\xd8\xff", _jpeg),
+    (b"\x89PNG\r\n\x1a\n", _by_pillow),
+    (b"\xff\xd8\xff", _by_pillow),
     (b"II*\0", _tiff),
     (b"MM\0*", _tiff),
     (b"II+\0", _tiff),
     (b"MM\0+", _tiff),
-    (b"RIFF", _webp),
-    (b"BM", _bmp),
+    (b"RIFF", _by_pillow),
+    (b"BM", _by_pillow),
     *((b"P%d" % kind, _pnm) for kind in (2, 3, 5, 6)),
 )

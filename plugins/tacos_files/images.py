@@ -10,16 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.image_headers import FORMATS, HeaderError, ImageHeader, read_header
+from tacos_files.image_headers import FORMATS, UNREADABLE, HeaderError, ImageHeader, read_header
 from tacos_files.tiff_as_stored import tiff_as_stored
 from tacos_framework import Fault, UserError
 from tacos_framework.files import limits, read_bytes, too_large
 
 if TYPE_CHECKING:
     from PIL.Image import Image
-
-UNREADABLE = (OSError, SyntaxError, ValueError, EOFError, LookupError, TypeError, OverflowError)
-"""What Pillow's readers raise on files that are damaged, `PIL.UnidentifiedImageError` among them."""
 
 
 def read_samples(path: Path, *, where: str | None = None, within: Path | None = None) -> NDArray[Any]:
@@ -64,7 +61,7 @@ def _decoded(content: bytes, header: ImageHeader, where: str, name: str) -> NDAr
     except cv2.error as error:
         raise UserError(_damaged(where, name, str(error).strip())) from error
     if image is None or image.shape[:2] != (header.height_px, header.width_px):
-        raise UserError(_damaged(where, name, f"its samples are no {header.format}"))
+        raise UserError(_damaged(where, name, f"its samples are no whole {header.format}"))
     samples: NDArray[Any] = np.asarray(image)
     return samples[..., 2::-1] if samples.ndim == 3 and samples.shape[2] in (3, 4) else samples
 

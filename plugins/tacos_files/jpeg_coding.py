@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.images import UNREADABLE
+from tacos_files.image_headers import UNREADABLE
 from tacos_framework.files import read_bytes
 
 SUFFIXES = (".jpg", ".jpeg")
