@@ -104,7 +104,7 @@ def soaked(recipe: Recipe, out: Path, watch: Watch) -> tuple[dict[str, Any], lis
     result = run(recipe, out=out, plugins=plugins, progress=watch, report=False)
     lines = [json.loads(line) for line in (out / "generations.jsonl").read_text("utf-8").splitlines()]
     left = {k: v for k, v in result.items() if k not in ("seconds", "seconds_by_node", "environment")}
-    return left, [{k: v for k, v in line.items() if k not in ("seconds", "checksum")} for line in lines]
+    return left, [{k: v for k, v in line.items() if k != "seconds"} for line in lines]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -18,9 +18,9 @@ from tacos_framework.plugins import Plugins, calling
 from tacos_framework.plugins.executing import executor_of_run
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.procedure import ProcedureRecipe
-from tacos_framework.results import RESULT, Results
-from tacos_framework.results.dependencies import manifest_of_procedure
-from tacos_framework.results.manifest import settle_manifest
+from tacos_framework.store import RESULT, Results
+from tacos_framework.store.dependencies import manifest_of_procedure
+from tacos_framework.store.manifest import settle_manifest
 from tacos_framework.study import run_study
 from tacos_framework.study.progress import Progress, Silent
 

@@ -87,7 +87,5 @@ def run(recipe: Recipe, toys: Plugins, out: Path, **options: Any) -> dict[str, A
 
 
 def comparable(result: Mapping[str, Any]) -> dict[str, Any]:
-    """A result without what may differ between equal runs: times, the machine, and so its checksum."""
-    return {
-        k: v for k, v in result.items() if k not in ("seconds", "seconds_by_node", "environment", "checksum")
-    }
+    """A result without what may differ between equal runs: times and the machine."""
+    return {k: v for k, v in result.items() if k not in ("seconds", "seconds_by_node", "environment")}

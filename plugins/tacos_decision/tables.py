@@ -141,7 +141,7 @@ def read_result(folder: str | Path) -> StudyResult:
     UserError
         When there is no readable ``result.json`` of a study.
     """
-    from tacos_framework.results import read_result as read  # with numpy, which listing plugins does without
+    from tacos_framework.store import read_result as read  # with numpy, which listing plugins does without
 
     data = read(Path(folder))
     if not isinstance(data.get("cameras"), dict):

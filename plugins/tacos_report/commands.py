@@ -23,7 +23,7 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
 def _report(arguments: argparse.Namespace) -> int:
     """Have all plugins report on a results folder."""
     from tacos_framework import Plugins
-    from tacos_framework.results import read_result
+    from tacos_framework.store import read_result
 
     folder = arguments.folder
     read_result(folder)
@@ -40,7 +40,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _verify(arguments: argparse.Namespace) -> int:
-    """Check a results folder against its checksums."""
+    """Check a results folder against its database."""
     from tacos_report.verifying import verify
 
     checks = verify(arguments.folder)

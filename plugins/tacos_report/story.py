@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.results import DESIGNED
+from tacos_framework.store import DESIGNED
 from tacos_report import verdicts
 from tacos_report.comparison import CameraDifference, best_of, difference, score_names
 from tacos_report.plain_values import mapping, showable, text

@@ -9,7 +9,7 @@ from typing import Any
 
 from tacos_framework import UserError, read_yaml
 from tacos_framework.files import read_bytes
-from tacos_framework.results import DESIGNED, read_result, read_run_lines
+from tacos_framework.store import DESIGNED, read_result, read_run_lines
 from tacos_report.analysis import Analysis, RankedPart, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
 from tacos_report.plain_values import rows as plain_rows
@@ -180,12 +180,10 @@ def read_study(folder: Path) -> StudyData:
         Where ``result.json`` is missing or is not a JSON object.
     """
     result = read_result(folder)
-    generations, torn = read_generations(folder / "generations.jsonl")
+    generations = read_generations(folder / "generations.jsonl")
     recipe = _text(folder / "recipe.yaml")
     document = document_of(recipe)
     notes = list(texts(result.get("notes")))
-    if torn:
-        notes.append("The last line of generations.jsonl is incomplete and was left out.")
     scene_map = result.get("scene_map")
     return StudyData(
         result=result,
@@ -202,10 +200,9 @@ def read_study(folder: Path) -> StudyData:
     )
 
 
-def read_generations(path: Path) -> tuple[tuple[Generation, ...], bool]:
-    """The generations of a study, and whether the last line was torn by a kill while it was written."""
-    lines = read_run_lines(path)
-    return tuple(map(_generation, lines.values)), lines.torn > 0
+def read_generations(path: Path) -> tuple[Generation, ...]:
+    """The generations of a study."""
+    return tuple(map(_generation, read_run_lines(path)))
 
 
 def _generation(row: Mapping[str, Any]) -> Generation:

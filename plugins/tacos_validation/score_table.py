@@ -10,9 +10,9 @@ from tacos_framework.cache import content_key
 from tacos_framework.contracts import Executor, Scores, State
 from tacos_framework.fitness import Fitness
 from tacos_framework.plan import Plan
-from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, merged_evaluation
 from tacos_framework.simulation.evaluation import Raised
+from tacos_framework.store import Results
 from tacos_framework.study.problem import broken_by
 
 FILE = "scores.jsonl"
@@ -81,7 +81,6 @@ class ScoreTable:
         self._study = _simulated(plan)
         self._rows: dict[str, TableRow] = {}
         kept = results.read_lines(FILE)
-        results.write_lines(FILE, kept)  # a last line that was cut short goes
         for line in kept:
             if line["study"] == self._study:
                 self._rows[line["key"]] = TableRow(**{name: line[name] for name in KEPT})

@@ -21,7 +21,7 @@ from tacos_framework import (
     load_cameras,
 )
 from tacos_framework.plan import Plan
-from tacos_framework.results import DESIGNED, read_result
+from tacos_framework.store import DESIGNED, read_result
 
 CameraName = str | Mapping[str, Any] | None
 """A product or a camera of a run by name, values of design variables by theirs, or None for the default."""

@@ -9,7 +9,7 @@ from typing import Any
 
 def summary(result: Mapping[str, Any], out: Path) -> str:
     """What a run found, in a few lines."""
-    from tacos_framework.results import DESIGNED  # with numpy, which a faulty command does without
+    from tacos_framework.store import DESIGNED  # with numpy, which a faulty command does without
 
     if "procedure" in result:
         lines = [str(result.get("summary", "")), f"{result['seconds']:.0f} s. Results: {out}"]

@@ -55,7 +55,7 @@ def terminal_errors() -> TextIO:
 @contextmanager
 def log_on_terminal(packages: Iterable[str]) -> Iterator[None]:
     """What these packages note in their log meanwhile is said on standard error too."""
-    from tacos_framework.results.log import heard_by
+    from tacos_framework.store.log import heard_by
 
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(logging.Formatter("%(message)s"))

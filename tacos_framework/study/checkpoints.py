@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from tacos_framework.contracts import State
 from tacos_framework.errors import UserError
-from tacos_framework.results import Results
-from tacos_framework.results.checksums import Damaged
-from tacos_framework.results.reading import damage
-from tacos_framework.results.results import CHECKPOINT
-from tacos_framework.study.journal import JOURNAL, Journal
-from tacos_framework.study.run_files import GenerationLine, JournalLine, KeptCheckpoint, check_type
+from tacos_framework.store import Results
+from tacos_framework.store.database import DATABASE, damage
+from tacos_framework.store.run import CHECKPOINT
+from tacos_framework.study.journal import Journal
+from tacos_framework.study.run_files import GenerationLine, KeptCheckpoint, checked_type
 from tacos_framework.study.search import Search
 
 SHARE = 0.05
@@ -36,7 +36,7 @@ class Checkpoints:
 
     def __init__(self, results: Results, journal: Journal, line_files: Sequence[str]) -> None:
         self._results, self._journal, self._line_files = results, journal, line_files
-        self._weights: dict[str, str] = {}
+        self._weights: set[str] = set()
         self._not_before_s = 0.0
 
     def write(self, searches: Sequence[Search], rest: Callable[[], Mapping[str, Any]], *, now: bool) -> None:
@@ -53,33 +53,33 @@ class Checkpoints:
         if not now and began < self._not_before_s:
             return
         weights = self._written_weights(searches)
-        self._results.write_checkpoint(
-            {
+        with self._results.transaction() as database:
+            checkpoint = {
                 "searches": {search.name: search.state() for search in searches},
                 "weights": weights,
-                "lines": {name: self._results.end_of(name) for name in self._line_files},
-                "samples": self._results.samples,
+                "lines": {name: database.count(name) for name in self._line_files},
                 **rest(),
             }
-        )
-        self._journal.clear()
-        self._results.keep_weights(name for name, _ in weights.values())
+            database.put(CHECKPOINT, 0, checkpoint)
+            self._journal.clear()
+        self._results.keep_weights(weights.values())
         took = time.monotonic() - began
         self._not_before_s = time.monotonic() + took * (1 / SHARE - 1)
 
-    def _written_weights(self, searches: Sequence[Search]) -> dict[str, tuple[str, str]]:
+    def _written_weights(self, searches: Sequence[Search]) -> dict[str, str]:
         """Files of what the tasks of each search know now, and knew at its end, for an extension."""
         files = {}
         for search in searches:
             for task, state in search.states.items():
                 name = _file(search, task, search.rounds)
                 if name not in self._weights:
-                    self._weights[name] = self._results.write_state(name, state)
+                    self._results.write_state(name, state)
+                    self._weights.add(name)
                 files[f"{search.name}.{task}"] = name
                 if (end := _file(search, task, search.generation)) in self._weights:
                     files[f"{search.name}.{task}.searched"] = end
-        self._weights = {name: self._weights[name] for name in files.values()}
-        return {place: (name, self._weights[name]) for place, name in files.items()}
+        self._weights = set(files.values())
+        return files
 
     def restore(self, checkpoint: Mapping[str, Any] | None, searches: Sequence[Search]) -> float:
         """Take up searches and files from a checkpoint, or from the start.
@@ -93,24 +93,27 @@ class Checkpoints:
         -------
         The time that had been spent as the journal has it [s].
         """
-        folder = self._results.folder
-        check_type(folder / JOURNAL, JournalLine, self._results.lines_of(JOURNAL).values)
-        seconds = self._journal.read()
-        if checkpoint is None:
-            for name in self._line_files:
-                self._results.write_lines(name, [])
-            self._results.keep_weights(self._journal.weights)
-            return seconds
-        path = folder / CHECKPOINT
-        check_type(path, KeptCheckpoint, [checkpoint])
-        if set(checkpoint["searches"]) != {search.name for search in searches}:
-            raise UserError(damage(path, "it is of other searches than the recipe's"))
-        self._weights = dict(checkpoint["weights"].values())
-        self._results.keep_weights([*self._weights, *self._journal.weights])
-        for search in searches:
-            search.restore(checkpoint["searches"][search.name], self._states(checkpoint, search, ""))
-        self._cut_lines(checkpoint["lines"])
+        left = self._journal.entries()
+        seconds = max((kept.seconds for kept in left), default=0.0)
+        if checkpoint is not None:
+            self._check(checkpoint, searches)
+            self._weights = set(checkpoint["weights"].values())
+        names_of_journal = [name for kept in left for name in kept.weights.values()]
+        self._results.keep_weights([*self._weights, *names_of_journal])
+        self._cut_lines(checkpoint["lines"] if checkpoint else {})
+        if checkpoint is not None:
+            for search in searches:
+                search.restore(checkpoint["searches"][search.name], self._states(checkpoint, search, ""))
         return seconds
+
+    def _check(self, checkpoint: Mapping[str, Any], searches: Sequence[Search]) -> None:
+        checked_type(KeptCheckpoint, self._path, CHECKPOINT, checkpoint)
+        if set(checkpoint["searches"]) != {search.name for search in searches}:
+            raise UserError(damage(self._path, "it is of other searches than the recipe's"))
+
+    @property
+    def _path(self) -> Path:
+        return self._results.folder / DATABASE
 
     def states_at_end(self, checkpoint: Mapping[str, Any], search: Search) -> dict[str, State]:
         """What the tasks of a search knew when it had ended, before they were trained on the best camera."""
@@ -122,21 +125,19 @@ class Checkpoints:
         for task in search.states:
             place = f"{search.name}.{task}{when}"
             if place not in files:
-                raise UserError(damage(self._results.folder / CHECKPOINT, f"it has no weights of {place}"))
-            found[task] = self._results.read_state(*files[place])
+                raise UserError(damage(self._path, f"it has no weights of {place}"))
+            found[task] = self._results.read_state(files[place])
         return found
 
-    def _cut_lines(self, ends: Mapping[str, Mapping[str, Any]]) -> None:
+    def _cut_lines(self, counts: Mapping[str, int]) -> None:
         """Drop the generations since the checkpoint: they are taken from the journal once more."""
         for name in self._line_files:
-            lines = self._results.lines_of(name)
-            path = self._results.folder / name
-            check_type(path, GenerationLine, lines.values)
-            try:
-                lines.check_reaches(ends.get(name, {"lines": 0}))
-            except Damaged as error:
-                raise UserError(damage(path, str(error))) from error
-            self._results.write_lines(name, lines.values[: ends.get(name, {"lines": 0})["lines"]])
+            lines, count = self._results.read_lines(name), counts.get(name, 0)
+            for number, line in enumerate(lines):
+                checked_type(GenerationLine, self._path, f"{name} {number}", line)
+            if len(lines) < count:
+                raise UserError(damage(self._path, f"it has {len(lines)} of {count} lines of {name}"))
+            self._results.write_lines(name, lines[:count])
 
 
 def _file(search: Search, task: str, rounds: int) -> str:

@@ -10,8 +10,8 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
-from tacos_framework.results import read_recipe
-from tacos_framework.results.results import RECIPE
+from tacos_framework.store import read_recipe
+from tacos_framework.store.run import RECIPE
 
 
 def budget_setting(optimizer: type[Any]) -> str | None:

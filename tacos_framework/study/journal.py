@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from typing import Any, ClassVar, TypeVar
 
@@ -10,14 +10,17 @@ import numpy as np
 
 from tacos_framework.cache import content_key
 from tacos_framework.contracts import Executor, State
-from tacos_framework.results import Results
 from tacos_framework.settings import Settings
 from tacos_framework.simulation import Evaluation, ScoreJob
+from tacos_framework.store import Results
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
+from tacos_framework.study.run_files import KeptJob, checked_type
 
-JOURNAL = "journal.jsonl"
+EVALUATIONS = "evaluations"
+"""Kind of their entries in the database of the run."""
+
 MOST_BYTES = 2 * 2**30
-"""Weights kept beside the journal [bytes]; what candidates learn beyond that is learnt again after a kill."""
+"""Weights kept with them [bytes]; what candidates learn beyond that is learnt again after a kill."""
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -34,64 +37,62 @@ class Journal:
     results
         The folder of the run.
     seconds
-        Gives the time the study has taken so far [s], which lines carry.
+        Gives the time the study has taken so far [s], which is kept with each.
     """
 
     def __init__(self, results: Results, seconds: Callable[[], float]) -> None:
         self._results, self._seconds = results, seconds
-        self._kept: dict[str, Mapping[str, Any]] = {}
-        self._weights: list[str] = []
         self._bytes = 0
         self._keys_of_states: list[tuple[State, str]] = []
 
-    def read(self) -> float:
-        """Take up what a run has left; returns the time it had taken by the last line [s]."""
-        lines = self._results.read_lines(JOURNAL)
-        if lines:
-            self._results.write_lines(JOURNAL, lines)  # a last line that was cut short goes
-        self._kept = {line["job"]: line for line in lines}
-        self._weights = [name for line in lines for name, _ in line["weights"].values()]
-        return max((line["seconds"] for line in lines), default=0.0)
+    def entries(self) -> list[KeptJob]:
+        """What a run has left.
 
-    @property
-    def weights(self) -> tuple[str, ...]:
-        """The files under ``weights/`` that its lines name."""
-        return tuple(self._weights)
+        Raises
+        ------
+        UserError
+            When it is no list of evaluations.
+        """
+        with self._results.database() as database:
+            return [
+                checked_type(KeptJob, database.path, f"{EVALUATIONS} {key}", value)
+                for key, value in database.all(EVALUATIONS).items()
+            ]
 
     def find(self, job: ScoreJob) -> Evaluation | None:
         """What came out for a job, if that is known."""
-        line = self._kept.get(self._key(job))
-        if line is None:
+        with self._results.database() as database:
+            kept = database.get(EVALUATIONS, self._key(job))
+        if kept is None:
             return None
-        states = {task: self._results.read_state(*file) for task, file in line["weights"].items()}
-        return replace(evaluation_from(line["evaluation"]), states=states)
+        states = {task: self._results.read_state(name) for task, name in kept["weights"].items()}
+        return replace(evaluation_from(kept["evaluation"]), states=states)
 
     def add(self, job: ScoreJob, evaluation: Evaluation) -> None:
-        """Write down what came out; not where a defect did, which may be mended when the study goes on."""
+        """Keep what came out; not where a defect did, which may be mended when the study goes on."""
         size = sum(
             np.asarray(array).nbytes for state in evaluation.states.values() for array in state.values()
         )
         if evaluation.raised is not None or self._bytes + size > MOST_BYTES:
             return
-        key = self._key(job)
-        weights = {}
-        for task, state in evaluation.states.items():
-            name = f"journal.{task}.{key}"
-            weights[task] = (name, self._results.write_state(name, state))
-        self._weights += [name for name, _ in weights.values()]
         self._bytes += size
-        line = {
-            "job": key,
-            "seconds": round(self._seconds(), 3),
-            "evaluation": as_data(evaluation),
-            "weights": weights,
-        }
-        self._results.append_line(JOURNAL, line)
+        key = self._key(job)
+        weights = {task: f"journal.{task}.{key}" for task in evaluation.states}
+        with self._results.transaction() as database:
+            for task, state in evaluation.states.items():
+                self._results.write_state(weights[task], state)
+            kept = {
+                "seconds": round(self._seconds(), 3),
+                "evaluation": as_data(evaluation),
+                "weights": weights,
+            }
+            database.put(EVALUATIONS, key, kept)
 
     def clear(self) -> None:
         """Forget everything, as a checkpoint has it now."""
-        self._results.remove(JOURNAL)
-        self._kept, self._weights, self._bytes = {}, [], 0
+        self._bytes = 0
+        with self._results.database() as database:
+            database.remove(EVALUATIONS)
 
     def _key(self, job: ScoreJob) -> str:
         states = {task: self._key_of(state) for task, state in job.states.items()}

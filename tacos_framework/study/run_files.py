@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tacos_framework.errors import UserError
-from tacos_framework.results.reading import damage
+from tacos_framework.store.database import damage
 
 Scores = dict[str, float]
-WeightsFile = tuple[Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+$")], str]
-"""Name of a file under ``weights/``, without its ending, and its checksum."""
+WeightsFile = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+$")]
+"""Name of a file under ``weights/``, without its ending."""
 
 
 class _Kept(BaseModel):
@@ -39,10 +38,9 @@ class KeptEvaluation(_Kept):
     episode_numbers: list[int]
 
 
-class JournalLine(_Kept):
+class KeptJob(_Kept):
     """One evaluation since the last checkpoint."""
 
-    job: str
     seconds: float
     evaluation: KeptEvaluation
     weights: dict[str, WeightsFile]
@@ -107,48 +105,32 @@ class KeptSearch(_Kept):
     optimizer: dict[str, Any] | None
 
 
-class LinesEnd(_Kept):
-    """How far a file of lines went."""
-
-    lines: int = Field(ge=0)
-    checksum: str
-
-
 class KeptCheckpoint(_Kept):
-    """``checkpoint.json``."""
+    """How far a study has come."""
 
-    format: int
     budget: float | None
     searches: dict[str, KeptSearch]
     seconds: float
     seconds_by_node: Scores
     weights: dict[str, WeightsFile]
     test: dict[str, KeptEvaluation]
-    lines: dict[str, LinesEnd]
-    samples: dict[str, str]
+    lines: dict[str, Annotated[int, Field(ge=0)]]
 
 
 Type = TypeVar("Type", bound=BaseModel)
 
 
-def check_type(path: Path, kind: type[Type], values: Iterable[Mapping[str, Any]]) -> None:
-    """Check what a file of a run holds.
+def checked_type(kind: type[Type], path: Path, what: str, value: Any) -> Type:
+    """What a database of a run holds in one place.
 
     Raises
     ------
     UserError
         With the first thing in it that is of another type.
     """
-    if what := mistyped(kind, values):
-        raise UserError(damage(path, what))
-
-
-def mistyped(kind: type[Type], values: Iterable[Mapping[str, Any]]) -> str | None:
-    """The first thing in what a file of a run holds that is of another type; None where there is none."""
-    for number, value in enumerate(values, 1):
-        try:
-            kind.model_validate(value)
-        except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            return f"entry {number}, {'.'.join(map(str, first['loc']))}: {first['msg']}"
-    return None
+    try:
+        return kind.model_validate(value)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        raise UserError(damage(path, f"{what}, {where}: {first['msg']}")) from error

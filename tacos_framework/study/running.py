@@ -14,9 +14,9 @@ from tacos_framework.plan.located import located_recipe
 from tacos_framework.plugins import Plugins
 from tacos_framework.plugins.executing import executor_of_run
 from tacos_framework.recipe import Recipe
-from tacos_framework.results import Results
-from tacos_framework.results.dependencies import manifest_of_study
-from tacos_framework.results.manifest import settle_manifest
+from tacos_framework.store import Results
+from tacos_framework.store.dependencies import manifest_of_study
+from tacos_framework.store.manifest import settle_manifest
 from tacos_framework.study.extending import for_resuming, without_budget
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress, Silent

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from tacos_framework.contracts import Executor
-from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluator, SampleJob
+from tacos_framework.store import Results
 
 SAMPLES_AT = (0.15, 0.5, 0.85)
 """Where along the episode frames are taken [share of the episode]."""

@@ -12,9 +12,9 @@ from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
 from tacos_framework.plan import Plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.results import DESIGNED, RESULT, Results
-from tacos_framework.results.manifest import Manifest
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
+from tacos_framework.store import DESIGNED, RESULT, Results
+from tacos_framework.store.manifest import Manifest
 from tacos_framework.study.account import Account
 from tacos_framework.study.analysis import make_record
 from tacos_framework.study.checkpoints import Checkpoints
@@ -199,7 +199,7 @@ class Study:
     def _analyse(self) -> None:
         """Let plugins say what follows from all that was scored."""
         self._progress.phase("Analysing", None)
-        lines = [line for name in self._line_files for line in self.results.lines_of(name).values]
+        lines = [line for name in self._line_files for line in self.results.read_lines(name)]
         record = make_record(
             self.plan,
             self.searches,

@@ -160,9 +160,9 @@ PROTECTIONS = (
         "test_a_cluster_of_our_own_listens_on_the_loopback_alone_and_is_quiet",
     ),
     Protection(
-        "files of a run carry checksums",
-        "tacos_framework/results/checksums.py",
-        "if checksum(found[1]) != found[2].decode():",
+        "entries of the database of a run carry digests",
+        "tacos_framework/store/database.py",
+        "if digest != _digest(kind, key, value):",
         "if False:",
         "tests/study/test_damaged_runs.py::test_a_damaged_file_is_named_and_never_gives_another_result",
     ),

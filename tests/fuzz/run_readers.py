@@ -58,28 +58,23 @@ def _result() -> bytes:
 
 
 def _sent_run(path: Path) -> object:
-    """`tacos verify` and `tacos watch` of a run whose checksums fit, whatever its files hold."""
-    from tacos_framework.results.checksums import (
-        json_with_checksum,
-        lines_with_checksums,
-        text_with_checksum,
-    )
+    """`tacos verify` and `tacos watch` of a run whose digests fit, whatever its database holds."""
+    from tacos_framework.store.database import PARTS, Database
     from tacos_report.verifying import verify
     from tacos_report.watching.running_study import read_running
 
-    files = read_json(path)
+    kinds = read_json(path)
     folder = path.parent / "sent"
     folder.mkdir(exist_ok=True)
-    for name, content in files.items() if isinstance(files, dict) else ():
-        if name not in _RUN:
-            continue
-        if isinstance(content, dict):
-            (folder / name).write_bytes(json_with_checksum(content))
-        elif isinstance(content, list):
-            lines = [line for line in content if isinstance(line, dict)]
-            (folder / name).write_bytes(lines_with_checksums(lines))
-        else:
-            (folder / name).write_text(text_with_checksum(str(content)), "utf-8", "replace")
+    (folder / "recipe.yaml").write_text(RECIPE_TEXT)
+    for name in PARTS:
+        (folder / name).unlink(missing_ok=True)
+    with Database(folder / PARTS[0]) as database, database.transaction():
+        for kind in _RUN.keys() & (kinds if isinstance(kinds, dict) else {}):
+            values = kinds[kind]
+            named = values.items() if isinstance(values, dict) else [(0, values)]
+            for key, value in enumerate(values) if isinstance(values, list) else named:
+                database.put(kind, key, value)
     read_running(folder)
     return verify(folder)
 
@@ -100,21 +95,21 @@ _EVALUATION: dict[str, Any] = {
     "broken": {},
     "episode_numbers": [0],
 }
+RECIPE_TEXT = "tacos: 1\nname: sent\noptimizer: {use: optimizer.sobol, evaluations: 4}\n"
 _RUN: dict[str, Any] = {
-    "recipe.yaml": "tacos: 1\nname: sent\noptimizer: {use: optimizer.sobol, evaluations: 4}\n",
-    "manifest.json": {"python": "3.11.7", "packages": {}, "code": {}, "catalogs": {}, "files": {}},
-    "checkpoint.json": {
-        "format": 4,
-        "budget": None,
-        "searches": {},
-        "seconds": 1.0,
-        "seconds_by_node": {"width": 0.5},
-        "weights": {"designed.learner": ["designed.learner.3", "0" * 32]},
-        "test": {"designed": _EVALUATION},
-        "lines": {"generations.jsonl": {"lines": 1, "checksum": "0" * 32}},
-        "samples": {"samples/designed_0.png": "0" * 32},
-    },
-    "journal.jsonl": [{"job": "a", "seconds": 1.0, "evaluation": _EVALUATION, "weights": {}}],
+    "checkpoint": [
+        {
+            "budget": None,
+            "searches": {},
+            "seconds": 1.0,
+            "seconds_by_node": {"width": 0.5},
+            "weights": {"designed.learner": "designed.learner.3"},
+            "test": {"designed": _EVALUATION},
+            "lines": {"generations.jsonl": 1},
+        }
+    ],
+    "evaluations": {"a": {"seconds": 1.0, "evaluation": _EVALUATION, "weights": {}}},
+    "files": {"recipe.yaml": "0" * 32, "samples/designed_0.png": "0" * 32},
     "generations.jsonl": [
         {"generation": 0, "seconds": 1.0, "frames": 3, "candidates": [{"fitness": 0.5}], "best": None}
     ],

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tacos_framework.results import writing
+from tacos_framework.store import writing
 from tacos_gap.procedures.diagnose import _write
 
 

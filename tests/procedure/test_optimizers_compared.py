@@ -20,6 +20,7 @@ from tacos_framework.hookspecs import hookimpl
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting
+from tacos_framework.store import Results
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
@@ -210,10 +211,12 @@ def test_a_broken_run_goes_on_and_renders_nothing_twice(compared, problem, plugi
     whole, finished = compared
     out = tmp_path / "broken"
     out.mkdir()
-    for name in ("recipe.yaml", "manifest.json"):
+    for name in ("recipe.yaml", "manifest.json", "run.sqlite"):
         (out / name).write_bytes((finished / name).read_bytes())
     kept = (finished / "scores.jsonl").read_text().splitlines()
-    (out / "scores.jsonl").write_text("\n".join(kept[:60]) + '\n{"key": "cut sho')
+    Results(out).write_lines("scores.jsonl", map(json.loads, kept[:60]))
+    with (out / "scores.jsonl").open("a") as file:
+        file.write('{"key": "cut sho')
     before = toy_plugin.WidthTask.begun
     again = run(asked(problem), out=out, plugins=plugins, resume=True)
     assert toy_plugin.WidthTask.begun - before == len(kept) - 60

@@ -18,6 +18,7 @@ from safetensors.numpy import load_file
 from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, Use
+from tacos_framework.store import Results
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.fingerprint import fingerprint
@@ -166,8 +167,9 @@ def test_images_that_are_there_are_not_rendered_again(done, problem, plugins, tm
     _, finished = done
     out = tmp_path / "again"
     out.mkdir()
-    for name in ("recipe.yaml", "manifest.json"):
+    for name in ("recipe.yaml", "manifest.json", "run.sqlite"):
         (out / name).write_bytes((finished / name).read_bytes())
+    Results(out).remove("epochs.jsonl")
     (finished / "frames").rename(out / "frames")
     try:
         before = {path.name: path.stat().st_mtime_ns for path in (out / "frames").iterdir()}

@@ -20,6 +20,7 @@ from toy_study import FROM_CATALOG, merged
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
 from tacos_framework.simulation import Evaluation
+from tacos_framework.store import Results
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
@@ -239,10 +240,10 @@ def test_a_broken_run_goes_on_where_it_stopped(ranked, study, toys, tmp_path):
     whole, finished = ranked
     out = tmp_path / "broken"
     out.mkdir()
-    for name in ("recipe.yaml", "manifest.json"):
+    for name in ("recipe.yaml", "manifest.json", "run.sqlite"):
         (out / name).write_bytes((finished / name).read_bytes())
     kept = (finished / "scores.jsonl").read_text().splitlines()
-    (out / "scores.jsonl").write_text("\n".join(kept[:50]) + '\n{"key": "cut sho')
+    Results(out).write_lines("scores.jsonl", map(json.loads, kept[:50]))
     before = toy_plugin.WidthTask.begun
     again = run(asked(study), out=out, plugins=toys, resume=True)
     assert toy_plugin.WidthTask.begun - before == len(kept) - 50 == 2 * 2 * 6 * 3 - 50

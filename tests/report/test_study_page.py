@@ -223,11 +223,13 @@ def test_an_unreadable_sample_is_left_out(report_of: Callable[..., str], tmp_pat
     assert "data:image" not in report_of(lambda result: result.update(samples={"designed": ["broken.png"]}))
 
 
-def test_a_torn_last_generation_is_left_out_and_noted(report_of: Callable[..., str]) -> None:
+def test_a_torn_last_generation_is_left_out_and_said(
+    report_of: Callable[..., str], caplog: pytest.LogCaptureFixture
+) -> None:
     whole = json.dumps({"generation": 0, "frames": 9, "candidates": [{"camera": {"x": 1.0}, "fitness": 2.0}]})
     text = Page(report_of(generations=f"{whole}\n{whole[:30]}")).text
     assert "The highest of 1 score came in generation 1 of 1." in text
-    assert "The last line of generations.jsonl is incomplete" in text
+    assert "generations.jsonl: the last line was cut short and is left out" in caplog.text
 
 
 def test_a_torn_line_in_the_middle_is_the_users_to_know(report_of: Callable[..., str]) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
-from tacos_framework.results import Results
+from tacos_framework.store import Results
 from tacos_report.watching.in_words import ranking, state
 from tacos_report.watching.running_study import MOST_SHOWN, read_running
 
@@ -87,7 +87,7 @@ def test_the_page_reloads_while_it_runs_and_rests_once_it_has_ended(tmp_path: Pa
 
 def test_a_file_that_goes_meanwhile_is_not_missed(tmp_path: Path) -> None:
     folder = begun(tmp_path, [candidate(2.0, 1.0)])
-    (folder / "journal.jsonl").symlink_to(folder / "gone")  # listed, and not there any more
+    (folder / "run.sqlite-wal").symlink_to(folder / "gone")  # listed, and not there any more
     assert len(read_running(folder).tried) == 1
 
 

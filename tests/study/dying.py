@@ -1,7 +1,8 @@
 """Runs a toy study in processes that die; a script, so that its children can be forked from one import.
 
 ``python dying.py each DIR STRIDE``
-    dies at a file operation and is resumed, for every STRIDE-th of them, in DIR/0, DIR/STRIDE, ...
+    dies at a file operation or a statement to the database and is resumed, for every STRIDE-th of them,
+    in DIR/0, DIR/STRIDE, ...
 ``python dying.py random DIR SEED KILLS``
     is killed again and again at random moments, and resumed each time, in DIR/killed
 
@@ -14,10 +15,12 @@ import os
 import random
 import shutil
 import signal
+import sqlite3
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import toy_plugin
 from toy_study import LEARNER, run, toy_recipe
@@ -26,7 +29,8 @@ from tacos_framework.plugins import Plugins
 from tacos_plugins.plugin import tacos_components
 
 DIED = 9
-FILE_OPERATIONS = ("open", "os.mkdir", "os.rename", "os.remove")
+FILE_OPERATIONS = ("open", "os.mkdir", "os.rename", "os.remove", "sqlite3.connect")
+READS = ("SELECT", "PRAGMA")
 
 
 class DefaultComponents:
@@ -67,18 +71,33 @@ def in_child(work: Callable[[], None], kill_after_s: float | None = None) -> boo
 
 
 def dying_at(operation: int, folder: Path, work: Callable[[], None]) -> Callable[[], None]:
-    """The work, ended before its n-th file operation below a folder, without any cleaning up."""
+    """The work, ended before its n-th file operation or statement to a database, without any cleaning up."""
     count = 0
 
-    def watch(event: str, arguments: tuple[object, ...]) -> None:
+    def see() -> None:
         nonlocal count
-        if event in FILE_OPERATIONS and str(arguments[0]).startswith(str(folder)):
-            if count == operation:
-                os._exit(DIED)
-            count += 1
+        if count == operation:
+            os._exit(DIED)
+        count += 1
+
+    def see_statement(statement: str) -> None:
+        if not statement.startswith(READS):
+            see()
+
+    def watch(event: str, arguments: tuple[Any, ...]) -> None:
+        if event in FILE_OPERATIONS and str(folder) in str(arguments[0]):
+            see()
+
+    connect = sqlite3.connect
+
+    def watched_connect(*arguments: Any, **options: Any) -> sqlite3.Connection:
+        connection = connect(*arguments, **options)
+        connection.set_trace_callback(see_statement)
+        return connection
 
     def watched() -> None:
         sys.addaudithook(watch)
+        sqlite3.connect = watched_connect
         work()
 
     return watched

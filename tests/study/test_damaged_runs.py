@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import random
 import shutil
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -13,8 +15,10 @@ from toy_study import LEARNER, comparable, run, toy_recipe
 
 from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
-from tacos_framework.results import Results
-from tacos_framework.results.checksums import checked_json, json_with_checksum
+from tacos_framework.store import Results, read_run_lines
+from tacos_framework.store.database import DATABASE, Database
+from tacos_framework.store.run import CHECKPOINT
+from tacos_framework.study.journal import EVALUATIONS
 from tacos_report.verifying import verify
 
 UNCHECKED = (".html", ".txt")
@@ -39,8 +43,9 @@ def runs(toys, tmp_path_factory):
         patch.setattr(toy_plugin.WidthTask, "begun", 0)
         patch.setattr(toy_plugin.WidthTask, "interrupt_at", 5)
         run(recipe(), toys, folder / "broken")
-    assert (folder / "broken" / "journal.jsonl").exists()
-    assert (folder / "broken" / "checkpoint.json").exists()
+    with Database(folder / "broken" / DATABASE, read_only=True) as database:
+        assert database.count(EVALUATIONS) > 0
+        assert database.count(CHECKPOINT) == 1
     return folder, result
 
 
@@ -76,54 +81,79 @@ def test_a_damaged_file_is_named_and_never_gives_another_result(toys, tmp_path, 
         path = tmp_path / name.name / name
         path.write_bytes(damage(path.read_bytes(), rng))
         checks = {check.name: check for check in verify(tmp_path / name.name)}
-        named = checks[str(name)].damage or checks[str(name)].note
         outcome = after_damage(toys, tmp_path / name.name, expected)
-        assert named or outcome == "same", (
-            name
-        )  # a cut between two lines of the journal is as an earlier kill
+        assert checks[str(name)].damage or outcome == "same", name  # a byte of the database that is not used
         assert checks[str(name)].meaning
 
 
 def test_verify_says_what_is_whole_what_is_damaged_and_what_that_means(tmp_path, runs, capsys):
     shutil.copytree(runs[0] / "whole", tmp_path / "run")
     assert tacos_main(["verify", str(tmp_path / "run")]) == 0
-    assert "ok  checkpoint.json" in capsys.readouterr().out
+    assert "ok  run.sqlite" in capsys.readouterr().out
     with (tmp_path / "run" / "result.json").open("a") as file:
         file.write(" ")
     assert tacos_main(["verify", str(tmp_path / "run")]) == 1
     said = capsys.readouterr().out
-    assert "BAD result.json: it does not end with its checksum" in said
+    assert "BAD result.json: its digest is not the one that the run wrote down" in said
     assert "--resume writes it anew" in said
     assert tacos_main(["verify", str(tmp_path)]) == 2
 
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("searches", {}), ("searches", []), ("seconds", "x"), ("weights", {"designed.learner": ["../x", "0"]})],
+    [("searches", {}), ("searches", []), ("seconds", "x"), ("weights", {"designed.learner": "../x"})],
 )
-def test_a_checkpoint_with_a_checksum_that_fits_and_strange_content_is_refused(
+def test_a_checkpoint_with_a_digest_that_fits_and_strange_content_is_refused(
     toys, tmp_path, runs, key, value
 ):
     shutil.copytree(runs[0] / "whole", tmp_path / "run")
-    path = tmp_path / "run" / "checkpoint.json"
-    path.write_bytes(json_with_checksum({**checked_json(path.read_bytes()), key: value}))
+    with Database(tmp_path / "run" / DATABASE) as database:
+        database.put(CHECKPOINT, 0, {**database.get(CHECKPOINT, 0), key: value})
     with pytest.raises(UserError, match="the file is damaged"):
         run(recipe(), toys, tmp_path / "run", resume=True)
 
 
 def test_a_named_pipe_in_place_of_a_file_does_not_hang(toys, tmp_path, runs):
     shutil.copytree(runs[0] / "whole", tmp_path / "run")
-    (tmp_path / "run" / "checkpoint.json").unlink()
-    os.mkfifo(tmp_path / "run" / "checkpoint.json")
+    (tmp_path / "run" / DATABASE).unlink()
+    os.mkfifo(tmp_path / "run" / DATABASE)
     with pytest.raises(UserError, match="it is a named pipe"):
         run(recipe(), toys, tmp_path / "run", resume=True)
 
 
-def test_lines_are_chained_so_that_none_can_go_missing(tmp_path):
+def test_an_entry_that_was_changed_by_another_hand_is_named(tmp_path):
     with Results.create(tmp_path, {"name": "x"}) as results:
         for number in range(3):
             results.append_line("lines.jsonl", {"n": number})
-        first, _, third = (tmp_path / "lines.jsonl").read_bytes().splitlines(keepends=True)
-        (tmp_path / "lines.jsonl").write_bytes(first + third)
-        with pytest.raises(UserError, match="the checksum of line 2 does not fit"):
-            results.read_lines("lines.jsonl")
+    with closing(sqlite3.connect(tmp_path / DATABASE)) as connection, connection:
+        connection.execute("UPDATE entries SET value = '{\"n\": 7}' WHERE kind = 'lines.jsonl' AND key = 1")
+    with pytest.raises(UserError, match=r"the digest of lines\.jsonl 1 does not fit its content"):
+        Results.resume(tmp_path, {"name": "x"})
+
+
+def test_lines_that_somebody_changed_are_named_and_written_anew(toys, tmp_path, runs):
+    shutil.copytree(runs[0] / "whole", tmp_path / "run")
+    lines = tmp_path / "run" / "generations.jsonl"
+    whole = lines.read_bytes()
+    lines.write_bytes(whole.replace(b"generation", b"exhibition"))
+    (bad,) = (check for check in verify(tmp_path / "run") if check.damage)
+    assert (bad.name, bad.damage) == ("generations.jsonl", "it is not what the database holds")
+    run(recipe(), toys, tmp_path / "run", resume=True)
+    assert lines.read_bytes() == whole
+
+
+def test_what_a_killed_run_left_in_the_log_of_its_database_is_read(tmp_path):
+    with Results.create(tmp_path / "run", {"name": "x"}) as results:
+        results.append_line("lines.jsonl", {"n": 1})
+        shutil.copytree(tmp_path / "run", tmp_path / "killed")  # as it lies there at this moment
+    assert (tmp_path / "killed" / f"{DATABASE}-wal").stat().st_size
+    assert all(check.damage is None for check in verify(tmp_path / "killed") if check.name != "manifest.json")
+    assert read_run_lines(tmp_path / "killed" / "lines.jsonl") == [{"n": 1}]
+
+
+def test_a_finished_run_is_verified_where_nothing_can_be_written(tmp_path, runs, monkeypatch):
+    shutil.copytree(runs[0] / "whole", tmp_path / "run")
+    names = sorted(path.name for path in (tmp_path / "run").iterdir())
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert all(check.damage is None for check in verify(tmp_path / "run"))
+    assert sorted(path.name for path in (tmp_path / "run").iterdir()) == names

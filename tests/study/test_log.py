@@ -7,7 +7,7 @@ import logging
 import pytest
 
 from tacos_framework.errors import UserError
-from tacos_framework.results import Results
+from tacos_framework.store import Results
 
 log = logging.getLogger("toy_package.somewhere")
 

@@ -12,10 +12,10 @@ from tacos_framework.errors import UserError
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, load_recipe
-from tacos_framework.results import dependencies
-from tacos_framework.results.dependencies import manifest_of_study
-from tacos_framework.results.manifest import Manifest
 from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework.store import dependencies
+from tacos_framework.store.dependencies import manifest_of_study
+from tacos_framework.store.manifest import Manifest
 from tests.toy_study import FROM_CATALOG
 
 
@@ -79,7 +79,7 @@ def test_files_that_settings_name_are_in_it(toys):
 
 def test_code_is_that_of_the_packages_in_use(of_toys):
     assert {"tacos_framework", "toy_plugin", "tacos_plugins"} == set(of_toys.code)
-    assert "results/manifest.py" in of_toys.code["tacos_framework"]
+    assert "store/manifest.py" in of_toys.code["tacos_framework"]
     assert not any("__pycache__" in name for files in of_toys.code.values() for name in files)
     assert sys.version.startswith(of_toys.python)
     assert to_yaml(of_toys.model_dump(mode="json"))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework import Plugins, Progress
-from tacos_framework.results import Results
+from tacos_framework.store import Results
 from tacos_gap.captures import CaptureWriter, WrittenCapture
 from tacos_gap.captures.missing import BEGUN
 from tacos_gap.simulation.bench import BenchSettings, CaptureBench
@@ -35,7 +35,6 @@ class SimulateCaptures:
         bench = CaptureBench(self.config, plugins, seed)
         results = Results(out)
         kept = [WrittenCapture(**line) for line in results.read_lines(BEGUN)] if resume else []
-        results.write_lines(BEGUN, map(asdict, kept))  # a last line that was cut short goes
         writer = CaptureWriter(out, kept)
         done = {entry["id"] for entry in writer.entries}
         progress.phase("Taking captures", len(bench.shots))

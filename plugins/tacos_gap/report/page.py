@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from tacos_framework.results import DESIGNED
+from tacos_framework.store import DESIGNED
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.inference.problem import placed

@@ -19,9 +19,9 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import Results
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.simulation import Evaluator
+from tacos_framework.store import Results
 from tacos_framework.study.progress import Progress
 from tacos_plugins.pretraining.kept_frames import KeptFrames
 from tacos_plugins.pretraining.pages import PretrainingOutcome, page, summary
@@ -208,11 +208,10 @@ class Pretrain:
         """A line for each pass, and the state after the last."""
         lines = results.read_lines(LOG)
         state: State = (
-            results.read_state(_state_name(len(lines)), lines[-1]["weights"])
+            results.read_state(_state_name(len(lines)))
             if lines
             else task.initial_state(rng=generator(seed, "state"))
         )
-        results.write_lines(LOG, lines)  # a last line that was cut short goes
         progress.phase("Training", self.config.epochs - len(lines))
         for epoch in range(len(lines) + 1, self.config.epochs + 1):
             began, steps = time.monotonic(), Steps()
@@ -227,7 +226,7 @@ class Pretrain:
                 "scores": scores,
                 "seconds": round(time.monotonic() - began, 3),
             }
-            line["weights"] = results.write_state(_state_name(epoch), state)
+            results.write_state(_state_name(epoch), state)
             results.append_line(LOG, line)
             results.keep_weights([_state_name(epoch)])
             lines.append(line)

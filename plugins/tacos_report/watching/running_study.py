@@ -11,8 +11,8 @@ from typing import Any
 
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes, read_text
-from tacos_framework.results import read_run_json
-from tacos_framework.results.folder import is_in_use
+from tacos_framework.store import read_run_json
+from tacos_framework.store.folder import is_in_use
 from tacos_report.plain_values import text
 from tacos_report.study_data import Generation, Tried, document_of, read_generations
 
@@ -94,7 +94,7 @@ def read_running(folder: Path) -> RunningStudy:
     report = folder / "report.html"
     return RunningStudy(
         name=text(document_of(read_text(recipe)).get("name")) or folder.name,
-        generations=read_generations(folder / "generations.jsonl")[0],
+        generations=read_generations(folder / "generations.jsonl"),
         last_line=lines[-1] if lines else "",
         written_at_s=max(_written_at_s(folder)),
         is_running=is_in_use(folder),
@@ -109,7 +109,7 @@ def _result(path: Path) -> Mapping[str, Any]:
 
 
 def _written_at_s(folder: Path) -> Iterator[float]:
-    """When each file was written; one may go while we look, as the journal does at every checkpoint."""
+    """When each file was written; one may go while we look, as those of sqlite do."""
     yield 0.0
     for path in folder.iterdir():
         with suppress(FileNotFoundError):

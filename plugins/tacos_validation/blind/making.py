@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 
-from tacos_framework.results import Results
+from tacos_framework.store import Results
 from tacos_validation.blind.generators.specifications import (
     CaseSpecification,
     Commitment,

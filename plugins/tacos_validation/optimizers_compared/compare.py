@@ -11,8 +11,8 @@ from typing import Any
 from tacos_framework.contracts import Executor
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins import Plugins
-from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluator
+from tacos_framework.store import Results
 from tacos_framework.study.failing import KeepsFailing
 from tacos_framework.study.progress import Progress
 from tacos_framework.study.search import Search

@@ -14,8 +14,8 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import Results
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator
+from tacos_framework.store import Results
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.rank_agreement.agreement import agreement, agreement_of_halves, tau_b

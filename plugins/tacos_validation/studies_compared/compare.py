@@ -14,8 +14,8 @@ from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import DESIGNED, Results
 from tacos_framework.settings import Settings, setting
+from tacos_framework.store import DESIGNED, Results
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of

@@ -8,8 +8,8 @@ from typing import Literal
 from pydantic import JsonValue, model_validator
 
 from tacos_framework.errors import did_you_mean
-from tacos_framework.results import DESIGNED
 from tacos_framework.settings import Settings, setting
+from tacos_framework.store import DESIGNED
 
 
 class StudyChange(Settings):

@@ -14,7 +14,7 @@ from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
 from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.results import DESIGNED, Results, read_run_lines
+from tacos_framework.store import DESIGNED, Results, read_run_lines
 from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
@@ -155,9 +155,7 @@ class StudiesTable:
                     accept_changes=accept_changes,
                     progress=progress,
                 )
-                yield StudyRun(
-                    study.name, seed, result, list(read_run_lines(folder / "generations.jsonl").values)
-                )
+                yield StudyRun(study.name, seed, result, read_run_lines(folder / "generations.jsonl"))
 
 
 def _once(faults: Sequence[Fault]) -> list[Fault]:

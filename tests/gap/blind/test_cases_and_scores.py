@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import UserError
-from tacos_framework.results import Results
+from tacos_framework.store import Results
 from tacos_gap.captures import read_captures
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.figure import Figure, interval

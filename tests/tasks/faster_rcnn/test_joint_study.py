@@ -17,6 +17,8 @@ from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe.loading import load_recipe
 from tacos_framework.simulation import Evaluator
+from tacos_framework.store.database import DATABASE, Database
+from tacos_framework.store.run import CHECKPOINT
 
 pytest.importorskip("torchvision", reason="the extra perception is not installed")
 
@@ -123,7 +125,8 @@ def test_a_joint_study_killed_in_the_middle_goes_on_bit_for_bit(plugins, tmp_pat
     with pytest.raises(Killed):
         # two candidates trained and scored, two only trained
         run(recipe, plugins, tmp_path / "killed", executor=DiesAfter(6))
-    checkpoint = json.loads((tmp_path / "killed" / "checkpoint.json").read_text())
+    with Database(tmp_path / "killed" / DATABASE, read_only=True) as database:
+        checkpoint = database.get(CHECKPOINT, 0)
     assert checkpoint["searches"]["designed"]["generation"] == 1
     resumed = run(recipe, plugins, tmp_path / "killed", resume=True)
     assert comparable(resumed) == comparable(whole)

@@ -8,8 +8,8 @@ from typing import Any
 
 from tacos_framework import Evaluation, Executor, Fault, Plugins, Progress, UserError
 from tacos_framework.plan import Plan
-from tacos_framework.results import DESIGNED
 from tacos_framework.simulation import Evaluator, ScoreJob
+from tacos_framework.store import DESIGNED
 from tacos_framework.study import Search, UnseenTest, rescore_finalists
 from tacos_gap.tasks.decision.choice import choice, sentence
 from tacos_gap.tasks.decision.ranked import RankedCameras, ranked

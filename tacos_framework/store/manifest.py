@@ -8,8 +8,8 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.results.reading import MANIFEST, damage
-from tacos_framework.results.results import Results
+from tacos_framework.store.database import damage
+from tacos_framework.store.run import MANIFEST, Results
 
 NAMED = 5
 """Changed files and parts of a sort that a sentence names; of the others it says how many they are."""

@@ -28,14 +28,6 @@ def replace_file(path: Path, data: bytes) -> None:
         os.close(folder)
 
 
-def append_to_file(path: Path, data: bytes) -> None:
-    """Add to a file, and write it out to the disk."""
-    with path.open("ab") as file:
-        file.write(data)
-        file.flush()
-        to_disk(file.fileno())
-
-
 def to_disk(descriptor: int) -> None:
     """Have the system write out what it holds back, so that it outlives the machine's power."""
     try:

@@ -1,9 +1,9 @@
-"""The results folder of a run.
+"""The results folder of a run: a database, and files beside it.
 
 ================  ===========================================================================================
-``results``       a run: what stands where, how it begins and goes on
+``run``           a run: what stands where, how it begins and goes on
 ``folder``        a folder that one process writes into at a time
-``checksums``     how its files carry checksums
+``database``      what stands there in transactions, each entry with a digest
 ``writing``       files that are there whole or not at all
 ``log``           who hears what a run notes, and the file it is kept in
 ``reading``       files as the run left them, or a sentence on what is wrong
@@ -15,15 +15,14 @@
 
 from __future__ import annotations
 
-from tacos_framework.results.reading import (
+from tacos_framework.store.reading import (
     DESIGNED,
     RESULT,
     read_result,
     read_run_json,
     read_run_lines,
-    read_run_text,
 )
-from tacos_framework.results.results import Results, read_recipe
+from tacos_framework.store.run import Results, read_recipe
 
 __all__ = [
     "DESIGNED",
@@ -33,5 +32,4 @@ __all__ = [
     "read_result",
     "read_run_json",
     "read_run_lines",
-    "read_run_text",
 ]

@@ -16,8 +16,8 @@ from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.plan import Plan
 from tacos_framework.plan.procedure import ProcedurePlan
 from tacos_framework.plugins import Plugins
-from tacos_framework.results.manifest import Manifest
 from tacos_framework.settings import Settings, paths_in
+from tacos_framework.store.manifest import Manifest
 from tacos_framework.variables import CatalogChoice
 
 FRAMEWORK = "tacos_framework"

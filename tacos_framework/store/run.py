@@ -8,30 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.results.checksums import (
-    Damaged,
-    checked_json,
-    checked_text,
-    text_with_checksum,
-)
-from tacos_framework.results.differences import differences
-from tacos_framework.results.folder import RunFolder
-from tacos_framework.results.reading import (
-    MANIFEST,
-    RESULT,
-    damage,
-    file_of_run,
-    read_run_json,
-    read_run_text,
-)
-from tacos_framework.results.writing import PARTIAL
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework.store.database import DATABASE, PARTS, Database, damage, other_version
+from tacos_framework.store.differences import differences
+from tacos_framework.store.folder import RunFolder
+from tacos_framework.store.reading import FILES, RESULT, read_run_file
+from tacos_framework.store.writing import PARTIAL
 
-FORMAT = 4
-"""Format of ``checkpoint.json``; another one cannot be resumed."""
+RECIPE, MANIFEST, LOG = "recipe.yaml", "manifest.json", "log.txt"
 
-RECIPE, CHECKPOINT, LOG = "recipe.yaml", "checkpoint.json", "log.txt"
+CHECKPOINT = "checkpoint"
+"""Kind of the entry of the database that says how far a study has come."""
 
 _ANOTHER = "Name another folder with --out."
 
@@ -51,8 +39,7 @@ class Results(RunFolder):
     ``report.html``         the same, to look at
     ``weights/``            states of trainable tasks (safetensors)
     ``samples/``            sample frames (PNG)
-    ``checkpoint.json``     what ``--resume`` goes on from
-    ``journal.jsonl``       what was evaluated since
+    ``run.sqlite``          what ``--resume`` goes on from, and digests of the files
     ``log.txt``             what happened, with times
     ======================  ===========================================================================
     """
@@ -80,10 +67,11 @@ class Results(RunFolder):
                 results.folder.mkdir(parents=True, exist_ok=True)
                 results._hold()
                 if results._empty():
-                    results._write_recipe(recipe)
+                    results._begin(recipe)
                     return results
             there = {path.name for path in results.folder.iterdir()}
-            broken = CHECKPOINT in there or (resumable and RECIPE in there and RESULT not in there)
+            computing = resumable and RESULT not in there
+            broken = DATABASE in there and (computing or results._has_checkpoint())
             remedy = "Go on with it by --resume, or name another with --out." if broken else _ANOTHER
             raise UserError(Fault(str(folder), "the results folder is not empty", "a new folder", remedy))
 
@@ -125,7 +113,7 @@ class Results(RunFolder):
                 Fault(
                     str(folder),
                     "there is no run to resume",
-                    "a folder with recipe.yaml and checkpoint.json",
+                    "a folder with recipe.yaml and run.sqlite",
                     "Leave out --resume to start one.",
                 )
             )
@@ -133,8 +121,10 @@ class Results(RunFolder):
             self._hold()
             self._remove_partial_files()
             if not begun.exists():  # the run ended before it had begun
-                self._write_recipe(recipe)
+                self._begin(recipe)
                 return None
+            self._database = self._opened()
+        self._database.check()
         earlier = read_recipe(folder)
         kept, wanted = (comparable(each) for each in (earlier, recipe))
         elsewhere = {"executor": None}  # where it runs may change
@@ -149,37 +139,50 @@ class Results(RunFolder):
                 )
                 for difference in differing
             )
-        state = self._read_checkpoint()
         if any(earlier.get(key) != recipe.get(key) for key in {*earlier, *recipe} - {"executor"}):
             self._write_recipe(recipe)
-        return state
+        for name in (kind for kind in self._database.kinds() if kind.endswith(".jsonl")):
+            self.write_lines(name, self.read_lines(name))  # whoever was killed may have written half a line
+        checkpoint: dict[str, Any] | None = self._database.get(CHECKPOINT, 0)
+        return checkpoint
 
-    def _read_checkpoint(self) -> dict[str, Any] | None:
-        path = self.folder / CHECKPOINT
-        if not path.exists():
-            return None
-        try:
-            state = checked_json(file_of_run(path))
-        except Damaged as error:
-            raise UserError(_earlier_format(path) or damage(path, str(error))) from error
-        if state.get("format") != FORMAT:
-            raise UserError(_of_format(path, state.get("format")))
-        return state
+    def _opened(self) -> Database:
+        path = self.folder / DATABASE
+        if path.exists():
+            return Database(path)
+        if (self.folder / "checkpoint.json").exists():
+            raise UserError(other_version(self.folder, "it has a checkpoint.json", f"a {DATABASE}"))
+        raise UserError(damage(path, "it is not there"))
 
     # the folder -------------------------------------------------------------------------------------------
 
     def _empty(self) -> bool:
         """Whether nothing is there but what a run leaves that ended before it had computed anything."""
-        names = {path.name for path in self.folder.iterdir() if not path.name.endswith(PARTIAL)}
+        names = {path.name for path in self.folder.iterdir() if not path.name.endswith(PARTIAL)} - {*PARTS}
+        database = self.folder / DATABASE
         if not names:
-            return True
-        if not {RECIPE, LOG} <= names <= {RECIPE, LOG, MANIFEST}:
-            return False
+            return not database.exists() or not self._has_content(default=False)
+        known = {RECIPE, LOG} <= names <= {RECIPE, LOG, MANIFEST}
+        return known and database.exists() and not self._has_content(default=True)
+
+    def _has_content(self, default: bool) -> bool:
+        """Whether the database has more than digests of files; the default where it cannot be read."""
         try:
-            checked_text(file_of_run(self.folder / RECIPE))  # of a run, not somebody's own
-        except (Damaged, UserError):
-            return False
-        return True
+            with Database(self.folder / DATABASE, read_only=True) as database:
+                return not {*database.kinds()} <= {FILES}
+        except UserError:
+            return default
+
+    def _has_checkpoint(self) -> bool:
+        with Database(self.folder / DATABASE, read_only=True) as database:
+            return CHECKPOINT in database.kinds()
+
+    def _begin(self, recipe: Mapping[str, Any]) -> None:
+        """Write the recipe into a database of its own."""
+        for name in PARTS:
+            (self.folder / name).unlink(missing_ok=True)
+        self._database = Database(self.folder / DATABASE)
+        self._write_recipe(recipe)
 
     def _remove_partial_files(self) -> None:
         for folder in (self.folder, self.folder / "weights", self.folder / "samples"):
@@ -187,11 +190,7 @@ class Results(RunFolder):
                 path.unlink()
 
     def _write_recipe(self, recipe: Mapping[str, Any]) -> None:
-        self.write_text(RECIPE, text_with_checksum(to_yaml(dict(recipe))))
-
-    def write_checkpoint(self, state: Mapping[str, Any]) -> None:
-        """Replace the checkpoint."""
-        self.write_json(CHECKPOINT, {"format": FORMAT, **state})
+        self.write_text(RECIPE, to_yaml(dict(recipe)))
 
 
 def read_recipe(folder: Path) -> dict[str, Any]:
@@ -203,7 +202,7 @@ def read_recipe(folder: Path) -> dict[str, Any]:
         When it cannot be read, or is not as the run left it.
     """
     path = folder / RECIPE
-    text = read_run_text(path)
+    text = read_run_file(path, lambda data: data.decode(errors="replace"))
     try:
         recipe = read_yaml(text, RECIPE, aliases=True).data
     except UserError as error:
@@ -222,21 +221,3 @@ def _closed_on_error(results: Results) -> Iterator[Results]:
     except BaseException:
         results.close()
         raise
-
-
-def _earlier_format(path: Path) -> Fault | None:
-    """What to say of a checkpoint of before there were checksums; None where it is no such thing."""
-    try:
-        state = read_run_json(path)
-    except UserError:
-        return None
-    return _of_format(path, state["format"]) if state.get("format", FORMAT) != FORMAT else None
-
-
-def _of_format(path: Path, given: Any) -> Fault:
-    return Fault(
-        str(path),
-        f"it is of another version of tacos-framework: format {given}",
-        f"format {FORMAT}",
-        "Resume with the version of tacos-framework it was written by.",
-    )

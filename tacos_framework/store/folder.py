@@ -1,11 +1,13 @@
-"""A folder that one process writes into at a time: files that are whole and carry checksums."""
+"""A folder that one process writes into at a time: a database, and files that are whole."""
 
 from __future__ import annotations
 
 import errno
 import fcntl
+import json
 import logging
 import os
+import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from io import BytesIO
@@ -19,18 +21,10 @@ from safetensors.numpy import load, save
 
 from tacos_framework.contracts import State
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.results.checksums import (
-    Lines,
-    checked_json,
-    checked_lines,
-    checksum,
-    json_with_checksum,
-    line_with_checksum,
-    lines_with_checksums,
-)
-from tacos_framework.results.log import LogFile, logging_to
-from tacos_framework.results.reading import checked_file, damage, read_recorded
-from tacos_framework.results.writing import append_to_file, replace_file
+from tacos_framework.store.database import DATABASE, Database, damage
+from tacos_framework.store.log import LogFile, logging_to
+from tacos_framework.store.reading import FILES, digest, json_object, read_run_file
+from tacos_framework.store.writing import replace_file
 
 log = logging.getLogger(__name__)
 
@@ -53,9 +47,8 @@ class RunFolder:
 
     def __init__(self, folder: Path):
         self.folder = Path(folder)
-        self.samples: dict[str, str] = {}
         self._lock: int | None = None
-        self._ends: dict[str, dict[str, Any]] = {}
+        self._database: Database | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -85,6 +78,9 @@ class RunFolder:
 
     def close(self) -> None:
         """Let other runs in; safe to call twice."""
+        if self._database is not None:
+            self._database.close()
+        self._database = None
         lock, self._lock = self._lock, None
         if lock is not None:
             os.close(lock)
@@ -95,11 +91,11 @@ class RunFolder:
     ) -> Iterator[None]:
         """What the system refuses inside becomes a `UserError` that says what to do.
 
-        Files are replaced whole, so the last checkpoint stays what it was.
+        Transactions and files are there whole or not at all, so what was written before stays what it was.
         """
         try:
             yield
-        except OSError as error:
+        except (OSError, sqlite3.Error) as error:
             if self._lock is not None and not self.folder.is_dir():
                 fault = Fault(
                     str(self.folder), "the results folder was removed meanwhile", "", "Start again."
@@ -107,7 +103,7 @@ class RunFolder:
             else:
                 fault = Fault(
                     str(self.folder),
-                    f"the results cannot be written: {error.strerror or error}",
+                    f"the results cannot be written: {getattr(error, 'strerror', None) or error}",
                     "a folder on a disk with room that you may write to",
                     remedy,
                 )
@@ -119,6 +115,46 @@ class RunFolder:
             file = LogFile(self.folder / "log.txt")
         return logging_to(file, packages)
 
+    # the database -----------------------------------------------------------------------------------------
+
+    @contextmanager
+    def database(self) -> Iterator[Database]:
+        """The database: that of this run, or one opened for this moment, as procedures need it."""
+        with self.writing():
+            if self._database is not None:
+                yield self._database
+                return
+            self._check_is_there()
+            with Database(self.folder / DATABASE) as database:
+                yield database
+
+    @contextmanager
+    def transaction(self) -> Iterator[Database]:
+        """The database, in which all that is written inside is there together or not at all."""
+        with self.database() as database, database.transaction():
+            yield database
+
+    def append_line(self, name: str, line: Mapping[str, Any]) -> None:
+        """Add plain data to the lines of a file, which is there to be read by others."""
+        with self.database() as database:
+            database.put(name, database.count(name), line)
+            with (self.folder / name).open("ab") as file:
+                file.write(lines_file([line]))
+
+    def write_lines(self, name: str, lines: Iterable[Mapping[str, Any]]) -> None:
+        """Replace the lines of a file."""
+        kept = list(lines)
+        with self.transaction() as database:
+            database.remove(name)
+            for number, line in enumerate(kept):
+                database.put(name, number, line)
+        self._replace(name, lines_file(kept))
+
+    def read_lines(self, name: str) -> list[Any]:
+        """The lines of a file, as the database has them."""
+        with self.database() as database:
+            return list(database.all(name).values())
+
     # files ------------------------------------------------------------------------------------------------
 
     def write_text(self, name: str, text: str) -> Path:
@@ -126,8 +162,9 @@ class RunFolder:
         return self._write(name, text.encode("utf-8"))
 
     def write_json(self, name: str, value: Mapping[str, Any]) -> Path:
-        """Write plain data as JSON with its checksum, whole or not at all; NaN is refused."""
-        return self._write(name, json_with_checksum(value))
+        """Write plain data as JSON, whole or not at all; NaN is refused."""
+        text = json.dumps(value, indent=1, allow_nan=False, ensure_ascii=False)
+        return self.write_text(name, f"{text}\n")
 
     def read_json(self, name: str) -> dict[str, Any] | None:
         """What `write_json` has written; None where that is not there.
@@ -138,97 +175,82 @@ class RunFolder:
             When it is not as it was written.
         """
         path = self.folder / name
-        return checked_file(path, checked_json) if path.exists() else None
+        return read_run_file(path, json_object, self._recorded(name)) if path.exists() else None
 
     def _write(self, name: str, data: bytes) -> Path:
+        """Replace a file and record its digest; a run that dies in between leaves it without one."""
+        with self.database() as database:
+            if database.get(FILES, name) is not None:
+                database.remove(FILES, name)
+            path = self._replace(name, data)
+            database.put(FILES, name, digest(data))
+        return path
+
+    def _replace(self, name: str, data: bytes) -> Path:
         path = self.folder / name
         with self.writing():
-            if not self.folder.is_dir():
-                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(self.folder))
+            self._check_is_there()
             replace_file(path, data)
         return path
 
-    def write_lines(self, name: str, lines: Iterable[Mapping[str, Any]]) -> None:
-        """Replace a file of JSON lines."""
-        self._ends.pop(name, None)
-        self._write(name, lines_with_checksums(lines))
+    def _check_is_there(self) -> None:
+        if not self.folder.is_dir():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(self.folder))
 
-    def append_line(self, name: str, line: Mapping[str, Any]) -> None:
-        """Add one JSON line to a file, which must not end in one that was cut short."""
-        end = self.end_of(name)
-        data, last = line_with_checksum(line, end["checksum"])
-        with self.writing():
-            append_to_file(self.folder / name, data)
-        self._ends[name] = {"lines": end["lines"] + 1, "checksum": last}
-
-    def end_of(self, name: str) -> dict[str, Any]:
-        """How far a file of lines goes, as `Lines.end` has it."""
-        if name not in self._ends:
-            self._ends[name] = self.lines_of(name).end
-        return self._ends[name]
-
-    def lines_of(self, name: str) -> Lines:
-        """The lines of a file with their checksums; none when it is not there.
-
-        Raises
-        ------
-        UserError
-            When one is damaged; a last line cut short is none.
-        """
-        path = self.folder / name
-        return checked_file(path, checked_lines) if path.exists() else Lines()
-
-    def read_lines(self, name: str) -> list[Any]:
-        """The JSON lines of a file; empty when it is not there. One that was cut short is left out."""
-        lines = self.lines_of(name)
-        if lines.torn:
-            log.warning("%s: the last line was cut short and is left out", name)
-        return list(lines.values)
+    def _recorded(self, name: str) -> str | None:
+        with self.database() as database:
+            found: str | None = database.get(FILES, name)
+        return found
 
     def remove(self, name: str) -> None:
-        """Remove a file, if it is there."""
-        self._ends.pop(name, None)
+        """Remove a file, if it is there, with its lines."""
+        with self.transaction() as database:
+            database.remove(FILES, name)
+            database.remove(name)
         with self.writing():
             (self.folder / name).unlink(missing_ok=True)
 
-    def write_state(self, name: str, state: State, about: Mapping[str, str] | None = None) -> str:
-        """Keep the state of a trainable task under ``weights/``; returns its checksum.
+    def write_state(self, name: str, state: State, about: Mapping[str, str] | None = None) -> None:
+        """Keep the state of a trainable task under ``weights/``.
 
         Parameters
         ----------
         name
             That of the file, without its ending.
-        state
-            What the task knows.
         about
             Goes into the file's header.
         """
         arrays = {key: np.ascontiguousarray(value) for key, value in state.items()}
-        data = save(arrays, metadata=dict(about) if about else None)
-        self._write(f"weights/{name}.safetensors", data)
-        return checksum(data)
+        self._write(_weights(name), save(arrays, metadata=dict(about) if about else None))
 
-    def read_state(self, name: str, recorded: str) -> State:
-        """A state kept by `write_state`, which has returned the checksum.
+    def read_state(self, name: str) -> State:
+        """A state kept by `write_state`.
 
         Raises
         ------
         UserError
             When the file is not as it was written.
         """
-        path = self.folder / "weights" / f"{name}.safetensors"
-        data = read_recorded(path, recorded)
+        path = self.folder / _weights(name)
+        recorded = self._recorded(_weights(name))
+        if recorded is None:
+            raise UserError(damage(path, "the run has not recorded it"))
+        data = read_run_file(path, bytes, recorded)
         try:
             return load(data)
-        except SafetensorError as error:  # a checksum that fits is no proof of good will
+        except SafetensorError as error:  # a digest that fits is no proof of good will
             raise UserError(damage(path, f"it holds no weights: {error}")) from error
 
     def keep_weights(self, names: Iterable[str]) -> None:
-        """Remove states under ``weights/`` that no checkpoint needs any more."""
-        kept = {f"{name}.safetensors" for name in names}
+        """Remove states under ``weights/`` that nothing needs any more."""
+        kept = {_weights(name) for name in names}
+        with self.transaction() as database:
+            for name in database.all(FILES):
+                if name.startswith("weights/") and name not in kept:
+                    database.remove(FILES, name)
         with self.writing():
             for path in (self.folder / "weights").glob("*.safetensors"):
-                if path.name not in kept:
+                if f"weights/{path.name}" not in kept:
                     path.unlink(missing_ok=True)
 
     def write_sample(self, name: str, image: NDArray[np.uint8]) -> str:
@@ -239,5 +261,13 @@ class RunFolder:
         Image.fromarray(image).save(encoded, "PNG", compress_level=1)
         relative = f"samples/{name}.png"
         self._write(relative, encoded.getvalue())
-        self.samples[relative] = checksum(encoded.getvalue())
         return relative
+
+
+def _weights(name: str) -> str:
+    return f"weights/{name}.safetensors"
+
+
+def lines_file(lines: Iterable[Mapping[str, Any]]) -> bytes:
+    """A file of JSON lines, as others may read it."""
+    return "".join(json.dumps(line, allow_nan=False, ensure_ascii=False) + "\n" for line in lines).encode()
