@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
@@ -202,6 +203,11 @@ class Weighted(Settings):
 class StudySettings(Settings):
     """How candidates are compared."""
 
+    retired_keys: ClassVar[Mapping[str, str]] = {
+        "race": "Take it out: races dropped the best candidate too often. To spend fewer images, let "
+        "optimizer.physical-gp choose the episodes, or lower `episodes`.",
+    }
+
     episodes: int = setting(1, help="Episodes each candidate is scored on.", ge=1)
     renew_episodes: Literal["never", "each_generation"] = setting(
         "each_generation", help="Whether each generation sees new worlds."
@@ -259,6 +265,11 @@ class Test(Settings):
     """The scenes the design is tested on: other scenes than it was designed on."""
 
     __test__ = False  # not a pytest class
+
+    retired_keys: ClassVar[Mapping[str, str]] = {
+        "margin": "Use `margins`, which has a difference for each score in its unit, as in "
+        "{features.inliers: 5}; without it those hold that the tasks declare.",
+    }
 
     seed: int = setting(help="Seed of the test scenes.", ge=0)
     frames: int | None = setting(None, help="Frames per episode; as in the design if absent.", ge=1)

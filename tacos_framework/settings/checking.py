@@ -13,7 +13,7 @@ from pydantic import BaseModel, Discriminator, Tag, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from tacos_framework.errors import Fault, did_you_mean
-from tacos_framework.settings.settings import also_called
+from tacos_framework.settings.settings import Settings, also_called
 from tacos_framework.settings.wording import expected_by
 
 Path = tuple[str | int, ...]
@@ -74,7 +74,9 @@ def _fault(
     if details["type"] == "extra_forbidden":
         known = [f.alias or key for key, f in model.model_fields.items()] if model is not None else []
         called = also_called(model) if model is not None else {}
-        return Fault(where(path), f"unknown key {name!r}", "", did_you_mean(str(path[-1]), known, called))
+        retired = model.retired_keys if model is not None and issubclass(model, Settings) else {}
+        remedy = retired.get(str(path[-1])) or did_you_mean(str(path[-1]), known, called)
+        return Fault(where(path), f"unknown key {name!r}", "", remedy)
     if details["type"] == "missing" and not place.is_too_short:
         return Fault(where(path), f"{name!r} is missing", _help(place.field), f"Add {path[-1]!r}.")
     if details["type"] == "value_error" and isinstance(details["input"], dict):  # settings that clash

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
 
@@ -22,6 +22,9 @@ class Settings(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+
+    retired_keys: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Keys that there were once, and what to do instead: the remedy where one of them is given."""
 
     @model_validator(mode="after")
     def _one_of_image_and_physical(self) -> Self:

@@ -15,7 +15,7 @@
 ``worlds_ahead`` worlds of the test, built while workers would wait
 ``failing``      when candidates keep failing by one defect
 ``unseen_test``  cameras on scenes that none was designed on, with ``sequential``, its statistics,
-                 and ``contributions``, what each scene tells about the fitness
+                 and ``fitness_contributions``, what each scene tells about the fitness
 ``samples``      frames of the cameras, to look at
 ``analysis``     all that was scored, as a ``record`` for those who analyse it
 ``degenerate``   when no winner may be named

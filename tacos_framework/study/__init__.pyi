@@ -1,6 +1,6 @@
-from .contributions import contributions as contributions
 from .failing import KeepsFailing as KeepsFailing
 from .finalists import rescore_finalists as rescore_finalists
+from .fitness_contributions import contributions as contributions
 from .pipelined import score_pipelined as score_pipelined
 from .problem import broken_by as broken_by
 from .progress import Progress as Progress

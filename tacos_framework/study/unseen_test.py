@@ -9,7 +9,7 @@ from tacos_framework.contracts import Executor, Scores
 from tacos_framework.fitness import Fitness
 from tacos_framework.recipe import Test
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, merged_evaluation
-from tacos_framework.study.contributions import contributions
+from tacos_framework.study.fitness_contributions import contributions
 from tacos_framework.study.sequential import PairedInterval, compared, error_at, looks
 from tacos_framework.study.shards import score_sharded
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tacos_decision import fronts
@@ -117,6 +117,32 @@ def test_a_wider_margin_has_no_fewer_equals(share, more):
         assert many["range"][name][0] <= low <= high <= many["range"][name][1]
         assert few["tolerance"][name][0] >= many["tolerance"][name][0]
         assert few["tolerance"][name][1] <= many["tolerance"][name][1]
+
+
+@given(st.floats(-100, 100))
+@example(40.0)
+@settings(max_examples=2, deadline=None)
+def test_what_is_added_to_the_fitness_changes_no_equals_and_no_ranking(constant):
+    plain, moved = (_analysed_with(added) for added in (0.0, constant))
+    assert moved["equivalent"]["parts"] == plain["equivalent"]["parts"]
+    assert moved["equivalent"]["margin"] == plain["equivalent"]["margin"]
+    assert moved["equivalent"]["tolerance"] == plain["equivalent"]["tolerance"]
+    assert [row["part"] for row in moved["ranking"]] == [row["part"] for row in plain["ranking"]]
+    for row, before in zip(moved["ranking"], plain["ranking"], strict=True):
+        assert row["fitness"] == pytest.approx(before["fitness"] + constant, abs=1e-3)
+        assert row["p_better"] == pytest.approx(before["p_better"], abs=0.02)
+
+
+@lru_cache
+def _analysed_with(constant: float):
+    """What follows from the study where its score is larger by a constant."""
+    record = recorded()
+    episodes = tuple(
+        replace(e, scores={**e.scores, "width.closeness": e.scores["width.closeness"] + constant})
+        for e in record.episodes
+    )
+    problem = replace(record.problem, scales={})
+    return analyse(replace(record, episodes=episodes, problem=problem))
 
 
 @lru_cache

@@ -112,6 +112,16 @@ WRONG = [
     ("illumination_lux: 20", "illumination_lux: 20 lux", 'illumination_lux is "20 lux"'),
     ("illumination_lux: 20", "illumination_lux: 0", "greater than 0"),
     ("gain_db: 5", "gain: 5", "unknown key 'scenario.gain'\n  to do: Did you mean 'gain_db'?"),
+    (
+        "effects: []",
+        "effects: []\nstudy: {race: {}}",
+        "unknown key 'study.race'\n  to do: Take it out: races ",
+    ),
+    (
+        "test: {seed: 1001}",
+        "test: {margin: 0.05, seed: 1001}",
+        "unknown key 'test.margin'\n  to do: Use `margins`, which has a difference for each score",
+    ),
     ("effects: []", "effects: [{use: effect.vignettin}]", "Did you mean 'effect.vignetting'?"),
     ("frames: 5", "frames: 0", "r.yaml:13:"),
     ("{episode: world}", "{episod: world}", "has no port 'episod'"),

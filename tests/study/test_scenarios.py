@@ -17,7 +17,7 @@ from tacos_framework.simulation import (
     merged_evaluation,
     with_fitness,
 )
-from tacos_framework.study.contributions import contributions
+from tacos_framework.study.fitness_contributions import contributions
 
 DAY, NIGHT = {"name": "day", "weight": 1}, {"name": "night", "weight": 3, "illumination_lux": 2}
 BOTH = {"scenario": [DAY, NIGHT], "fitness": [{"score": "width.brightness", "weight": 2}]}

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.fitness import Fitness, FitnessTerm, mean_scores
-from tacos_framework.study.contributions import contributions
+from tacos_framework.study.fitness_contributions import contributions
 
 FITNESS = Fitness((FitnessTerm("a", 1.0),))
 TWO_TERMS = Fitness((FitnessTerm("a", 0.5), FitnessTerm("b", -2.0)))
