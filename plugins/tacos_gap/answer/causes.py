@@ -13,6 +13,7 @@ from tacos_gap.answer.findings import Cause, Parameter, as_fine_as, short
 from tacos_gap.answer.pictures import share_of_pictures
 from tacos_gap.answer.transfer import Photographed, of_specimen
 from tacos_gap.attribution import Attribution
+from tacos_gap.attribution.held_out import HeldOut
 from tacos_gap.captures import RealCapture
 from tacos_gap.hypotheses.ambiguity import NextCapture, confused_with
 from tacos_gap.hypotheses.by_capture import of_capture, own_values
@@ -42,6 +43,7 @@ def causes_of(
     problem: Problem,
     attribution: Attribution,
     left: Unexplained,
+    held_out: HeldOut,
     captures: Sequence[RealCapture],
     effects: Mapping[str, type[Any]],
     seed: int,
@@ -85,9 +87,9 @@ def causes_of(
                 effect=term.name,
                 present=certainty * sure,
                 parameters=_parameters(term, half_width[start:stop], camera),
-                closure=closures.fair[term.name].value,
-                closure_interval=closures.fair[term.name].interval,
-                closure_alone=closures.alone[term.name],
+                closure=closures.alone[term.name].value,
+                closure_interval=closures.alone[term.name].interval,
+                not_held_out=held_out.why_not(term.name),
                 shapley=closures.fair[term.name].value,
                 confused_with=tuple(dict.fromkeys([*alike, *near])),
                 evidence=_evidence(problem, best, term, attribution),

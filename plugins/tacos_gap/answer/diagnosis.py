@@ -18,6 +18,8 @@ from tacos_gap.answer.next_capture import best_capture
 from tacos_gap.answer.transfer import of_each_capture, of_one_specimen
 from tacos_gap.answer.undiagnosed import nothing_measured
 from tacos_gap.attribution import SIMULATIONS, Attribution, ForwardSelection
+from tacos_gap.attribution.held_out import HeldOut, held_out
+from tacos_gap.attribution.negative_control import negative_control
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges
 from tacos_gap.captures.even_light import with_even_light
@@ -28,11 +30,11 @@ from tacos_gap.evidence import Evidence, ImageEvidence
 from tacos_gap.evidence.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.hypotheses.candidates import Candidates
 from tacos_gap.hypotheses.parameters import HypothesisTerm
-from tacos_gap.inference.closure import closure, closures_of, negative_control
+from tacos_gap.inference.closure import Share, closure, resampled_gaps
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.location import locate
 from tacos_gap.inference.problem import Problem, placed_in, robust
-from tacos_gap.inference.unknown import Unexplained, block_index, unexplained
+from tacos_gap.inference.unknown import Unexplained, unexplained
 from tacos_gap.nuisances import light_beyond_stated
 from tacos_gap.statistics.unmeasured import is_cut_off, nothing_seen, unmeasured
 from tacos_gap.statistics.views import view_of
@@ -116,10 +118,15 @@ def _explained(
     best, problem = attribution.best, attribution.problem
     left = unexplained(problem, problem.replicate_residuals(best.hypothesis))
     tell("how far the gap shrinks")
-    causes = causes_of(problem, attribution, left, captures, effects, seed)
+    held = held_out(attribution)
+    causes = causes_of(problem, attribution, left, held, captures, effects, seed)
     if left.score >= 0.5:  # a little of everything fits what nothing explains
         causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.is_proven]
-    before, after = problem.gap(problem.null), problem.gap(best.held_out)
+    gaps = resampled_gaps(
+        problem, np.stack([robust(problem.null), held.straight]), generator(seed, "closure")
+    )
+    before, after = gaps[:, 0].tolist()
+    closed = Share.of([closure(*each) for each in gaps.T.tolist()])
     places = locate(problem, problem.null)
     if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
         left = replace(left, score=max(left.score, LEAST_PRESENT), where=places[0].statistic)
@@ -133,14 +140,14 @@ def _explained(
         verdict=_verdict(causes, before, after, left),
         gap_before=before,
         gap_after=after,
-        gap_interval=_gap_interval(problem, best, seed),
+        gap_interval=Share.of(gaps[1].tolist()).interval,
         where=places,
         causes=causes,
         cause_set=cause_set,
         unknown=left,
         next_capture=wanted,
         below_floor=_below_floor(attribution, causes),
-        negative_control=negative_control(problem, best, generator(seed, "negative control")),
+        negative_control=negative_control(attribution, closed.value, generator(seed, "negative control")),
         limitations=(
             *(of_one_specimen(cause) for cause in causes if cause.specimen),
             *(text for cause in causes for text in of_each_capture(cause)),
@@ -149,10 +156,18 @@ def _explained(
         ),
         problem=problem,
         attribution=attribution,
-        closure_interval=_closure_interval(problem, best, seed),
+        closure_interval=closed.interval,
+        not_held_out=_not_held_out(held),
         detectable=_detectable(problem, effects, best.z, workers),
         nuisances=nuisances,
     )
+
+
+def _not_held_out(held: HeldOut) -> str:
+    """Why the closure of all is not held out from the selection; empty where it is."""
+    if not held.unseen:
+        return ""
+    return f"half of the captures does not show {', '.join(sorted(held.unseen))}, and could not choose it"
 
 
 def _cut_short(attribution: Attribution) -> list[str]:
@@ -261,25 +276,3 @@ def _below_floor(attribution: Attribution, causes: Sequence[Cause]) -> tuple[str
         if found <= set(names) and len(added) == 1 and fitted.score - base > 1.0:
             small += sorted(added)
     return tuple(dict.fromkeys(small))
-
-
-def _closure_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:
-    """90 % interval of the closure by all causes together, of the same resamples as each one's."""
-    if not best.hypothesis:
-        return 0.0, 0.0
-    return closures_of(problem, best, generator(seed, "closure")).together.interval
-
-
-def _gap_interval(problem: Problem, best: Fitted, seed: int) -> tuple[float, float]:
-    """90 % interval of the gap that is left, over resampled statistics."""
-    groups = block_index(problem)
-    if not len(groups):
-        return 0.0, 0.0
-    rng = generator(seed, "gap interval")
-    count = int(groups.max()) + 1
-    sums = np.bincount(groups, robust(best.held_out) ** 2, count)
-    sizes = np.bincount(groups, minlength=count)
-    drawn = rng.integers(count, size=(200, count))
-    gaps = np.sqrt(sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1)) / problem.noise_floor_rms
-    low, high = np.percentile(gaps, (5, 95))
-    return float(low), float(high)

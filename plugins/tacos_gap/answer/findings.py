@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tacos_gap.attribution import Attribution
+from tacos_gap.attribution.negative_control import NegativeControl
 from tacos_gap.hypotheses.ambiguity import NextCapture
-from tacos_gap.inference.closure import NegativeControl, closure
+from tacos_gap.inference.closure import closure
 from tacos_gap.inference.location import Place
 from tacos_gap.inference.problem import Problem
 from tacos_gap.inference.unknown import Unexplained
@@ -50,6 +51,8 @@ class Cause:
 
     `present` is a score from 0 to 1 that it is there, whatever else is: it goes by the captures that show it.
     `settings` are those of the captured camera; those of `specimen` among them belong to it alone.
+    `closure` is what it closes if it is added alone, `shapley` its fair share of
+    what all causes close together; `not_held_out` says why the first is of folds that the selection saw.
     """
 
     effect: str
@@ -57,7 +60,7 @@ class Cause:
     parameters: Mapping[str, Parameter]
     closure: float
     closure_interval: tuple[float, float]
-    closure_alone: float
+    not_held_out: str
     shapley: float
     confused_with: tuple[str, ...]
     evidence: str
@@ -95,6 +98,7 @@ class Diagnosis:
     attribution: Attribution
     task: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     closure_interval: tuple[float, float] = (0.0, 0.0)
+    not_held_out: str = ""
     detectable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     nuisances: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
@@ -111,6 +115,7 @@ class Diagnosis:
                 "closure": {
                     "value": _round(self.closure),
                     "ci": [_round(end) for end in self.closure_interval],
+                    **_held_out(self.not_held_out),
                 },
             },
             "where": [
@@ -139,9 +144,11 @@ class Diagnosis:
             "below_floor": list(self.below_floor),
             "negative_control": self.negative_control
             and {
-                "parameters": self.negative_control.parameters,
+                "effects": self.negative_control.effects,
+                "among": self.negative_control.among,
                 "closure": _round(self.negative_control.closure),
                 "ci": [_round(end) for end in self.negative_control.interval],
+                "p_value": _round(self.negative_control.p_value),
             },
             "task": {name: dict(values) for name, values in self.task.items()},
             "limitations": list(self.limitations),
@@ -149,7 +156,7 @@ class Diagnosis:
 
     @property
     def closure(self) -> float:
-        """Share of the gap that all causes together remove, held out."""
+        """Share of the gap that all causes together remove, chosen and fitted on other folds."""
         return closure(self.gap_before, self.gap_after)
 
     @property
@@ -166,13 +173,16 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
         "closure": {
             "value": _round(cause.closure),
             "ci": [_round(end) for end in cause.closure_interval],
-            "held_out": True,
+            **_held_out(cause.not_held_out),
         },
-        "closure_if_added_alone": _round(cause.closure_alone),
         "shapley": _round(cause.shapley),
         "confused_with": list(cause.confused_with),
         "evidence": cause.evidence,
     }
+
+
+def _held_out(why_not: str) -> dict[str, Any]:
+    return {"held_out": False, "reason": why_not} if why_not else {"held_out": True}
 
 
 def _parameter_as_data(parameter: Parameter) -> dict[str, Any]:

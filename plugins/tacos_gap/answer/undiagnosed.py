@@ -62,7 +62,7 @@ def undiagnosed_data(limitations: Sequence[str]) -> dict[str, Any]:
             "floor": 1.0,
             "unit": "floor",
             "ci": [0.0, 0.0],
-            "closure": {"value": 0.0, "ci": [0.0, 0.0]},
+            "closure": {"value": 0.0, "ci": [0.0, 0.0], "held_out": False, "reason": "nothing was measured"},
         },
         "where": [],
         "causes": [],

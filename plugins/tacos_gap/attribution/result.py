@@ -9,6 +9,7 @@ from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.problem import Problem
 from tacos_gap.inference.rivals import slot_probabilities, standard_error
+from tacos_gap.inference.screening import ScreeningDirections
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +31,8 @@ class Attribution:
         The evidence, in units of the noise floor of the explanation.
     errors
         Like `slots`, the standard error of each score's difference to that of the effect itself [nat].
+    directions
+        What every effect that was screened changes, in the same units.
     cut_short
         Whether no further effect was looked for as the simulations were spent.
     """
@@ -40,6 +43,7 @@ class Attribution:
     fits: Mapping[tuple[str, ...], Fitted]
     problem: Problem
     errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    directions: ScreeningDirections = field(default_factory=dict)
     cut_short: bool = False
 
     @classmethod

@@ -91,7 +91,7 @@ class ForwardSelection:
                 best = fewer
                 slots = {name: self._rivals(best, name) for name in best.names}
             found = Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
-            return replace(found, cut_short=rounds.cut_short)
+            return replace(found, directions=rounds.directions, cut_short=rounds.cut_short)
 
     # one explanation, and another ---------------------------------------------------------------------------
 

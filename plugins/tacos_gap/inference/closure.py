@@ -1,4 +1,4 @@
-"""How far the gap shrinks: each effect alone, all together, each one's share, and a negative control."""
+"""How far the gap shrinks: each effect alone, all together, and each one's share."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.inference.fit import Fitted, fold_for, move_of_fold
+from tacos_gap.inference.fit import Fitted, fold_for, jacobian_for, move_without
+from tacos_gap.inference.jacobian import columns_of
 from tacos_gap.inference.problem import Problem, robust
 from tacos_gap.inference.unknown import block_index
 
@@ -69,13 +70,21 @@ class Share:
     value: float
     interval: tuple[float, float]
 
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Share:
+        """The first value, with an interval of the others that holds it."""
+        low, high = np.percentile(values[1:], (5, 95)).tolist()
+        return cls(values[0], (min(low, values[0]), max(high, values[0])))
+
 
 @dataclass(frozen=True)
 class Closures:
-    """How far an explanation shrinks the gap, held out from its fit.
+    """How far an explanation shrinks the gap, its parameters held out.
 
     Parameters
     ----------
+    together
+        By all effects.
     fair
         By each, as its fair share of that (Shapley 1953); they add up to `together`.
     alone
@@ -84,7 +93,7 @@ class Closures:
 
     together: Share
     fair: Mapping[str, Share]
-    alone: Mapping[str, float]
+    alone: Mapping[str, Share]
 
 
 def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws: int = 200) -> Closures:
@@ -98,89 +107,43 @@ def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws:
         The explanation, of one to six effects.
     """
     names = best.names
-    groups = block_index(problem)
     subsets = [subset for size in range(len(names) + 1) for subset in combinations(names, size)]
-    left = np.stack([_left_by(problem, best, subset) for subset in subsets])
-    own = np.mean(left, axis=1)[:, None]
-    drawn = rng.integers(int(groups.max()) + 1, size=(draws, int(groups.max()) + 1))
-    sums = np.stack([np.bincount(groups, squares) for squares in left])
-    resampled = sums[:, drawn].sum(axis=2) / np.bincount(groups)[drawn].sum(axis=1)
-    gaps = np.sqrt(np.hstack([own, resampled])) / max(problem.noise_floor_rms, 1e-9)
+    gaps = resampled_gaps(problem, np.stack([_left_by(problem, best, s) for s in subsets]), rng, draws)
     games = [
-        dict(
-            zip(
-                subsets,
-                (
-                    closure(column[0], gap) if subset else 0.0
-                    for subset, gap in zip(subsets, column, strict=True)
-                ),
-                strict=True,
-            )
-        )
+        {subset: closure(column[0], gap) for subset, gap in zip(subsets, column, strict=True)}
         for column in gaps.T.tolist()
     ]
     fair = [shapley(names, game.__getitem__) for game in games]
     return Closures(
-        _share([game[names] for game in games]),
-        {name: _share([shares[name] for shares in fair]) for name in names},
-        {name: games[0][(name,)] for name in names},
+        Share.of([game[names] for game in games]),
+        {name: Share.of([shares[name] for shares in fair]) for name in names},
+        {name: Share.of([game[(name,)] for game in games]) for name in names},
     )
 
 
-def _share(values: Sequence[float]) -> Share:
-    """The first value, with an interval of the others that holds it."""
-    low, high = np.percentile(values[1:], (5, 95)).tolist()
-    return Share(values[0], (min(low, values[0]), max(high, values[0])))
+def resampled_gaps(
+    problem: Problem, straight: NDArray[np.float64], rng: np.random.Generator, draws: int = 200
+) -> NDArray[np.float64]:
+    """(S, 1 + D) gaps that (S, K) robust residuals leave: all, and resampled captures and statistics."""
+    groups, squares = block_index(problem), straight**2
+    count = int(groups.max()) + 1
+    drawn = rng.integers(count, size=(draws, count))
+    sums = np.stack([np.bincount(groups, each) for each in squares])
+    resampled = sums[:, drawn].sum(axis=2) / np.bincount(groups)[drawn].sum(axis=1)
+    return np.asarray(
+        np.sqrt(np.hstack([squares.mean(axis=1)[:, None], resampled])) / max(problem.noise_floor_rms, 1e-9)
+    )
 
 
 def _left_by(problem: Problem, best: Fitted, names: Sequence[str]) -> NDArray[np.float64]:
-    """(K,) squared robust residuals that some effects leave, held out where all are there."""
-    if tuple(names) == best.names:
-        return robust(best.held_out) ** 2
+    """(K,) robust residuals that some effects leave, their parameters of each fold from the other."""
     z = problem.residual(tuple(term for term in best.hypothesis if term.name in names))
-    return robust(problem.null if z is None else z) ** 2
-
-
-@dataclass(frozen=True)
-class NegativeControl:
-    """What flexibility alone would close, with as many parameters as the explanation has.
-
-    Parameters
-    ----------
-    closure
-        The middle one of many controls; near 0 where the held-out score is to be trusted.
-    interval
-        That holds 90 % of them.
-    """
-
-    parameters: int
-    closure: float
-    interval: tuple[float, float]
-
-
-def negative_control(
-    problem: Problem, best: Fitted, rng: np.random.Generator, draws: int = 64
-) -> NegativeControl | None:
-    """Random directions in place of an explanation's own, fitted to one fold and scored on the other.
-
-    They are the explanation's directions with the numbers of each block exchanged at random and turned
-    about: they can do as much, in the same places, and mean nothing. None where nothing was fitted.
-    """
-    if not best.jacobian.shape[1]:
-        return None
-    blocks = [np.flatnonzero(block_index(problem) == k) for k in range(int(block_index(problem).max()) + 1)]
-    straight = robust(problem.null)
-    before, fold = problem.gap(problem.null), fold_for(problem, best.hypothesis)
-    found = []
-    for _ in range(draws):
-        directions = np.empty_like(best.jacobian)
-        for block in blocks:
-            directions[block] = best.jacobian[rng.permutation(block)] * rng.choice((-1.0, 1.0))
-        predicted = straight.copy()
-        for held in (fold, ~fold):
-            move = move_of_fold(directions[~held], straight[~held])
-            predicted[held] = straight[held] + directions[held] @ move
-        after = float(np.sqrt(np.mean(predicted**2)) / max(problem.noise_floor_rms, 1e-9))
-        found.append(closure(before, after))
-    low, middle, high = np.percentile(found, (5, 50, 95)).tolist()
-    return NegativeControl(best.jacobian.shape[1], middle, (low, high))
+    if z is None:
+        return robust(problem.null)
+    z = best.z if tuple(names) == best.names else z
+    own = [k for k, (effect, *_) in enumerate(columns_of(best.hypothesis)) if effect in names]
+    columns, predicted = jacobian_for(best, z)[:, own], robust(z)
+    fold = fold_for(problem, best.hypothesis)
+    for held in (fold, ~fold):
+        predicted[held] += columns[held] @ move_without(best, held)[own]
+    return predicted

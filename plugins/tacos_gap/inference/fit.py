@@ -169,7 +169,7 @@ def rescored(problem: Problem, fitted: Fitted, before: NDArray[np.float64]) -> F
     """A fit in the units of a reweighted problem, to first order; `before` is the scale it was made with."""
     factor = before / problem.scale
     z = fitted.z * factor
-    jacobian = factor[:, None] * _jacobian_for(fitted, z)
+    jacobian = factor[:, None] * jacobian_for(fitted, z)
     return replace(_fitted(problem, fitted.hypothesis, z, jacobian, fitted.steps), draws=fitted.draws)
 
 
@@ -191,10 +191,10 @@ def _cost(z: NDArray[np.float64]) -> float:
 
 def _columns(fitted: Fitted, z: NDArray[np.float64]) -> dict[Column, NDArray[np.float64]]:
     """The columns of a fit's Jacobian, as they are for robust residuals of (K,) `z`."""
-    return dict(zip(columns_of(fitted.hypothesis), _jacobian_for(fitted, z).T, strict=True))
+    return dict(zip(columns_of(fitted.hypothesis), jacobian_for(fitted, z).T, strict=True))
 
 
-def _jacobian_for(fitted: Fitted, z: NDArray[np.float64]) -> NDArray[np.float64]:
+def jacobian_for(fitted: Fitted, z: NDArray[np.float64]) -> NDArray[np.float64]:
     """(K, P) a fit's Jacobian, as it is for robust residuals of (K,) `z`."""
     return np.asarray(fitted.jacobian * (robust_derivative(z) / robust_derivative(fitted.z))[:, None])
 
@@ -255,9 +255,25 @@ def _held_out(
     predicted = straight.copy()
     fold = fold_for(problem, hypothesis)
     for held in (fold, ~fold):
-        move = _within_bounds(hypothesis, move_of_fold(jacobian[~held], straight[~held]), steps)
-        predicted[held] = straight[held] + jacobian[held] @ move
+        predicted[held] += jacobian[held] @ _move_without(held, hypothesis, straight, jacobian, steps)
     return np.asarray(ROBUST_SCALE * np.sinh(predicted / ROBUST_SCALE))
+
+
+def move_without(fitted: Fitted, held: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(P,) the move that all numbers but those held out would choose [steps that matter]."""
+    if not len(fitted.steps):
+        return np.zeros(0)
+    return _move_without(held, fitted.hypothesis, robust(fitted.z), fitted.jacobian, fitted.steps)
+
+
+def _move_without(
+    held: NDArray[np.bool_],
+    hypothesis: Hypothesis,
+    straight: NDArray[np.float64],
+    jacobian: NDArray[np.float64],
+    steps: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    return _within_bounds(hypothesis, move_of_fold(jacobian[~held], straight[~held]), steps)
 
 
 def fold_for(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.bool_]:
@@ -267,14 +283,14 @@ def fold_for(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.bool_]:
 
 
 def move_of_fold(jacobian: NDArray[np.float64], straight: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(P,) the move that residuals of one fold would choose, no farther than two steps [steps that matter].
+    """(P[, D]) the move that residuals of one fold would choose, at most two steps [steps that matter].
 
     Parameters
     ----------
     jacobian
         (K, P) changes of those residuals with each parameter.
     straight
-        (K,) the residuals, made robust.
+        (K[, D]) the residuals, made robust.
     """
     normal = jacobian.T @ jacobian
     ridge = 1e-6 * max(float(np.trace(normal)) / len(normal), 1e-12)

@@ -22,6 +22,10 @@ from tacos_gap.nuisances import shares_of_priors
 ROBUST_SCALE = 10.0
 """Residual from which on the robust one grows by the logarithm [noise floor]."""
 
+PLACES_APART = 4
+"""Parts that the places of a statistic are cut into: every second is held out, so that neighbours, which vary
+together, mostly are in one fold."""
+
 LEAST_FLOOR = 0.2
 """Least noise floor, in units of which a negligible difference is 1: darks without a pedestal have none."""
 
@@ -58,6 +62,11 @@ def _side_by_side(replicates: Sequence[NDArray[np.float64]]) -> NDArray[np.float
 def _key(hypothesis: Hypothesis) -> str:
     """What tells hypotheses apart."""
     return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
+
+
+def _place(label: Label) -> str:
+    """Where a number was taken, whatever its channel."""
+    return repr(sorted((name, value) for name, value in label.at.items() if name != "channel"))
 
 
 def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
@@ -264,7 +273,19 @@ class Problem:
     def fold_within_captures(self) -> NDArray[np.bool_]:
         """(K,) which of two folds each number is in when every capture is split by place, level, frequency.
 
-        What holds for one capture alone cannot be predicted from another.
+        What holds for one capture alone cannot be predicted from another. The places of a statistic are held
+        out in whole parts, all channels of a place together; statistics of one place alternate.
         """
-        places = [np.arange(slot.stop - slot.start) % 2 == 1 for slot in self.slots]
-        return np.concatenate(places) if places else np.zeros(0, bool)
+        places: dict[tuple[str, str], dict[str, int]] = {}
+        found = []
+        for label in self.labels:
+            known = places.setdefault((label.capture, label.statistic), {})
+            found.append(known.setdefault(_place(label), len(known)))
+        order = {name: place for place, name in enumerate(places)}
+        fold = np.zeros(len(found), bool)
+        for i, (label, place) in enumerate(zip(self.labels, found, strict=True)):
+            block = (label.capture, label.statistic)
+            count = len(places[block])
+            part = order[block] if count == 1 else place * min(PLACES_APART, count) // count
+            fold[i] = part % 2 == 1
+        return fold

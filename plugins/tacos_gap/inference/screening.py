@@ -136,9 +136,21 @@ def _combined(
 
 def apart(directions: Sequence[ScreeningDirection], base: NDArray[np.float64]) -> list[ScreeningDirection]:
     """Those directions of an effect that may be added up: one for each parameter, else the best of all."""
-    return list(_of_one_parameter(directions).values()) or [
-        max(directions, key=lambda one: combined_gain([one], combined_shares([one], base), base))
-    ]
+    forms = forms_of(directions)
+    if len(forms) == 1:
+        return forms[0]
+    return max(forms, key=lambda form: combined_gain(form, combined_shares(form, base), base))
+
+
+def forms_of(directions: Sequence[ScreeningDirection]) -> list[list[ScreeningDirection]]:
+    """Directions of an effect that may be added up: all where each has a parameter of its own, else each."""
+    single = list(_of_one_parameter(directions).values())
+    return [single] if single else [[direction] for direction in directions]
+
+
+def columns_on(form: Sequence[ScreeningDirection], base: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(K, D) what directions change in the robust residuals beside (K,) residuals."""
+    return np.stack([robust(base + one.change) - robust(base) for one in form], axis=1)
 
 
 def combined_shares(

@@ -228,11 +228,11 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
         low, high = cause.closure_interval
-        sure = f"{cause.present:.0%}" if cause.is_proven else f"{cause.present:.0%}: fits, but is not proven"
+        sure = f"score {cause.present:.2f}{'' if cause.is_proven else ': fits, but is not proven'}"
         lines.append(f"  {cause.effect} ({sure}): {values}")
         lines.append(
-            f"      closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}) "
-            "on what it was not fitted to"
+            f"      added alone closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}), "
+            f"{f'not held out: {cause.not_held_out}' if cause.not_held_out else 'held out'}"
         )
     more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
     if more:

@@ -72,9 +72,9 @@ def closures(diagnosis: Diagnosis, *, narrow: bool = False) -> str:
     for cause in best:
         if len(best) > 1:
             rows.append((f"{effect_words(cause.effect)}: its share", cause.shapley, TERMS[1]))
-            rows.append(("added alone", cause.closure_alone, TERMS[2]))
+            rows.append(("added alone", cause.closure, TERMS[2]))
         else:
-            rows.append((effect_words(cause.effect), cause.closure, AFTER))
+            rows.append((effect_words(cause.effect), together, AFTER))
     if diagnosis.negative_control is not None:
         rows.append(("negative control", diagnosis.negative_control.closure, DOT))
     return _bars("closures", rows, diagnosis.closure_interval, narrow=narrow)

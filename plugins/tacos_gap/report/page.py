@@ -124,17 +124,13 @@ def _pictures(images: Sequence[Any], titles: Sequence[str]) -> tuple[PagePicture
 
 
 def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
-    negative_control = ""
-    if diagnosis.negative_control is not None:
-        negative_control = (
-            " The negative control has as many parameters, which change numbers at random: what flexibility "
-            "alone would buy."
-        )
     if diagnosis.causes:
         yield in_both_widths(
             partial(bars.closures, diagnosis),
-            f"The line on the first bar is its 90 % interval.{negative_control}",
+            f"The line on the first bar is its 90 % interval.{words.control_sentence(diagnosis)}",
         )
+    for sentence in words.not_held_out(diagnosis):
+        yield Paragraph(sentence)
     yield Paragraph(words.remainder(diagnosis))
     if nuisances := nuisance_rows(diagnosis.nuisances):
         heads = ("capture", "expected values were off by")

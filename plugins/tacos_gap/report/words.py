@@ -84,7 +84,7 @@ def cause_sentence(cause: Cause) -> str:
     ]
     sure = f"{cause.present:.2f}"
     sized = f", {listed(said)}" if said else ""
-    closes = f"adding it alone closes {share(cause.closure_alone)} of the gap"
+    closes = f"adding it alone closes {share(cause.closure)} of the gap"
     if not cause.is_proven:
         return (
             f"The simulator may lack {name}{sized}: {closes}, but with a score of only {sure} of 1 "
@@ -153,8 +153,30 @@ def lead(diagnosis: Diagnosis, captures: int) -> str:
         return f"{text}Nothing was added."
     return (
         f"{text}With what is added below, {after} are left (90 % interval {low} to {high}), measured on "
-        "levels, places and captures that the parameters were not fitted to."
+        "levels, places and captures that neither the effects nor their parameters were chosen by."
     )
+
+
+def control_sentence(diagnosis: Diagnosis) -> str:
+    """What the negative control closes, beside the explanation; empty where there is none."""
+    control = diagnosis.negative_control
+    if control is None:
+        return ""
+    low, high = (share(end) for end in control.interval)
+    return (
+        f" The negative control chooses {control.effects} of {control.among} effects in the same way, on "
+        f"differences that mean nothing: it closes {share(control.closure)} (90 % of controls {low} to "
+        f"{high}), and {share(control.p_value)} of the controls at most close as much as the causes."
+    )
+
+
+def not_held_out(diagnosis: Diagnosis) -> list[str]:
+    """Which closures were measured on what the selection saw, in sentences."""
+    return [
+        f"What {effect_words(cause.effect)} closes is not held out: {cause.not_held_out}."
+        for cause in diagnosis.causes
+        if cause.not_held_out
+    ]
 
 
 def parameter_rows(name: str, parameter: Parameter) -> list[tuple[str, str, str, str]]:

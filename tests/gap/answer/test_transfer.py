@@ -73,7 +73,8 @@ def test_the_gain_most_captures_were_taken_at_counts():
 
 
 def cause(effect: str, settings: dict[str, Any], parameters: dict[str, Parameter], **changes: Any) -> Cause:
-    return Cause(effect, 0.9, parameters, 0.9, (0.8, 1.0), 0.9, 0.9, (), "", settings, **changes)
+    made = Cause(effect, 0.9, parameters, 0.9, (0.8, 1.0), "", 0.9, (), "", settings)
+    return replace(made, **changes)
 
 
 def test_a_patch_is_physical_and_says_what_is_not():

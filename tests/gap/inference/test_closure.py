@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_gap.inference.closure import closure, closures_of, negative_control, shapley
+from tacos_gap.inference.closure import closure, closures_of, shapley
 from tacos_gap.inference.fit import Fitted, finished, fit
 from tacos_gap.inference.problem import Problem
 from tests.gap.inference.test_fit import problem, start
@@ -115,19 +115,3 @@ def test_one_closure_for_all_who_ask_and_an_interval_that_holds_it():
     low, high = closures.together.interval
     assert low <= closures.together.value <= high
     assert high - low < 0.3
-
-
-def test_flexibility_alone_closes_next_to_nothing_where_the_explanation_closes_nearly_all():
-    of, found = explained(9.0, 1.0, count=6)
-    control = negative_control(of, found, np.random.default_rng(0))
-    assert control is not None
-    assert control.parameters == 2
-    assert abs(control.closure) < 0.05
-    assert closures_of(of, found, np.random.default_rng(0)).together.value > 0.8
-
-
-def test_without_parameters_there_is_nothing_to_control():
-    of = problem(3.0, 0.0)
-    null = fit(of, ())
-    assert null is not None
-    assert negative_control(of, null, np.random.default_rng(0)) is None

@@ -312,6 +312,17 @@ def test_captures_of_a_kind_alternate_between_folds_and_single_ones_are_split():
     assert 0 < folds[2].mean() < 1
 
 
+def test_whole_parts_of_a_capture_are_held_out_and_all_channels_of_a_place_together():
+    of = Problem([Curve(1, 0, 0)])
+    changes = np.flatnonzero(np.diff(of.fold.astype(int)))
+    assert changes.tolist() == [19, 39, 59], "four parts of twenty neighbours"
+    coloured = Curve(1, 0, 0)
+    coloured.labels = [
+        replace(label, at={"x": n // 2, "channel": "RG"[n % 2]}) for n, label in enumerate(coloured.labels)
+    ]
+    assert np.array_equal(Problem([coloured]).fold[::2], Problem([coloured]).fold[1::2])
+
+
 def test_a_truth_that_lies_twenty_steps_away_is_reached():
     of = problem(20.0, 0.0)
     begun = (HypothesisTerm("bump", Bump, {"height": 0.5, "bend": 0.0}, {"height": 0.5}),)
