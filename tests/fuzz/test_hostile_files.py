@@ -34,7 +34,7 @@ from pathlib import Path
 from tacos_framework.errors import UserError
 from tacos_files.arrays import read_npz
 from tacos_files.images import read_samples
-from tacos_worlds.mesh_files import read_mesh_file
+from tacos_worlds.kit.mesh_files import read_mesh_file
 import cv2
 readers = {".png": read_samples, ".tif": read_samples, ".npz": read_npz, ".glb": read_mesh_file}
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -153,7 +153,7 @@ def test_what_a_decoder_refuses_under_a_raised_limit_is_a_fault(tmp_path, monkey
 
 
 def test_models_may_not_name_files_elsewhere(tmp_path):
-    from tacos_worlds.mesh_files import read_mesh_file
+    from tacos_worlds.kit.mesh_files import read_mesh_file
 
     for uri in (
         "../secret.bin",
@@ -168,7 +168,7 @@ def test_models_may_not_name_files_elsewhere(tmp_path):
 
 
 def test_a_truncated_texture_is_a_fault(tmp_path):
-    from tacos_worlds.mesh_files import read_mesh_file
+    from tacos_worlds.kit.mesh_files import read_mesh_file
 
     (tmp_path / "m.obj").write_text(
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n"
@@ -183,7 +183,7 @@ def test_a_truncated_texture_is_a_fault(tmp_path):
 
 
 def test_a_scene_that_copies_itself_without_end_is_a_fault(tmp_path):
-    from tacos_worlds.mesh_files import read_mesh_file
+    from tacos_worlds.kit.mesh_files import read_mesh_file
 
     nodes = [{"children": [i + 1, i + 1]} for i in range(40)] + [{}]
     (tmp_path / "m.glb").write_bytes(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import trimesh
 
-from tacos_worlds.indoor.mesh import Mesh
+from tacos_worlds.kit.mesh import Mesh
 
 
 def solid(mesh: Mesh) -> trimesh.Trimesh:

@@ -9,8 +9,9 @@ import pytest
 
 from tacos_worlds.indoor.building import MAX_LIGHTS, Building, draw_building
 from tacos_worlds.indoor.furnishing.arrangement import Arrangement, Member
-from tacos_worlds.indoor.furnishing.catalogue import FURNITURE_CLASSES, Catalogue
+from tacos_worlds.indoor.furnishing.catalogue import Catalogue
 from tacos_worlds.indoor.furnishing.rooms import draw_room_kinds
+from tacos_worlds.kit.class_names import FURNITURE_CLASSES
 
 
 def bounds(member: Member) -> tuple[np.ndarray, np.ndarray]:

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_worlds.indoor.building import Building
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import Seat
-from tacos_worlds.people.clothes import draw_clothes
-from tacos_worlds.people.person import Build, draw_build, draw_person, person
-from tacos_worlds.people.pose import Pose, joints_of, seated, standing, walking
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.people.clothes import draw_clothes
+from tacos_worlds.kit.people.person import Build, draw_build, draw_person, person
+from tacos_worlds.kit.people.pose import Pose, joints_of, seated, standing, walking
+from tacos_worlds.kit.piece import Seat
 from tests.scenes.solids import solid
 
 seeds = st.integers(0, 100_000)

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_worlds.indoor.finishes import draw_style
-from tacos_worlds.indoor.furnishing.catalogue import BUILDERS, FURNITURE_CLASSES
-from tacos_worlds.indoor.mesh import Mesh, shaded
-from tacos_worlds.indoor.shapes import (
+from tacos_worlds.indoor.furnishing.catalogue import BUILDERS
+from tacos_worlds.kit.class_names import FURNITURE_CLASSES
+from tacos_worlds.kit.finishes import draw_style
+from tacos_worlds.kit.mesh import Mesh, shaded
+from tacos_worlds.kit.shapes import (
     box,
     cushion,
     disc_stack,

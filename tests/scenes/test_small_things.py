@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tacos_worlds.indoor.building import Building
-from tacos_worlds.indoor.finishes import draw_style
-from tacos_worlds.indoor.furnishing.catalogue import CLASS_NAMES, FURNITURE_CLASSES
 from tacos_worlds.indoor.furnishing.tabletops import THINGS
-from tacos_worlds.indoor.piece import Builder
+from tacos_worlds.kit.class_names import CLASS_NAMES, FURNITURE_CLASSES
+from tacos_worlds.kit.finishes import draw_style
+from tacos_worlds.kit.piece import Builder
 
 BUILDERS = sorted({b for _, builders in THINGS.values() for b in builders}, key=lambda b: b.__name__)
 SMALL = set(CLASS_NAMES) - {"background", "threshold", "person", *FURNITURE_CLASSES}

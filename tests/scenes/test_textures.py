@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tacos_worlds.indoor.finishes import TEXTURES
-from tacos_worlds.indoor.textures.texture import Texture
+from tacos_worlds.kit.finishes import TEXTURES
+from tacos_worlds.kit.textures.texture import Texture
 
 PICTURES = {"abstract", "landscape", "photograph", "desktop", "view_outside"}
 """Seen once each, edge to edge, so they need not tile."""

@@ -19,9 +19,11 @@ from tacos_worlds.indoor.building import Building
 from tacos_worlds.indoor.scene import IndoorScene
 from tacos_worlds.indoor.walk.band_loops import relax
 from tacos_worlds.indoor.walk.free_space import CELL_M, CLEARANCE_M, FreeSpace
-from tacos_worlds.indoor.walk.motion import MAX_YAW_RATE_DEG_S, Walk, draw_walk
-from tacos_worlds.indoor.walk.route import Route, draw_route
-from tacos_worlds.indoor.walk.trip import approaches, draw_walks, joined, spread
+from tacos_worlds.indoor.walk.route import draw_route
+from tacos_worlds.indoor.walk.walks import draw_walks
+from tacos_worlds.kit.walk.motion import MAX_YAW_RATE_DEG_S, Walk, draw_walk
+from tacos_worlds.kit.walk.route import Route
+from tacos_worlds.kit.walk.trip import approaches, joined, spread
 
 Routes = list[tuple[Building, FreeSpace, Route]]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tacos_framework.values import Light, Material, MeshPart, Object, World
-from tacos_worlds.world_key import world_key
+from tacos_worlds.kit.world_key import world_key
 
 GREY = np.full(3, 0.5, np.float32)
 IMAGE = np.zeros((2, 2, 3), np.uint8)

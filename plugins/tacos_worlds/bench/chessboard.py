@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode
+from tacos_framework import Episode, Settings, setting
 from tacos_worlds.bench.stand import facing, matte, standing, tent_world, turned
 
 IN_FRONT_M = 1e-4

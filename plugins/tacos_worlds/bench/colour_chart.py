@@ -6,8 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Material, Object
+from tacos_framework import Episode, Material, Object, Settings, setting
 from tacos_worlds.bench.stand import facing, matte, standing, tent_world
 
 CHART = "ColorChecker24 - After November 2014"

@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode
+from tacos_framework import Episode, Settings, setting
 from tacos_worlds.bench.stand import bench_world, facing, matte, standing
 
 

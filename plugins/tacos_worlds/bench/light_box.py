@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode
+from tacos_framework import Episode, Settings, setting
 from tacos_worlds.bench.stand import facing, matte, standing, tent_world
 
 

@@ -8,8 +8,7 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Material, MeshPart, Trajectory
+from tacos_framework import Episode, Material, MeshPart, Settings, Trajectory, setting
 from tacos_worlds.bench.stand import FRAME_INTERVAL_S, bench_world, matte, standing
 from tacos_worlds.bench.textured_target import dead_leaves
 

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, MeshPart
+from tacos_framework import Episode, MeshPart, Settings, setting
 from tacos_worlds.bench.stand import facing, matte, standing, tent_world
 
 IN_FRONT_M = 1e-4

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Episode, Light, Material, MeshPart, Object, Trajectory, World
+from tacos_framework import Episode, Light, Material, MeshPart, Object, Trajectory, World
 from tacos_plugins.lighting.calibration import scale_light
 from tacos_plugins.lighting.emitters import photopic
 from tacos_plugins.lighting.transport import LightTransport

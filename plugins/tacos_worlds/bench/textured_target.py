@@ -7,9 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import srgb_from_linear
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Material, Trajectory
+from tacos_framework import Episode, Material, Settings, Trajectory, setting
+from tacos_framework.camera import srgb_from_linear
 from tacos_worlds.bench.stand import facing, standing, tent_world, turned
 
 SMALLEST_PX, LARGEST_PX = 3.0, 300.0

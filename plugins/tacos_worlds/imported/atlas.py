@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import srgb_from_linear
+from tacos_framework.camera import srgb_from_linear
 from tacos_worlds.imported.patch import Patch
 
 _CELL_PX = 4

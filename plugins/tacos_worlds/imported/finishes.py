@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Material
+from tacos_framework import Material
 from tacos_worlds.imported.model import Skin
 
 _BYTES_PER_TEXEL = 4 * 4 / 3

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError, read_yaml
 from tacos_framework.files import read_text
-from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_worlds.imported.model import Surface
-from tacos_worlds.indoor.furnishing.catalogue import CLASS_NAMES
+from tacos_worlds.kit.class_names import CLASS_NAMES
 
 BACKGROUND = CLASS_NAMES[0]
 EXTRA_KEYS = ("class", "class_name", "category", "semantic", "label")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.lighting import photopic, white_at
 from tacos_worlds.imported.floor import Floor
 from tacos_worlds.imported.model import PunctualLight

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Light, Material, MeshPart, Object, World
+from tacos_framework import Light, Material, MeshPart, Object, World
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.lighting.refinement import refined
@@ -22,7 +22,7 @@ from tacos_worlds.imported.model import Skin
 from tacos_worlds.imported.normals import with_normals
 from tacos_worlds.imported.patch import Patch
 from tacos_worlds.imported.sky import Surroundings, even
-from tacos_worlds.world_key import world_key
+from tacos_worlds.kit.world_key import world_key
 
 PLANE_HEIGHT_M = 1.0
 """Height of the plane on which the illuminance is given [m]."""

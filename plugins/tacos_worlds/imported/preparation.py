@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.values import Light, Object, World
+from tacos_framework import Fault, Light, Object, Trajectory, UserError, World, did_you_mean
 from tacos_plugins.lighting import photopic
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_worlds.imported.floor import Agent, Floor, find_floor, walkable
@@ -22,49 +19,17 @@ from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
 from tacos_worlds.imported.patch import Patch, sound
 from tacos_worlds.imported.place import Budget, Sources, geometry, illuminance_lux, lit_world
 from tacos_worlds.imported.reading import Read, read_world
-from tacos_worlds.imported.recorded import Recorded, read_recorded
+from tacos_worlds.imported.recorded import read_recorded
+from tacos_worlds.imported.settings import ImportedSettings
 from tacos_worlds.imported.sky import Surroundings, read_surroundings
 from tacos_worlds.imported.telling import Telling
-
-if TYPE_CHECKING:
-    from tacos_worlds.imported.scene import ImportedScene
+from tacos_worlds.imported.walkable_place import Place
 
 _LARGEST_TEXTURE_PX = 8192
 _LAMPS = {"auto": None, "file": False, "lamps": True, "both": True}
 
 
-@dataclass(frozen=True, eq=False)
-class Place:
-    """A file, ready to be walked in.
-
-    Parameters
-    ----------
-    world
-        Lit as its sources are.
-    lux
-        Mean illuminance 1 m above the floor in that world [lux].
-    floor
-        Where the agent can walk.
-    obstacles
-        Ids of objects that count when stepped on.
-    names
-        Some names of nodes, for messages.
-    recorded
-        A path from a file, or None.
-    """
-
-    world: World
-    lux: float
-    floor: Floor
-    agent: Agent
-    occlusion: Occlusion
-    object_of_triangle: NDArray[np.int32]
-    obstacles: tuple[int, ...]
-    names: str
-    recorded: Recorded | None
-
-
-def prepare(config: ImportedScene.Config) -> Place:
+def prepare(config: ImportedSettings) -> Place:
     """Read, label, look for the floor, and light.
 
     Raises
@@ -117,7 +82,7 @@ def prepare(config: ImportedScene.Config) -> Place:
     )
 
 
-def _sky(config: ImportedScene.Config) -> tuple[Surroundings | None, list[Fault]]:
+def _sky(config: ImportedSettings) -> tuple[Surroundings | None, list[Fault]]:
     if not config.sky:
         return None, []
     try:
@@ -142,7 +107,7 @@ def _level_lux(star: Light) -> float:
     return float(photopic(star.flux_lm)) / (4 * np.pi * SUN_DISTANCE_M**2) * height
 
 
-def _recorded(config: ImportedScene.Config, read: Read) -> tuple[Recorded | None, list[Fault]]:
+def _recorded(config: ImportedSettings, read: Read) -> tuple[Trajectory | None, list[Fault]]:
     if not config.path:
         return None, []
     turn = read.turn if config.path_axes == "file" else np.eye(3)
@@ -156,7 +121,7 @@ def _recorded(config: ImportedScene.Config, read: Read) -> tuple[Recorded | None
         ]
 
 
-def _idle(config: ImportedScene.Config, read: Read, rules: Sequence[Rule]) -> Iterator[Fault]:
+def _idle(config: ImportedSettings, read: Read, rules: Sequence[Rule]) -> Iterator[Fault]:
     """Rules of the table that match nothing: most likely misspelt."""
     names = {name for surface in read.model.surfaces for name in surface.path}
     for rule in unused_rules(read.model.surfaces, rules):
@@ -181,7 +146,7 @@ def _objects(
     return objects, [ids.get(label.thing, 0) for label in labels], classes
 
 
-def _floor(config: ImportedScene.Config, occlusion: Occlusion, agent: Agent) -> Floor:
+def _floor(config: ImportedSettings, occlusion: Occlusion, agent: Agent) -> Floor:
     inside = {"auto": None, "inside": True, "outside": False}[config.ground]
     everything = find_floor(occlusion, agent)
     start = None
@@ -208,7 +173,7 @@ def _floor(config: ImportedScene.Config, occlusion: Occlusion, agent: Agent) -> 
 
 
 def _lit(
-    config: ImportedScene.Config,
+    config: ImportedSettings,
     read: Read,
     patches: Sequence[Patch],
     occlusion: Occlusion,

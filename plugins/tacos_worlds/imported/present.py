@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from tacos_framework.errors import Fault
+from tacos_framework import Fault
 
 WORLD = (".glb", ".gltf", ".obj", ".ply")
 TABLE = (".csv", ".yaml", ".yml")

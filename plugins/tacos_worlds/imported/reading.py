@@ -10,11 +10,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.labels import Rule
 from tacos_worlds.imported.model import Model, Surface
-from tacos_worlds.mesh_files.read import UNREADABLE
+from tacos_worlds.kit.mesh_files.read import UNREADABLE
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 _LEAST_OPACITY = 0.5

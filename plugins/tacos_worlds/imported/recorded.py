@@ -2,39 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Crossing, Episode, Trajectory, World
+from tacos_framework import Crossing, Episode, Trajectory, World
 from tacos_worlds.imported.formats.poses import AGENT_FROM_OPTICAL, read_poses
 from tacos_worlds.imported.tour import stepped_on
-
-if TYPE_CHECKING:
-    from tacos_worlds.imported.preparation import Place
+from tacos_worlds.imported.walkable_place import Place
 
 _DEEPEST_M = 4.0
 """An eye is no higher above what the agent steps on [m]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Recorded:
-    """A recorded path in metres with z up.
-
-    Parameters
-    ----------
-    trajectory
-        Poses of the agent.
-    """
-
-    trajectory: Trajectory
-
-
-def read_recorded(file: Path, turn: NDArray[np.float64], *, of_camera: bool) -> Recorded:
-    """A path from a file.
+def read_recorded(file: Path, turn: NDArray[np.float64], *, of_camera: bool) -> Trajectory:
+    """Poses of the agent from a file, in metres with z up.
 
     Parameters
     ----------
@@ -49,7 +32,7 @@ def read_recorded(file: Path, turn: NDArray[np.float64], *, of_camera: bool) -> 
     own = found.poses[:, :3, :3]
     poses[:, :3, :3] = rotation @ (own @ AGENT_FROM_OPTICAL[:3, :3].T if of_camera else own)
     poses[:, :3, 3] = found.poses[:, :3, 3] @ turn.T
-    return Recorded(Trajectory(found.time_s, poses))
+    return Trajectory(found.time_s, poses)
 
 
 def recorded_episode(
@@ -58,7 +41,7 @@ def recorded_episode(
     """Frames at a steady rate along a recorded path, from a random start where they do not cover all of
     it."""
     assert place.recorded is not None
-    trajectory = place.recorded.trajectory
+    trajectory = place.recorded
     duration_s = float(trajectory.time_s[-1])
     count = min(frames, int(duration_s * frame_rate_hz + 1e-9) + 1)
     spare_s = duration_s - (count - 1) / frame_rate_hz
@@ -72,7 +55,7 @@ def recorded_episode(
 def _steps(place: Place) -> list[tuple[float, int]]:
     """When an obstacle lies below the agent: (time [s], object)."""
     assert place.recorded is not None
-    trajectory = place.recorded.trajectory
+    trajectory = place.recorded
     time_s = np.arange(0.0, float(trajectory.time_s[-1]), 0.05)
     if not len(time_s) or not place.obstacles:
         return []

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.lighting import photopic
 from tacos_worlds.imported.formats.file_bytes import Unreadable, file_bytes
 from tacos_worlds.imported.lamps import sun
-from tacos_worlds.street.sky import cosine_mean
+from tacos_worlds.kit.sky import cosine_mean
 
 ROWS = 512
 """Rows of the panorama kept."""

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_worlds.imported.tour import along_waypoints, draw_tour, stepped_on, within
-from tacos_worlds.indoor.walk.motion import Walk, draw_walk
-from tacos_worlds.indoor.walk.route import Route
-
-if TYPE_CHECKING:
-    from tacos_worlds.imported.preparation import Place
+from tacos_worlds.imported.walkable_place import Place
+from tacos_worlds.kit.walk.motion import Walk, draw_walk
+from tacos_worlds.kit.walk.route import Route
 
 _SHORTEST_M = 0.5
 _FIRST_OBJECT = 1
-"""What `tacos_worlds.indoor.walk.trip.joined` adds to the number of a crossing."""
+"""What `tacos_worlds.kit.walk.trip.joined` adds to the number of a crossing."""
 
 
 def draw_walks(

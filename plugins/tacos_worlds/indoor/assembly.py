@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Object, World
+from tacos_framework import Object, World
 from tacos_plugins.lighting import with_illuminance
 from tacos_worlds.indoor.building import Building
-from tacos_worlds.indoor.finishes import Finish, TextureLibrary, materials_of
-from tacos_worlds.indoor.furnishing.catalogue import CLASS_NAMES
-from tacos_worlds.indoor.mesh import Mesh, merged
-from tacos_worlds.indoor.piece import BACKGROUND, Piece
-from tacos_worlds.world_key import world_key
+from tacos_worlds.kit.class_names import CLASS_NAMES
+from tacos_worlds.kit.finishes import Finish, TextureLibrary, materials_of
+from tacos_worlds.kit.mesh import Mesh, merged
+from tacos_worlds.kit.piece import BACKGROUND, Piece
+from tacos_worlds.kit.world_key import world_key
 
 PLANE_HEIGHT_M = 1.0
 """Height of the plane on which the illuminance is given [m]."""

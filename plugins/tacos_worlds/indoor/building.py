@@ -8,14 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import draw_style
-from tacos_worlds.indoor.floor_plan import FloorPlan, Rect, draw_floor_plan
+from tacos_worlds.indoor.floor_plan import FloorPlan, draw_floor_plan
 from tacos_worlds.indoor.furnishing.arrangement import Member
 from tacos_worlds.indoor.furnishing.catalogue import Catalogue
 from tacos_worlds.indoor.furnishing.rooms import draw_room_kinds
-from tacos_worlds.indoor.piece import Piece
 from tacos_worlds.indoor.room import RoomsToDraw, draw_room
 from tacos_worlds.indoor.structure import doors as doorways
+from tacos_worlds.kit.finishes import draw_style
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 
 MAX_LIGHTS = 12
 """Ceiling lights and lamps that are on, in a whole building."""

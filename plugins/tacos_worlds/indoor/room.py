@@ -7,19 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish, draw_style
-from tacos_worlds.indoor.floor_plan import FloorPlan, Rect
+from tacos_worlds.indoor.floor_plan import FloorPlan
 from tacos_worlds.indoor.furnishing.arrangement import Member
 from tacos_worlds.indoor.furnishing.catalogue import Catalogue
 from tacos_worlds.indoor.furnishing.occupancy import RoomFloor
 from tacos_worlds.indoor.furnishing.pictures import hang_pictures
 from tacos_worlds.indoor.furnishing.rooms import Furnisher
-from tacos_worlds.indoor.piece import Piece
 from tacos_worlds.indoor.structure import doors as doorways
 from tacos_worlds.indoor.structure.ceiling import ceiling_lights
 from tacos_worlds.indoor.structure.shell import shell
 from tacos_worlds.indoor.structure.sides import Opening, Side, door_openings, sides_of
 from tacos_worlds.indoor.structure.windows import CURTAIN_M, Window, draw_windows, window
+from tacos_worlds.kit.finishes import Finish, draw_style
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 
 _LUMINOUS_EXITANCE_LM_M2 = 140.0
 _SMALL_THINGS_TRIANGLES = 9_000

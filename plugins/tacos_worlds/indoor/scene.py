@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode
-from tacos_worlds.indoor.piece import Piece
+from tacos_framework import Episode, Settings, setting
+from tacos_worlds.kit.piece import Piece
 
 if TYPE_CHECKING:
     from tacos_worlds.indoor.building import Building
-    from tacos_worlds.indoor.walk.trip import Stretch
+    from tacos_worlds.kit.walk.trip import Stretch
 
 Metres = Annotated[float, Field(gt=0)]
 Seconds = Annotated[float, Field(gt=0)]
@@ -140,9 +139,9 @@ class IndoorScene:
         # Late: what builds worlds takes a while to import, and checking a recipe builds none.
         from tacos_worlds.indoor.assembly import assemble
         from tacos_worlds.indoor.building import draw_building
-        from tacos_worlds.indoor.finishes import TextureLibrary
         from tacos_worlds.indoor.furnishing.catalogue import Catalogue
-        from tacos_worlds.indoor.walk.trip import joined
+        from tacos_worlds.kit.finishes import TextureLibrary
+        from tacos_worlds.kit.walk.trip import joined
 
         if not illumination_lux > 0:
             raise ValueError(f"illumination_lux must be above 0, not {illumination_lux}")
@@ -163,7 +162,8 @@ class IndoorScene:
 
     def _stretches(self, rng: np.random.Generator, building: Building) -> Iterator[Stretch]:
         """Where frames are taken."""
-        from tacos_worlds.indoor.walk.trip import along_walks, approaches, draw_walks
+        from tacos_worlds.indoor.walk.walks import draw_walks
+        from tacos_worlds.kit.walk.trip import along_walks, approaches
 
         config = self.config
         if config.sampling == "walk":

@@ -10,12 +10,12 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.furnishing.catalogue import FURNITURE_CLASSES
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.mesh_files import read_mesh_file
+from tacos_framework import Fault, UserError, did_you_mean
+from tacos_worlds.kit.class_names import FURNITURE_CLASSES
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.mesh_files import read_mesh_file
+from tacos_worlds.kit.piece import Piece, piece
 
 MAX_TRIANGLES = 6000
 """Triangles of one model, at most: a world holds dozens of pieces and at most 100 000 triangles."""

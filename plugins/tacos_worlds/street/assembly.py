@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from tacos_framework.values import Light, Object, World
+from tacos_framework import Light, Object, World
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
-from tacos_worlds.indoor.finishes import Finish, materials_of
-from tacos_worlds.indoor.mesh import Mesh, merged
+from tacos_worlds.kit.finishes import Finish, materials_of
+from tacos_worlds.kit.mesh import Mesh, merged
+from tacos_worlds.kit.sky import Daylight
+from tacos_worlds.kit.world_key import world_key
 from tacos_worlds.street.city import CARRIAGEWAY_M, PAVEMENT_M, Town
 from tacos_worlds.street.finishes import StreetTextures
-from tacos_worlds.street.sky import Daylight
 from tacos_worlds.street.streetscape import PlacedPiece
-from tacos_worlds.world_key import world_key
 
 CLASS_NAMES = (
     "background",

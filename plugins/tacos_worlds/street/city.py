@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.piece import Piece
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 
 LANE_M = 3.4
 """Width of a lane; there is one each way, and people drive on the right [m]."""

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from tacos_framework.values import Trajectory
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.piece import Piece
+from tacos_framework import Trajectory
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 from tacos_worlds.street.city import Town, kerbs
 from tacos_worlds.street.people import PERSON_TRIANGLES, draw_pedestrians
 from tacos_worlds.street.streetscape import PlacedPiece, triangles_of

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from tacos_framework.values import Trajectory
+from tacos_framework import Trajectory
 from tacos_worlds.street.city import CARRIAGEWAY_M, CORNER_M, LANE_M, PARKING_M, Town
 
 KEY_RATE_HZ = 20.0

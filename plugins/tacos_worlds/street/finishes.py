@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.textures.texture import Texture
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.textures.texture import Texture
 from tacos_worlds.street.textures import facade, paving, printed
 
 Synthesis = Callable[[np.random.Generator, int], Texture]

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.mesh import Mesh, merged
-from tacos_worlds.indoor.piece import Piece
+from tacos_worlds.kit.mesh import Mesh, merged
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 from tacos_worlds.street.city import (
     CARRIAGEWAY_M,
     CORNER_M,

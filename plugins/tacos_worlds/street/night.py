@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.lighting import photopic, white_at
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.sky import Daylight, cosine_mean
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
 from tacos_worlds.street.finishes import HEADLIGHT, TAIL_LIGHT
-from tacos_worlds.street.sky import Daylight, cosine_mean
 
 SKY_LUX = {"dusk": 14.0, "night": 0.25}
 """Illuminance of open ground from the sky alone: civil twilight with the sun some 4 degrees down, and a night

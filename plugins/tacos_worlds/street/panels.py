@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tacos_worlds.indoor.mesh import Mesh
+from tacos_worlds.kit.mesh import Mesh
 
 Span = tuple[float, float]
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Trajectory
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.people.person import draw_person
-from tacos_worlds.people.pose import standing, walking
+from tacos_framework import Trajectory
+from tacos_worlds.kit.people.person import draw_person
+from tacos_worlds.kit.people.pose import standing, walking
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 from tacos_worlds.street.city import KERB_M, PAVEMENT_M, Kerb
 
 SIDES = 6

@@ -7,8 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Mover
+from tacos_framework import Episode, Mover, Settings, setting
 
 
 class StreetScene:
@@ -99,13 +98,13 @@ class StreetScene:
             shadow; at dusk and by night above those that the car comes by [lux].
         """
         # Late: what builds worlds takes a while to import, and checking a recipe builds none.
+        from tacos_worlds.kit.sky import draw_daylight
         from tacos_worlds.street.assembly import assemble
         from tacos_worlds.street.city import draw_town
         from tacos_worlds.street.crowd import populated
         from tacos_worlds.street.drive import draw_way, drive
         from tacos_worlds.street.finishes import StreetTextures
         from tacos_worlds.street.night import draw_dark_sky
-        from tacos_worlds.street.sky import draw_daylight
         from tacos_worlds.street.streetscape import PlacedPiece, furnish_town
         from tacos_worlds.street.traffic import draw_traffic
 

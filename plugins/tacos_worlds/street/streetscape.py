@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.piece import Piece
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 from tacos_worlds.street.city import (
     CARRIAGEWAY_M,
     KERB_M,

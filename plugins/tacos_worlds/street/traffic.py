@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Trajectory
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import Piece
+from tacos_framework import Trajectory
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.piece import Piece
 from tacos_worlds.street.city import LANE_M, Town
 from tacos_worlds.street.finishes import TYRE
 from tacos_worlds.street.night import with_lamps_on

@@ -12,10 +12,10 @@ from tacos_framework.camera.geometry import agent_from_camera, pixel_rays
 from tacos_framework.values import Camera, Episode, Exposure, Rig
 from tacos_plugins.lighting import LightTransport, photopic
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
+from tacos_worlds.kit.sky import cosine_mean, draw_daylight
 from tacos_worlds.street.assembly import CLASS_NAMES, measuring_plane
 from tacos_worlds.street.city import draw_town
 from tacos_worlds.street.scene import StreetScene
-from tacos_worlds.street.sky import cosine_mean, draw_daylight
 
 LUX = 20_000.0
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_framework.files import limits
 from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
 from tacos_worlds.imported.formats.gltf_skins import Skins

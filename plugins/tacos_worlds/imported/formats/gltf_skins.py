@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
+from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
 from tacos_worlds.imported.formats.pictures import picture
 from tacos_worlds.imported.model import Skin

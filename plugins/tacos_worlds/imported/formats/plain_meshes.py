@@ -9,9 +9,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
+from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.imported.model import Model, Skin, Surface
-from tacos_worlds.mesh_files import read_mesh_file
+from tacos_worlds.kit.mesh_files import read_mesh_file
 
 
 def read_plain_mesh(file: Path, most_px: int) -> Model:

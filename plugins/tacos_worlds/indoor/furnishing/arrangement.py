@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.piece import Piece
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 
 
 @dataclass(frozen=True, eq=False)

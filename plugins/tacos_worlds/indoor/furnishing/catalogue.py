@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Style
 from tacos_worlds.indoor.furniture import (
     bathroom,
     bed,
@@ -20,36 +19,8 @@ from tacos_worlds.indoor.furniture import (
     table,
     toy,
 )
-from tacos_worlds.indoor.piece import Builder, Piece
-
-CLASS_NAMES = (
-    "background",
-    "sofa",
-    "bed",
-    "table",
-    "chair",
-    "bathtub",
-    "basin",
-    "computer_tv",
-    "plant",
-    "lamp",
-    "toy",
-    "threshold",
-    "person",
-    "book",
-    "bottle",
-    "bowl",
-    "clock",
-    "cup",
-    "kettle",
-    "paper",
-    "plate",
-    "remote",
-    "vase",
-)
-"""Classes of objects in this scene's worlds: furniture, what the agent steps over, people, small things."""
-FURNITURE_CLASSES = CLASS_NAMES[1 : CLASS_NAMES.index("threshold")]
-"""The ten that detectors look for, and that models of a user's own may replace."""
+from tacos_worlds.kit.finishes import Style
+from tacos_worlds.kit.piece import Builder, Piece
 
 BUILDERS: Mapping[str, tuple[str, Builder]] = {
     "sofa": ("sofa", sofa.sofa),

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Style
 from tacos_worlds.indoor.furnishing.arrangement import (
     Arrangement,
     Member,
@@ -15,8 +14,9 @@ from tacos_worlds.indoor.furnishing.arrangement import (
     member,
     together,
 )
-from tacos_worlds.indoor.piece import BACKGROUND, Piece, piece
-from tacos_worlds.indoor.shapes import box
+from tacos_worlds.kit.finishes import Style
+from tacos_worlds.kit.piece import BACKGROUND, Piece, piece
+from tacos_worlds.kit.shapes import box
 
 Make = Callable[[str], Piece]
 """Makes one piece of a kind of the catalogue."""

@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 from scipy import ndimage
 
-from tacos_worlds.indoor.floor_plan import Door, Rect
+from tacos_worlds.indoor.floor_plan import Door
 from tacos_worlds.indoor.furnishing.arrangement import Arrangement, placed_rect
-from tacos_worlds.indoor.piece import Piece
 from tacos_worlds.indoor.structure.sides import Side
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 
 WALKWAY_M = 0.45
 """Half the width that must stay free between the doors of a room [m]."""

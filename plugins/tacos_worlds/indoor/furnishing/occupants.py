@@ -8,10 +8,10 @@ import numpy as np
 
 from tacos_worlds.indoor.furnishing.arrangement import Arrangement, Member, member, together
 from tacos_worlds.indoor.furnishing.occupancy import RoomFloor
-from tacos_worlds.indoor.piece import Piece, Seat
-from tacos_worlds.people.clothes import draw_clothes
-from tacos_worlds.people.person import draw_build, draw_person, person
-from tacos_worlds.people.pose import seated, standing
+from tacos_worlds.kit.people.clothes import draw_clothes
+from tacos_worlds.kit.people.person import draw_build, draw_person, person
+from tacos_worlds.kit.people.pose import seated, standing
+from tacos_worlds.kit.piece import Piece, Seat
 
 _SITTING = 0.65
 """Share of the people who sit, where there are seats."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import BLACK_METAL, BRASS, Finish, Style
-from tacos_worlds.indoor.piece import BACKGROUND, Piece
-from tacos_worlds.indoor.shapes import panel, slab
 from tacos_worlds.indoor.structure.sides import Side
+from tacos_worlds.kit.finishes import BLACK_METAL, BRASS, Finish, Style
+from tacos_worlds.kit.piece import BACKGROUND, Piece
+from tacos_worlds.kit.shapes import panel, slab
 
 
 def hang_pictures(

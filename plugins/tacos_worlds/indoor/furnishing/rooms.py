@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Style
 from tacos_worlds.indoor.furnishing import groups
 from tacos_worlds.indoor.furnishing.arrangement import Arrangement, alone, member, together
 from tacos_worlds.indoor.furnishing.catalogue import Catalogue
@@ -16,7 +15,8 @@ from tacos_worlds.indoor.furnishing.occupancy import RoomFloor
 from tacos_worlds.indoor.furnishing.occupants import welcome
 from tacos_worlds.indoor.furnishing.tabletops import lay_out
 from tacos_worlds.indoor.furniture.lamp import switched_on
-from tacos_worlds.indoor.piece import Piece
+from tacos_worlds.kit.finishes import Style
+from tacos_worlds.kit.piece import Piece
 
 LAMP_FLUX_LM = 450.0
 """Luminous flux of a lamp beside the ceiling lights, before calibration [lm]."""

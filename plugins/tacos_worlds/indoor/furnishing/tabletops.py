@@ -7,12 +7,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Style
-from tacos_worlds.indoor.floor_plan import Rect
 from tacos_worlds.indoor.furnishing.arrangement import Arrangement, Member, member
 from tacos_worlds.indoor.furnishing.occupancy import RoomFloor
-from tacos_worlds.indoor.piece import Builder, Piece, Top
 from tacos_worlds.indoor.things import reading, tableware, vessels
+from tacos_worlds.kit.finishes import Style
+from tacos_worlds.kit.piece import Builder, Piece, Top
+from tacos_worlds.kit.rectangle import Rect
 
 THINGS: Mapping[str, tuple[float, tuple[Builder, ...]]] = {
     "meal": (

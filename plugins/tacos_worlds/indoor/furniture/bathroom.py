@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import CERAMIC, CHROME, Finish, Style
-from tacos_worlds.indoor.mesh import Floats, Mesh
-from tacos_worlds.indoor.piece import BACKGROUND, Piece, piece
-from tacos_worlds.indoor.shapes import box, cushion, disc_stack, loft, superellipse, tube
+from tacos_worlds.kit.finishes import CERAMIC, CHROME, Finish, Style
+from tacos_worlds.kit.mesh import Floats, Mesh
+from tacos_worlds.kit.piece import BACKGROUND, Piece, piece
+from tacos_worlds.kit.shapes import box, cushion, disc_stack, loft, superellipse, tube
 
 
 def bathtub(rng: np.random.Generator, style: Style) -> Piece:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, rotation_x
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import box, cushion, sheet
+from tacos_worlds.kit.finishes import Finish, Style
+from tacos_worlds.kit.mesh import Mesh, rotation_x
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import box, cushion, sheet
 
 _SHEET = Finish("linen", (0.84, 0.83, 0.80), roughness=0.95)
 

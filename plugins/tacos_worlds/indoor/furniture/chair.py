@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import BLACK_PLASTIC, Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, rotation_x
-from tacos_worlds.indoor.piece import Piece, Seat, piece
-from tacos_worlds.indoor.shapes import box, cushion, disc_stack, tube
+from tacos_worlds.kit.finishes import BLACK_PLASTIC, Finish, Style
+from tacos_worlds.kit.mesh import Mesh, rotation_x
+from tacos_worlds.kit.piece import Piece, Seat, piece
+from tacos_worlds.kit.shapes import box, cushion, disc_stack, tube
 
 
 def dining_chair(rng: np.random.Generator, style: Style) -> Piece:

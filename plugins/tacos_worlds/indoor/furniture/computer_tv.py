@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import BLACK_PLASTIC, DARK_GLASS, GREY_PLASTIC, STEEL, Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, rotation_x
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import box, panel, slab
+from tacos_worlds.kit.finishes import BLACK_PLASTIC, DARK_GLASS, GREY_PLASTIC, STEEL, Finish, Style
+from tacos_worlds.kit.mesh import Mesh, rotation_x
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import box, panel, slab
 
 
 def television(rng: np.random.Generator, style: Style) -> Piece:

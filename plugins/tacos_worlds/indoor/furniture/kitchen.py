@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import CHROME, STEEL, Finish, Style
-from tacos_worlds.indoor.floor_plan import Rect
 from tacos_worlds.indoor.furniture.storage import cupboard
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import BACKGROUND, Piece, Top, piece
-from tacos_worlds.indoor.shapes import box, disc_stack, panel, slab, tube
+from tacos_worlds.kit.finishes import CHROME, STEEL, Finish, Style
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.piece import BACKGROUND, Piece, Top, piece
+from tacos_worlds.kit.rectangle import Rect
+from tacos_worlds.kit.shapes import box, disc_stack, panel, slab, tube
 
 _COLUMN_M = 0.6
 _WORKTOP_M = 0.895

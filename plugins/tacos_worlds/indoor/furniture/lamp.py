@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.lighting import emitter_luminance_cd_m2, white_at
-from tacos_worlds.indoor.colours import linear, muted
-from tacos_worlds.indoor.finishes import Finish, Style
-from tacos_worlds.indoor.mesh import Floats, Mesh
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import disc_stack, tube
+from tacos_worlds.kit.colours import linear, muted
+from tacos_worlds.kit.finishes import Finish, Style
+from tacos_worlds.kit.mesh import Floats, Mesh
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import disc_stack, tube
 
 _CLEARANCE_M = 0.004
 """The light's sphere is this much larger than the shade, so that the shade does not block it [m]."""

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from tacos_worlds.indoor.colours import linear, muted
-from tacos_worlds.indoor.finishes import SOIL, Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, merged, rotation_z
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import disc_stack, sheet, tube
+from tacos_worlds.kit.colours import linear, muted
+from tacos_worlds.kit.finishes import SOIL, Finish, Style
+from tacos_worlds.kit.mesh import Mesh, merged, rotation_z
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import disc_stack, sheet, tube
 
 _GREENS = ((0.30, 0.55, 0.22), (0.20, 0.42, 0.18), (0.45, 0.60, 0.25), (0.25, 0.45, 0.28))
 

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, rotation_x
-from tacos_worlds.indoor.piece import Piece, Seat, piece
-from tacos_worlds.indoor.shapes import box, cushion, disc_stack
+from tacos_worlds.kit.finishes import Finish, Style
+from tacos_worlds.kit.mesh import Mesh, rotation_x
+from tacos_worlds.kit.piece import Piece, Seat, piece
+from tacos_worlds.kit.shapes import box, cushion, disc_stack
 
 
 def sofa(rng: np.random.Generator, style: Style) -> Piece:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import (
+from tacos_worlds.kit.finishes import (
     DARK_GLASS,
     GREY_PLASTIC,
     STEEL,
@@ -15,11 +15,11 @@ from tacos_worlds.indoor.finishes import (
     Finish,
     Style,
 )
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.mesh import Mesh, merged, rotation_x
-from tacos_worlds.indoor.piece import BACKGROUND, Piece, Top, piece
-from tacos_worlds.indoor.shapes import box, disc_stack, slab
-from tacos_worlds.indoor.textures.printed import SPINE_M, SPINES
+from tacos_worlds.kit.mesh import Mesh, merged, rotation_x
+from tacos_worlds.kit.piece import BACKGROUND, Piece, Top, piece
+from tacos_worlds.kit.rectangle import Rect
+from tacos_worlds.kit.shapes import box, disc_stack, slab
+from tacos_worlds.kit.textures.printed import SPINE_M, SPINES
 
 _BOOKS = Finish("book_spines", roughness=0.7)
 _PAPER = Finish("linen", (0.8, 0.76, 0.66), roughness=0.95)

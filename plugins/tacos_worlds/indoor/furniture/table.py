@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish, Style
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import Piece, Top, piece
-from tacos_worlds.indoor.shapes import box, disc_stack, loft, superellipse, tube
+from tacos_worlds.kit.finishes import Finish, Style
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.piece import Piece, Top, piece
+from tacos_worlds.kit.rectangle import Rect
+from tacos_worlds.kit.shapes import box, disc_stack, loft, superellipse, tube
 
 
 def dining_table(rng: np.random.Generator, style: Style) -> Piece:

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from tacos_worlds.indoor.colours import linear, vivid
-from tacos_worlds.indoor.finishes import Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, rotation_x, rotation_y
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import box, cushion, disc_stack
+from tacos_worlds.kit.colours import linear, vivid
+from tacos_worlds.kit.finishes import Finish, Style
+from tacos_worlds.kit.mesh import Mesh, rotation_x, rotation_y
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import box, cushion, disc_stack
 
 
 def toy(rng: np.random.Generator, style: Style) -> Piece:

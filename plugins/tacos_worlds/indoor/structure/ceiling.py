@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.lighting import emitter_luminance_cd_m2, white_at
-from tacos_worlds.indoor.finishes import CHROME, WHITE_LACQUER, Finish
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.piece import BACKGROUND, Piece
-from tacos_worlds.indoor.shapes import box, disc_stack, extruded
+from tacos_worlds.kit.finishes import CHROME, WHITE_LACQUER, Finish
+from tacos_worlds.kit.piece import BACKGROUND, Piece
+from tacos_worlds.kit.rectangle import Rect
+from tacos_worlds.kit.shapes import box, disc_stack, extruded
 
 _DROP_M = 0.075
 _PROUD_M = 0.001

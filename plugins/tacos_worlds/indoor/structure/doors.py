@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import CHROME, GOLD, Finish, Style
-from tacos_worlds.indoor.floor_plan import WALL_M, Door, FloorPlan, Rect
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import BACKGROUND, Piece
-from tacos_worlds.indoor.shapes import box, tube
+from tacos_worlds.indoor.floor_plan import WALL_M, Door, FloorPlan
+from tacos_worlds.kit.finishes import CHROME, GOLD, Finish, Style
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.piece import BACKGROUND, Piece
+from tacos_worlds.kit.rectangle import Rect
+from tacos_worlds.kit.shapes import box, tube
 
 LINING_M = 0.03
 """Thickness of the frame inside the hole in the wall [m]."""

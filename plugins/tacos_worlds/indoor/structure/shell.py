@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from tacos_worlds.indoor.finishes import Finish, Style
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import BACKGROUND, Piece
-from tacos_worlds.indoor.shapes import panel
 from tacos_worlds.indoor.structure.sides import Opening, Side, wall_face
+from tacos_worlds.kit.finishes import Finish, Style
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.piece import BACKGROUND, Piece
+from tacos_worlds.kit.rectangle import Rect
+from tacos_worlds.kit.shapes import panel
 
 _SKIRTING_M = 0.08
 _SKIRTING_DEPTH_M = 0.014

@@ -8,9 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from tacos_worlds.indoor.floor_plan import FloorPlan, Rect
-from tacos_worlds.indoor.mesh import Floats, Mesh
-from tacos_worlds.indoor.piece import Piece
+from tacos_worlds.indoor.floor_plan import FloorPlan
+from tacos_worlds.kit.mesh import Floats, Mesh
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.rectangle import Rect
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import WHITE_LACQUER, Finish, Style
-from tacos_worlds.indoor.mesh import Mesh
-from tacos_worlds.indoor.piece import BACKGROUND, Piece
-from tacos_worlds.indoor.shapes import box, panel, sheet, tube
 from tacos_worlds.indoor.structure.sides import Opening, Side
+from tacos_worlds.kit.finishes import WHITE_LACQUER, Finish, Style
+from tacos_worlds.kit.mesh import Mesh
+from tacos_worlds.kit.piece import BACKGROUND, Piece
+from tacos_worlds.kit.shapes import box, panel, sheet, tube
 
 _RECESS_M = 0.14
 _CURTAIN_LINE_M = 0.12

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from tacos_worlds.indoor.colours import linear, muted
-from tacos_worlds.indoor.finishes import BLACK_PLASTIC, DARK_GLASS, GREY_PLASTIC, Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, merged, rotation_x
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import box, disc_stack, slab
+from tacos_worlds.kit.colours import linear, muted
+from tacos_worlds.kit.finishes import BLACK_PLASTIC, DARK_GLASS, GREY_PLASTIC, Finish, Style
+from tacos_worlds.kit.mesh import Mesh, merged, rotation_x
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import box, disc_stack, slab
 
 _PAGES = Finish("", (0.78, 0.75, 0.68), roughness=0.95)
 _INK = Finish("", (0.16, 0.16, 0.17), roughness=0.95)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_worlds.indoor.colours import linear, muted
-from tacos_worlds.indoor.finishes import CERAMIC, STEEL, Finish, Style
-from tacos_worlds.indoor.mesh import Mesh, merged
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import disc_stack, slab, tube
+from tacos_worlds.kit.colours import linear, muted
+from tacos_worlds.kit.finishes import CERAMIC, STEEL, Finish, Style
+from tacos_worlds.kit.mesh import Mesh, merged
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import disc_stack, slab, tube
 
 _TEA = Finish("", (0.10, 0.035, 0.012), roughness=0.3)
 _GLASS = Finish("", (0.34, 0.40, 0.42), roughness=0.15)

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from tacos_worlds.indoor.colours import Colour, linear, muted
-from tacos_worlds.indoor.finishes import BLACK_PLASTIC, STEEL, Finish, Style
-from tacos_worlds.indoor.mesh import Floats, Mesh, merged
-from tacos_worlds.indoor.piece import Piece, piece
-from tacos_worlds.indoor.shapes import disc_stack, sheet, tube
 from tacos_worlds.indoor.things.tableware import glaze
+from tacos_worlds.kit.colours import Colour, linear, muted
+from tacos_worlds.kit.finishes import BLACK_PLASTIC, STEEL, Finish, Style
+from tacos_worlds.kit.mesh import Floats, Mesh, merged
+from tacos_worlds.kit.piece import Piece, piece
+from tacos_worlds.kit.shapes import disc_stack, sheet, tube
 
 _BOTTLES: tuple[Colour, ...] = (
     (0.015, 0.05, 0.02), (0.05, 0.018, 0.008), (0.30, 0.36, 0.38), (0.02, 0.07, 0.03),

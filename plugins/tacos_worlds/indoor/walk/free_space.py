@@ -11,7 +11,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from tacos_worlds.indoor.building import Building
-from tacos_worlds.indoor.floor_plan import Rect
+from tacos_worlds.kit.rectangle import Rect
 
 CELL_M = 0.1
 CLEARANCE_M = 0.35

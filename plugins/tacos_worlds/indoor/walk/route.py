@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +12,8 @@ from tacos_worlds.indoor.building import Building
 from tacos_worlds.indoor.floor_plan import FloorPlan
 from tacos_worlds.indoor.walk.band_loops import relax
 from tacos_worlds.indoor.walk.free_space import CELL_M, CLEARANCE_M, FreeSpace
+from tacos_worlds.kit.walk.route import STEP_M, Route
 
-STEP_M = 0.05
-"""Distance between points of a path [m]."""
 _STRAIGHT_M = 0.45
 """The path runs straight through the middle of a door this far to either side of it [m]."""
 _FIXED_M = 0.18
@@ -25,22 +23,6 @@ _REACHES = (16, 10, 6)
 _SMOOTHING_STEPS = 150
 _ROUNDING_M = 0.2
 """Where the band leans on something it has a kink, rounded at last over this length [m]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Route:
-    """A path on the floor.
-
-    Parameters
-    ----------
-    points_m
-        (N, 2) points, about `STEP_M` apart [m].
-    door_at
-        For each doorway crossed, in order: (index of the path's point on its middle, index of the door).
-    """
-
-    points_m: NDArray[np.float64]
-    door_at: tuple[tuple[int, int], ...]
 
 
 def draw_tour(rng: np.random.Generator, plan: FloorPlan) -> tuple[int, list[int]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from tacos_worlds.indoor.textures.texture import Texture, texture
+from tacos_worlds.kit.textures.texture import Texture, texture
 from tacos_worlds.street.textures.walls import (
     CELL_M,
     CELLS,

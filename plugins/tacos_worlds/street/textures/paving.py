@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
-from tacos_worlds.indoor.textures.texture import Texture, blend, texture
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.textures.texture import Texture, blend, texture
 
 
 def _grey(shade: NDArray[np.float64]) -> NDArray[np.float64]:

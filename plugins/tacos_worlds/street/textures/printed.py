@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
-from tacos_worlds.indoor.textures.texture import Texture, blend, texture
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.textures.texture import Texture, blend, texture
 
 Colour = tuple[float, float, float]
 RED, BLUE, WHITE, BLACK = (0.75, 0.06, 0.09), (0.04, 0.22, 0.58), (0.93, 0.93, 0.92), (0.06, 0.06, 0.07)

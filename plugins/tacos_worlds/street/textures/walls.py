@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
 
 CELLS = 4
 """Bays and floors of a tile."""

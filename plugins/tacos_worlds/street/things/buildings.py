@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.mesh import Mesh, merged, shaded
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.indoor.shapes.boxes import slab
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.mesh import Mesh, merged, shaded
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.shapes.boxes import slab
 from tacos_worlds.street.finishes import (
     FRONTS,
     GALVANISED,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_worlds.indoor.mesh import Mesh, merged
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.indoor.shapes.boxes import slab
-from tacos_worlds.indoor.shapes.lofts import tube
+from tacos_worlds.kit.mesh import Mesh, merged
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.shapes.boxes import slab
+from tacos_worlds.kit.shapes.lofts import tube
 from tacos_worlds.street.city import CARRIAGEWAY_M, KERB_M
 from tacos_worlds.street.finishes import GREEN_METAL, STONE
 

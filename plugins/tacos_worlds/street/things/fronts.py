@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from tacos_plugins.lighting import white_at
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.mesh import Mesh, merged
-from tacos_worlds.indoor.shapes.boxes import slab
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.mesh import Mesh, merged
+from tacos_worlds.kit.shapes.boxes import slab
 from tacos_worlds.street.finishes import GALVANISED, ROOF_TILES, STONE
 from tacos_worlds.street.panels import panel
 

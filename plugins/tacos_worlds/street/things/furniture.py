@@ -10,13 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.lighting import emitter_luminance_cd_m2, white_at
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.mesh import Mesh, merged
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.indoor.shapes.boxes import slab
-from tacos_worlds.indoor.shapes.lofts import disc_stack, tube
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.mesh import Mesh, merged
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.shapes.boxes import slab
+from tacos_worlds.kit.shapes.lofts import disc_stack, tube
 from tacos_worlds.street.finishes import (
     DARK_METAL,
     GALVANISED,

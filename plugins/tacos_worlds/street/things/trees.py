@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.mesh import Floats, Indices, Mesh, merged, shaded
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.indoor.shapes.lofts import tube
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.mesh import Floats, Indices, Mesh, merged, shaded
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.shapes.lofts import tube
 from tacos_worlds.street.finishes import BARK
 
 _GREENS = ((0.78, 0.90, 0.72), (0.95, 1.0, 0.70), (0.60, 0.80, 0.62))

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.mesh import Mesh, merged, shaded
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.indoor.shapes.boxes import slab
-from tacos_worlds.indoor.shapes.lofts import loft
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.mesh import Mesh, merged, shaded
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.shapes.boxes import slab
+from tacos_worlds.kit.shapes.lofts import loft
 from tacos_worlds.street.finishes import (
     CAR_GLASS,
     HEADLIGHT,

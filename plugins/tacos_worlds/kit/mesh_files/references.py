@@ -11,10 +11,8 @@ from urllib.parse import unquote, urlsplit
 from trimesh.resolvers import Resolver
 
 from tacos_files.images import checked_header, decode_picture
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.files import limits, read_bytes
-from tacos_framework.files.limits import MB
-from tacos_framework.files.regular import too_large
+from tacos_framework import Fault, UserError
+from tacos_framework.files import MB, limits, read_bytes, too_large
 
 _DATA = "base64,"
 _TEXTURES_MB = 800

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tacos_worlds.indoor.mesh import Floats, Indices, Mesh, shaded
+from tacos_worlds.kit.mesh import Floats, Indices, Mesh, shaded
 
 
 def loft(rings: Sequence[Floats], *, capped: bool = True, crease_deg: float = 40.0) -> Mesh:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.colours import Colour, linear, muted
-from tacos_worlds.indoor.finishes import Finish
+from tacos_worlds.kit.colours import Colour, linear, muted
+from tacos_worlds.kit.finishes import Finish
 
 _SKINS: tuple[Colour, ...] = (
     (0.58, 0.37, 0.28),

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tacos_framework.values import MeshPart
+from tacos_framework import MeshPart
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.lighting import photopic, white_at
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
 
 SUN_DISTANCE_M = 10_000.0
 """Far enough for parallel rays across the town, near enough for float32 rays [m]."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
-from tacos_worlds.indoor.textures.texture import Texture, blend, texture
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.textures.texture import Texture, blend, texture
 
 _PALE = (0.93, 0.84, 0.70)
 _DARK = (0.70, 0.54, 0.36)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.indoor.colours import muted
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
-from tacos_worlds.indoor.textures.texture import Texture, blend, texels_near, texture
+from tacos_worlds.kit.colours import muted
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.textures.texture import Texture, blend, texels_near, texture
 
 
 def _threads(rng: np.random.Generator, size: int, count: int) -> NDArray[np.float64]:

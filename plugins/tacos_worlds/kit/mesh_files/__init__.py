@@ -8,6 +8,6 @@
 
 from __future__ import annotations
 
-from tacos_worlds.mesh_files.read import SUFFIXES, MeshFile, read_mesh_file
+from tacos_worlds.kit.mesh_files.read import SUFFIXES, MeshFile, read_mesh_file
 
 __all__ = ["SUFFIXES", "MeshFile", "read_mesh_file"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tacos_worlds.indoor.mesh import Floats, Indices, Mesh, merged, shaded
+from tacos_worlds.kit.mesh import Floats, Indices, Mesh, merged, shaded
 
 
 def panel(

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.files import limits
-from tacos_framework.files.regular import too_large
-from tacos_worlds.mesh_files.references import References
+from tacos_framework import Fault, UserError
+from tacos_framework.files import limits, too_large
+from tacos_worlds.kit.mesh_files.references import References
 
 _FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
 _MOST_GROUPS, _LONGEST = 5000, 10_000

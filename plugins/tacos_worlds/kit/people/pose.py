@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.mesh import Floats
+from tacos_worlds.kit.mesh import Floats
 
 ANKLE, KNEE, HIP, ELBOW, SHOULDER = 0.039, 0.285, 0.530, 0.630, 0.810
 """Heights of the joints of an upright body, as shares of its height.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-from tacos_worlds.indoor.walk.route import STEP_M, Route
+from tacos_worlds.kit.walk.route import STEP_M, Route
 
 KEY_RATE_HZ = 20.0
 """Poses per second of a trajectory [Hz]."""

@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from tacos_framework.values import Light
-from tacos_worlds.indoor.finishes import Finish, Style
-from tacos_worlds.indoor.floor_plan import Rect
-from tacos_worlds.indoor.mesh import Mesh, rotation_z
+from tacos_framework import Light
+from tacos_worlds.kit.finishes import Finish, Style
+from tacos_worlds.kit.mesh import Mesh, rotation_z
+from tacos_worlds.kit.rectangle import Rect
 
 BACKGROUND = "background"
 

@@ -13,12 +13,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.files import limits
-from tacos_framework.files.regular import too_large
-from tacos_framework.files.text import parse_json
-from tacos_worlds.mesh_files.gltf_shapes import TRIANGLES, GltfFile, GltfPrimitive
-from tacos_worlds.mesh_files.references import References
+from tacos_framework import Fault, UserError
+from tacos_framework.files import limits, parse_json, too_large
+from tacos_worlds.kit.mesh_files.gltf_shapes import TRIANGLES, GltfFile, GltfPrimitive
+from tacos_worlds.kit.mesh_files.references import References
 
 _MAGIC, _JSON, _BINARY = b"glTF", b"JSON", b"BIN\0"
 _HEAD, _CHUNK_HEAD = 12, 8

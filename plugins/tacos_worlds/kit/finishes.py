@@ -9,10 +9,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Material
-from tacos_worlds.indoor.colours import Colour, linear, muted, whitish
-from tacos_worlds.indoor.textures import cloth, mineral, printed, wood
-from tacos_worlds.indoor.textures.texture import Texture
+from tacos_framework import Material
+from tacos_worlds.kit.colours import Colour, linear, muted, whitish
+from tacos_worlds.kit.textures import cloth, mineral, printed, wood
+from tacos_worlds.kit.textures.texture import Texture
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tacos_worlds.indoor.shapes.boxes import box, cushion, slab
-from tacos_worlds.indoor.shapes.lofts import disc_stack, loft, superellipse, tube
-from tacos_worlds.indoor.shapes.surfaces import extruded, panel, sheet
+from tacos_worlds.kit.shapes.boxes import box, cushion, slab
+from tacos_worlds.kit.shapes.lofts import disc_stack, loft, superellipse, tube
+from tacos_worlds.kit.shapes.surfaces import extruded, panel, sheet
 
 __all__ = [
     "box",

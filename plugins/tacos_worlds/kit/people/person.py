@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tacos_worlds.indoor.finishes import Finish
-from tacos_worlds.indoor.mesh import Floats, Mesh, merged, shaded
-from tacos_worlds.indoor.piece import Piece
-from tacos_worlds.indoor.shapes import loft, slab, superellipse, tube
-from tacos_worlds.people.clothes import Clothes, draw_clothes
-from tacos_worlds.people.pose import HIP, Joints, Pose, joints_of, rotated_forward
+from tacos_worlds.kit.finishes import Finish
+from tacos_worlds.kit.mesh import Floats, Mesh, merged, shaded
+from tacos_worlds.kit.people.clothes import Clothes, draw_clothes
+from tacos_worlds.kit.people.pose import HIP, Joints, Pose, joints_of, rotated_forward
+from tacos_worlds.kit.piece import Piece
+from tacos_worlds.kit.shapes import loft, slab, superellipse, tube
 
 Rings = tuple[tuple[float, float, float, float], ...]
 """(height, half width, half depth, middle forward) of each ring, in shares of the body's height."""

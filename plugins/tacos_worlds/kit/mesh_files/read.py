@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_framework.files import limits, read_bytes
-from tacos_worlds.mesh_files.gltf import check_gltf, glb_chunks, parse_tree
-from tacos_worlds.mesh_files.plain import check_obj, check_ply
-from tacos_worlds.mesh_files.references import References
+from tacos_worlds.kit.mesh_files.gltf import check_gltf, glb_chunks, parse_tree
+from tacos_worlds.kit.mesh_files.plain import check_obj, check_ply
+from tacos_worlds.kit.mesh_files.references import References
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 """What the names of files of triangles end in."""

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tacos_worlds.indoor.mesh import Floats, Indices, Mesh, box_uv, shaded
+from tacos_worlds.kit.mesh import Floats, Indices, Mesh, box_uv, shaded
 
 Size = tuple[float, float, float]
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from tacos_framework.cache import content_key
-from tacos_framework.values import World
+from tacos_framework import World, content_key
 
 
 def world_key(name: str, world: World, *settled_later: float) -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_worlds.indoor.colours import muted
-from tacos_worlds.indoor.textures.noise import fractal, smoothstep
-from tacos_worlds.indoor.textures.texture import Texture, blend, texels_near, texture
+from tacos_worlds.kit.colours import muted
+from tacos_worlds.kit.textures.noise import fractal, smoothstep
+from tacos_worlds.kit.textures.texture import Texture, blend, texels_near, texture
 
 SPINES = 32
 """Book spines in a row of the texture of :func:`book_spines`."""

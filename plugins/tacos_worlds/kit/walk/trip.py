@@ -8,12 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.values import Crossing, Episode, Trajectory, World
-from tacos_worlds.indoor.building import Building
-from tacos_worlds.indoor.walk.free_space import FreeSpace
-from tacos_worlds.indoor.walk.motion import KEY_RATE_HZ, Walk, draw_walk
-from tacos_worlds.indoor.walk.route import draw_route
+from tacos_framework import Crossing, Episode, Fault, Trajectory, UserError, World
+from tacos_worlds.kit.walk.motion import KEY_RATE_HZ, Walk
 
 _FIRST_THRESHOLD_ID = 1
 """Thresholds are the first objects after the background, in the order of the doors."""
@@ -75,17 +71,6 @@ def joined(world: World, stretches: Iterable[Stretch]) -> Episode:
         walk=np.concatenate(numbers),
         crossings=tuple(crossings),
     )
-
-
-def draw_walks(
-    rng: np.random.Generator, building: Building, speed_m_s: float, camera_height_m: tuple[float, float]
-) -> Iterator[Walk]:
-    """Walks through all rooms without end, each on a way and at a height of its own."""
-    free = FreeSpace(building)
-    while True:
-        route = draw_route(rng, building, free)
-        height_m = float(rng.uniform(*camera_height_m))
-        yield draw_walk(rng, route, speed_m_s=speed_m_s, camera_height_m=height_m)
 
 
 def along_walks(
