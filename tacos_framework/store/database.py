@@ -23,6 +23,9 @@ FORMAT = 5
 PARTS = tuple(f"{DATABASE}{end}" for end in ("", "-wal", "-shm", "-journal"))
 """The database, and the files that sqlite has beside it while a process writes or after it was killed."""
 
+PAGE_BYTES = 4096
+"""Size of a page; a database with anything in it has more than one."""
+
 PATIENCE_S = 60.0
 """How long to wait for another process that reads or writes at this moment."""
 

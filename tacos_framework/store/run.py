@@ -10,7 +10,7 @@ from typing import Any
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_framework.settings.yaml_writer import to_yaml
-from tacos_framework.store.database import DATABASE, PARTS, Database, damage, other_version
+from tacos_framework.store.database import DATABASE, PAGE_BYTES, PARTS, Database, damage, other_version
 from tacos_framework.store.differences import differences
 from tacos_framework.store.folder import RunFolder
 from tacos_framework.store.reading import FILES, RESULT, read_run_file
@@ -70,8 +70,9 @@ class Results(RunFolder):
                     results._begin(recipe)
                     return results
             there = {path.name for path in results.folder.iterdir()}
-            computing = resumable and RESULT not in there
-            broken = DATABASE in there and (computing or results._has_checkpoint())
+            kinds = results._kinds()
+            computing = resumable and kinds is not None and RESULT not in there
+            broken = computing or CHECKPOINT in (kinds or ())
             remedy = "Go on with it by --resume, or name another with --out." if broken else _ANOTHER
             raise UserError(Fault(str(folder), "the results folder is not empty", "a new folder", remedy))
 
@@ -159,23 +160,19 @@ class Results(RunFolder):
     def _empty(self) -> bool:
         """Whether nothing is there but what a run leaves that ended before it had computed anything."""
         names = {path.name for path in self.folder.iterdir() if not path.name.endswith(PARTIAL)} - {*PARTS}
-        database = self.folder / DATABASE
-        if not names:
-            return not database.exists() or not self._has_content(default=False)
-        known = {RECIPE, LOG} <= names <= {RECIPE, LOG, MANIFEST}
-        return known and database.exists() and not self._has_content(default=True)
+        kinds, database = self._kinds(), self.folder / DATABASE
+        if not names and kinds is None:  # whoever was killed as it made the database has left one page of it
+            return not database.exists() or database.stat().st_size <= PAGE_BYTES
+        known = not names or {RECIPE, LOG} <= names <= {RECIPE, LOG, MANIFEST}
+        return known and kinds is not None and kinds <= {FILES}
 
-    def _has_content(self, default: bool) -> bool:
-        """Whether the database has more than digests of files; the default where it cannot be read."""
+    def _kinds(self) -> set[str] | None:
+        """Kinds of entries in the database; None where it is not there, or cannot be read."""
         try:
             with Database(self.folder / DATABASE, read_only=True) as database:
-                return not {*database.kinds()} <= {FILES}
+                return set(database.kinds())
         except UserError:
-            return default
-
-    def _has_checkpoint(self) -> bool:
-        with Database(self.folder / DATABASE, read_only=True) as database:
-            return CHECKPOINT in database.kinds()
+            return None
 
     def _begin(self, recipe: Mapping[str, Any]) -> None:
         """Write the recipe into a database of its own."""

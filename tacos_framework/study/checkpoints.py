@@ -53,14 +53,10 @@ class Checkpoints:
         if not now and began < self._not_before_s:
             return
         weights = self._written_weights(searches)
+        found = {"searches": {search.name: search.state() for search in searches}, **rest()}
         with self._results.transaction() as database:
-            checkpoint = {
-                "searches": {search.name: search.state() for search in searches},
-                "weights": weights,
-                "lines": {name: database.count(name) for name in self._line_files},
-                **rest(),
-            }
-            database.put(CHECKPOINT, 0, checkpoint)
+            lines = {name: database.count(name) for name in self._line_files}
+            database.put(CHECKPOINT, 0, {**found, "weights": weights, "lines": lines})
             self._journal.clear()
         self._results.keep_weights(weights.values())
         took = time.monotonic() - began

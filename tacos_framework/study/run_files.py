@@ -1,4 +1,4 @@
-"""Types of what the files of a study hold: a checksum that fits is no proof that a study wrote them."""
+"""Types of what the database of a study holds: a digest that fits is no proof that a study wrote it."""
 
 from __future__ import annotations
 

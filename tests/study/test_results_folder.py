@@ -131,6 +131,24 @@ def test_what_a_run_left_that_died_before_it_began_does_not_stand_in_the_way(tmp
             assert (folder / "recipe.yaml").exists()
 
 
+def test_a_database_of_somebody_else_is_left_alone(tmp_path):
+    with closing(sqlite3.connect(tmp_path / "run.sqlite")) as connection, connection:
+        connection.execute("CREATE TABLE runs (name TEXT)")
+    before = (tmp_path / "run.sqlite").read_bytes()
+    with pytest.raises(UserError, match="not empty"):
+        Results.create(tmp_path, RECIPE)
+    with pytest.raises(UserError, match="no run to resume"):
+        Results.resume(tmp_path, RECIPE)
+    assert (tmp_path / "run.sqlite").read_bytes() == before
+
+
+@pytest.mark.parametrize("page", [b"", b"SQLite format 3\0" + bytes(4080)])
+def test_a_database_that_was_never_finished_does_not_stand_in_the_way(tmp_path, page):
+    (tmp_path / "run.sqlite").write_bytes(page)
+    with Results.create(tmp_path, RECIPE) as results:
+        assert results.read_lines("lines.jsonl") == []
+
+
 @pytest.mark.parametrize(
     ("name", "content"),
     [
