@@ -93,6 +93,7 @@ from .recipe.parsing import recipe_from as recipe_from
 from .recipe.procedure import SHARED_KEYS as SHARED_KEYS
 from .recipe.procedure import ProcedureRecipe as ProcedureRecipe
 from .runner import run as run
+from .settings import KeyPath as KeyPath
 from .settings import Settings as Settings
 from .settings import also_called as also_called
 from .settings import check as check

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.graph import signature_of
+from tacos_framework import (
+    Episode,
+    Fault,
+    KeyPath,
+    Plugins,
+    Rig,
+    Settings,
+    Use,
+    UserError,
+    also_called,
+    check,
+    did_you_mean,
+    signature_of,
+)
 from tacos_framework.plan import ConfiguredComponent
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Use
-from tacos_framework.settings import Path, Settings, also_called, check
-from tacos_framework.values import Episode, Rig
 
 
 def part_of(use: Use, kind: str, plugins: Plugins) -> ConfiguredComponent:
@@ -53,7 +61,7 @@ def episode_of(scene: Any, **offered: Any) -> Episode:
 
 
 def _checked(kind: type[Settings], settings: dict[str, Any], name: str) -> Settings:
-    def where(path: Path) -> str:
+    def where(path: KeyPath) -> str:
         return ".".join(map(str, (name, *path)))
 
     checked, faults, _ = check(kind, settings, where)

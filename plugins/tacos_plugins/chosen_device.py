@@ -7,8 +7,7 @@ import os
 from contextlib import suppress
 from typing import Literal
 
-from tacos_framework.environment import DEVICE_VARIABLE, Gpu
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import DEVICE_VARIABLE, Fault, Gpu, UserError
 
 
 def chosen_device() -> int | Literal["cpu"] | None:

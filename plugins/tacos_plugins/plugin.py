@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_framework.components import Command, Component
-from tacos_framework.environment import EnvironmentFinding, Gpu
-from tacos_framework.hookspecs import hookimpl
+from tacos_framework import Command, Component, EnvironmentFinding, Gpu, hookimpl
 from tacos_plugins.authoring import commands as authoring
 from tacos_plugins.kept_worlds import commands as kept_worlds
 
@@ -300,7 +298,7 @@ def tacos_doctor() -> list[EnvironmentFinding]:
 
 
 def _opengl() -> EnvironmentFinding:
-    from tacos_framework.errors import UserError
+    from tacos_framework import UserError
     from tacos_plugins.renderers.moderngl.context import describe_gl
 
     try:

@@ -7,12 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tacos_framework import Fault, UserError
-from tacos_framework.store.database import DATABASE, Database
-from tacos_framework.store.folder import lines_file
-from tacos_framework.store.reading import FILES, DamagedError, file_of_run
-from tacos_framework.store.run import CHECKPOINT, MANIFEST, RECIPE
-from tacos_framework.study.journal import EVALUATIONS
-from tacos_framework.study.run_files import KeptCheckpoint, KeptJob, checked_type
+from tacos_framework.store import (
+    CHECKPOINT,
+    DATABASE,
+    FILES,
+    MANIFEST,
+    RECIPE,
+    DamagedError,
+    Database,
+    file_of_run,
+    lines_file,
+)
+from tacos_framework.study import EVALUATIONS, KeptCheckpoint, KeptJob, checked_type
 
 MEANINGS: Mapping[str, str] = {
     DATABASE: "The run cannot go on, and nothing tells whether its other files are whole.",

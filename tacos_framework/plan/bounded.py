@@ -14,7 +14,7 @@ from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.quantities import Constraint, Objective, quantity
 from tacos_framework.recipe import Bounds
-from tacos_framework.settings import Path
+from tacos_framework.settings import KeyPath
 from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 
@@ -77,7 +77,7 @@ def find_constraints(findings: RecipeFindings, known: Boundable | None) -> tuple
 
 
 def _make_sense(
-    findings: RecipeFindings, path: Path, name: str, bounds: Bounds, known: Boundable | None
+    findings: RecipeFindings, path: KeyPath, name: str, bounds: Bounds, known: Boundable | None
 ) -> bool:
     limits = [limit for limit in (bounds.min, bounds.max) if limit is not None]
     column, words = known.columns.get(name, (None, frozenset())) if known else (None, frozenset())

@@ -9,7 +9,7 @@ from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.targets import target_of
-from tacos_framework.settings import Path, check
+from tacos_framework.settings import KeyPath, check
 from tacos_framework.variables.design_space import DesignSpace
 
 
@@ -35,7 +35,7 @@ def check_camera_names(
             findings.add(path, what, "a camera that has the effect")
 
 
-Named = tuple[Path, str, tuple[str, ...] | None]
+Named = tuple[KeyPath, str, tuple[str, ...] | None]
 """A place, the camera it names, and the cameras that an effect there acts on where that matters."""
 
 

@@ -14,7 +14,7 @@ from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.settable import Settable
 from tacos_framework.recipe import Between, Choose, FromCatalog, Recipe
-from tacos_framework.settings import Path, Settings, check
+from tacos_framework.settings import KeyPath, Settings, check
 from tacos_framework.variables.design_space import (
     CatalogChoice,
     Categorical,
@@ -67,7 +67,7 @@ def find_space(
 
 
 def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Variable | None:
-    path: Path = ("design", name)
+    path: KeyPath = ("design", name)
     if isinstance(entry, FromCatalog):
         path = (*path, "from")
     try:
@@ -148,7 +148,7 @@ def _corners(space: DesignSpace) -> Iterator[dict[str, Any]]:
         yield {name: value for name, value in values.items() if "." not in name}
 
 
-def _where_given(recipe: Recipe, fixed: Mapping[str, Any], path: Path) -> str:
+def _where_given(recipe: Recipe, fixed: Mapping[str, Any], path: KeyPath) -> str:
     """Where a variable of the rig stands in the recipe."""
     section = "rig" if path and path[0] in fixed else "design"
     return recipe.where((section, *path))

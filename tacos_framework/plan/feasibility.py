@@ -16,7 +16,7 @@ from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.plan import Plan
 from tacos_framework.quantities import Breach
 from tacos_framework.randomness import generator
-from tacos_framework.settings import Path
+from tacos_framework.settings import KeyPath
 from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 SPREAD_TRIES = 500
@@ -136,6 +136,6 @@ def check_feasible(findings: RecipeFindings, plan: Plan) -> None:
         findings.add(("constraints",), what, "", "Relax one of them, or widen the design space.")
 
 
-def _place(plan: Plan, name: str) -> Path:
+def _place(plan: Plan, name: str) -> KeyPath:
     """Where in the recipe a constraint stands; one of the rig's own, where the design does."""
     return ("constraints", name) if name in plan.recipe.constraints else ("design",)

@@ -13,7 +13,7 @@ from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, Use
-from tacos_framework.settings import Path, Settings, check, with_paths_from
+from tacos_framework.settings import KeyPath, Settings, check, with_paths_from
 
 _CAMERAS = Annotated[tuple[str, ...], Field(min_length=1)]
 
@@ -36,23 +36,23 @@ class RecipeFindings:
         """The faults of each file by line and column."""
         return sorted(self.recipe.without_echoes(self.faults), key=_place)
 
-    def add(self, path: Path, what: str, expected: str = "", remedy: str = "") -> None:
+    def add(self, path: KeyPath, what: str, expected: str = "", remedy: str = "") -> None:
         """Keep a fault at a place in the recipe."""
         self.faults.append(Fault(self.recipe.where(path), what, expected, remedy))
 
-    def adopt(self, path: Path, error: UserError) -> None:
+    def adopt(self, path: KeyPath, error: UserError) -> None:
         """Keep the faults of a part of the recipe that was read elsewhere, with its place in the recipe."""
         place = self.recipe.where(path)
         for fault in error.faults:
             self.faults.append(Fault(f"{place}: {fault.where}", fault.what, fault.expected, fault.remedy))
 
-    def checked(self, kind: type[Settings], settings: Mapping[str, Any], path: Path) -> Settings | None:
+    def checked(self, kind: type[Settings], settings: Mapping[str, Any], path: KeyPath) -> Settings | None:
         """Settings at a place in the recipe; None where they are at fault."""
         config, faults, _ = check(kind, settings, lambda below: self.recipe.where((*path, *below)))
         self.faults.extend(faults)
         return config
 
-    def cameras(self, raw: Any, path: Path) -> tuple[str, ...] | None:
+    def cameras(self, raw: Any, path: KeyPath) -> tuple[str, ...] | None:
         """The ``cameras:`` of an effect; None where it has none, or they are at fault."""
         if raw is None:
             return None
@@ -62,7 +62,7 @@ class RecipeFindings:
         self.faults.extend(faults)
         return names
 
-    def component(self, use: str, kind: str | None, path: Path) -> type[Any] | None:
+    def component(self, use: str, kind: str | None, path: KeyPath) -> type[Any] | None:
         """The class of a component; None where there is no such component of that kind."""
         try:
             return self.plugins.resolve(use, kind, where=self.recipe.where((*path, "use")))
@@ -70,14 +70,14 @@ class RecipeFindings:
             self.faults.extend(error.faults)
             return None
 
-    def part(self, use: Use, kind: str, path: Path) -> ConfiguredComponent | None:
+    def part(self, use: Use, kind: str, path: KeyPath) -> ConfiguredComponent | None:
         """A component with its settings; None where either is at fault."""
         cls = self.component(use.use, kind, path)
         return None if cls is None else self.configured(cls, use.use, use.settings, path)
 
     def executor(self) -> ConfiguredComponent | None:
         """Where candidates are evaluated; where the recipe does not say, what stands for it."""
-        path: Path = ("executor",)
+        path: KeyPath = ("executor",)
         use = self.recipe.executor
         try:
             use = use or Use(use=self.plugins.default("executor", where=self.recipe.where(path)))
@@ -87,7 +87,7 @@ class RecipeFindings:
         return self.part(use, "executor", path)
 
     def configured(
-        self, cls: type[Any], use: str, settings: Mapping[str, Any], path: Path
+        self, cls: type[Any], use: str, settings: Mapping[str, Any], path: KeyPath
     ) -> ConfiguredComponent | None:
         """A component class with its settings; None where they, or what they lead to, are at fault."""
         settings = with_paths_from(lambda name: self.recipe.folder_of((*path, name)), cls.Config, settings)

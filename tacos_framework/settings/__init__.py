@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.settings.checking import Path, check
+from tacos_framework.settings.checking import KeyPath, check
 from tacos_framework.settings.settings import (
     Settings,
     also_called,
@@ -19,7 +19,7 @@ from tacos_framework.settings.settings import (
 )
 
 __all__ = [
-    "Path",
+    "KeyPath",
     "Settings",
     "also_called",
     "averaging_of",

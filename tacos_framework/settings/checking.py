@@ -16,7 +16,7 @@ from tacos_framework.errors import Fault, did_you_mean
 from tacos_framework.settings.settings import Settings, also_called
 from tacos_framework.settings.wording import expected_by
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """Keys and indices from the top of a recipe to a value."""
 
 Checked = TypeVar("Checked")
@@ -25,9 +25,9 @@ Checked = TypeVar("Checked")
 def check(
     kind: type[Checked] | Any,
     raw: Any,
-    where: Callable[[Path], str],
+    where: Callable[[KeyPath], str],
     name: str = "",
-) -> tuple[Checked | None, list[Fault], list[Path]]:
+) -> tuple[Checked | None, list[Fault], list[KeyPath]]:
     """Validate plain data strictly against a Settings class or any type.
 
     Strictly means: text is not taken for a number, a number not for a switch; lists do stand for tuples.
@@ -51,20 +51,20 @@ def check(
     try:
         return adapter.validate_json(json.dumps(raw), strict=True), [], []
     except ValidationError as error:
-        complaints: dict[Path, list[Mapping[str, Any]]] = {}
+        complaints: dict[KeyPath, list[Mapping[str, Any]]] = {}
         for details in error.errors(include_url=False):
             complaints.setdefault(_place(kind, details).path, []).append(details)
         paths = [path for path in complaints if not _is_told_below(path, complaints)]
         return None, [_fault(complaints[path], kind, where, name) for path in paths], paths
 
 
-def _is_told_below(path: Path, paths: Iterable[Path]) -> bool:
+def _is_told_below(path: KeyPath, paths: Iterable[KeyPath]) -> bool:
     """Whether what is wrong is an entry, and not that there are entries: another type may be allowed too."""
     return any(len(other) > len(path) and other[: len(path)] == path for other in paths)
 
 
 def _fault(
-    complaints: Sequence[Mapping[str, Any]], kind: Any, where: Callable[[Path], str], top: str
+    complaints: Sequence[Mapping[str, Any]], kind: Any, where: Callable[[KeyPath], str], top: str
 ) -> Fault:
     """The fault of one value; there is a complaint for each type that it might have had."""
     details = complaints[0]
@@ -97,12 +97,12 @@ def _expected(kind: Any, complaint: Mapping[str, Any]) -> str:
     return f"{len(get_args(place.kind))} entries" if place.is_too_short else expected_by(complaint)
 
 
-def clash_fault(sentence: str, given: Mapping[str, Any], where: Callable[[Path], str]) -> Fault:
+def clash_fault(sentence: str, given: Mapping[str, Any], where: Callable[[KeyPath], str]) -> Fault:
     """What is wrong with several settings at once, at the first of them that the sentence names."""
     return Fault(where(_first_named(sentence, given)), sentence, "", "Change one of them.")
 
 
-def _first_named(sentence: str, given: Mapping[str, Any]) -> Path:
+def _first_named(sentence: str, given: Mapping[str, Any]) -> KeyPath:
     """The key that a complaint about several names first, among those that were given."""
     words = re.findall(r"\w+", sentence)
     return next(((word,) for word in words if word in given), ())
@@ -122,7 +122,7 @@ def _help(field: FieldInfo | None) -> str:
 class _Place:
     """Where pydantic complains: the path in the file, the class and field it leads to, and their type."""
 
-    path: Path
+    path: KeyPath
     model: type[BaseModel] | None
     field: FieldInfo | None
     kind: Any
@@ -137,7 +137,7 @@ def _place(kind: Any, complaint: Mapping[str, Any]) -> _Place:
     return _at(kind, steps)
 
 
-def _at(kind: Any, steps: Path) -> _Place:
+def _at(kind: Any, steps: KeyPath) -> _Place:
     """What a way of pydantic's leads to; it also names members of unions, which are in no file."""
     model: type[BaseModel] | None = None
     field = next((note for note in get_args(kind)[1:] if isinstance(note, FieldInfo)), None)

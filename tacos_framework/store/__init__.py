@@ -15,21 +15,38 @@
 
 from __future__ import annotations
 
+from tacos_framework.store.database import DATABASE, Database
+from tacos_framework.store.folder import is_in_use, lines_file
 from tacos_framework.store.reading import (
     DESIGNED,
+    FILES,
     RESULT,
+    DamagedError,
+    file_of_run,
     read_result,
     read_run_json,
     read_run_lines,
 )
-from tacos_framework.store.run import Results, read_recipe
+from tacos_framework.store.run import CHECKPOINT, MANIFEST, RECIPE, Results, read_recipe
+from tacos_framework.store.writing import replace_file
 
 __all__ = [
+    "CHECKPOINT",
+    "DATABASE",
     "DESIGNED",
+    "FILES",
+    "MANIFEST",
+    "RECIPE",
     "RESULT",
+    "DamagedError",
+    "Database",
     "Results",
+    "file_of_run",
+    "is_in_use",
+    "lines_file",
     "read_recipe",
     "read_result",
     "read_run_json",
     "read_run_lines",
+    "replace_file",
 ]

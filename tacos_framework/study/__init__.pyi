@@ -1,10 +1,14 @@
 from .failing import KeepsFailing as KeepsFailing
 from .finalists import rescore_finalists as rescore_finalists
 from .fitness_contributions import contributions as contributions
+from .journal import EVALUATIONS as EVALUATIONS
 from .pipelined import score_pipelined as score_pipelined
 from .problem import broken_by as broken_by
 from .progress import Progress as Progress
 from .progress import Silent as Silent
+from .run_files import KeptCheckpoint as KeptCheckpoint
+from .run_files import KeptJob as KeptJob
+from .run_files import checked_type as checked_type
 from .running import run_study as run_study
 from .search import Search as Search
 from .sequential import PairedInterval as PairedInterval

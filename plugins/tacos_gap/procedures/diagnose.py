@@ -25,7 +25,7 @@ from tacos_framework import (
     setting,
 )
 from tacos_framework.formation import PlacedSensor
-from tacos_framework.store.writing import replace_file
+from tacos_framework.store import replace_file
 from tacos_framework.study import KeepsFailing
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis, Parameter

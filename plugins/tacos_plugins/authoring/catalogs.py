@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.catalog import (
+from tacos_framework import (
     Catalog,
     CatalogPart,
     OffTheShelf,

@@ -6,8 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from tacos_framework.cli.exits import DONE
-from tacos_framework.components import KINDS, Command
+from tacos_framework import DONE, KINDS, Command
 
 SHELLS = ("bash", "zsh", "fish")
 
@@ -58,7 +57,7 @@ def _recipes(arguments: argparse.Namespace) -> int:
 def _schema(arguments: argparse.Namespace) -> int:
     import json
 
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins
     from tacos_plugins.authoring.reference.recipe_schema import recipe_schema
 
     plugins = Plugins.discover()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 
 _RECIPES = {"bash": "_tacos_recipe_files", "zsh": "_tacos_recipe_files", "fish": "(__tacos_recipes)"}
 """How each shell is asked for recipes; bash takes what this prints for files, as its name says so."""
@@ -53,7 +53,7 @@ def completion_script(shell: str, command: str | None = None) -> str:
     except ModuleNotFoundError:
         missing = Fault("tacos completion", "shtab is not installed", "", "pip install shtab")
         raise UserError(missing) from None
-    from tacos_framework.packaged_resources import shipped_folder, shipped_names
+    from tacos_framework import shipped_folder, shipped_names
 
     recipes = " ".join(shipped_names(shipped_folder("recipes")))
     preamble = _PREAMBLE[shell].format(recipes=recipes)
@@ -63,13 +63,12 @@ def completion_script(shell: str, command: str | None = None) -> str:
 
 def _parsers() -> Iterable[argparse.ArgumentParser]:
     """The two command lines, with what their arguments may be."""
-    from tacos_framework.catalog import catalog_names
-    from tacos_framework.cli import run, tacos
-    from tacos_framework.plugins import Plugins
+    from tacos_framework import Plugins, catalog_names
+    from tacos_framework.cli import run_parser, tacos_parser
     from tacos_plugins.authoring.catalogs import CAMERAS
 
     plugins = Plugins.discover()
-    runs, around = run.parser(), tacos.parser(plugins)
+    runs, around = run_parser(), tacos_parser(plugins)
     components = [registered.component for registered in plugins]
     _argument(runs, "executor").choices = [c.use for c in components if c.kind == "executor"]
     catalog = _argument(around, "command").choices["catalog"]  # type: ignore[index]

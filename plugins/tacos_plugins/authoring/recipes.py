@@ -6,9 +6,8 @@ import re
 from itertools import takewhile
 from pathlib import Path
 
+from tacos_framework import read_yaml, shipped_folder, shipped_names
 from tacos_framework.files import read_text
-from tacos_framework.packaged_resources import shipped_folder, shipped_names
-from tacos_framework.settings.yaml_reader import read_yaml
 
 _SENTENCE = re.compile(r".+?[.?](?=\s+[A-Z]|$)")
 """The first sentence; the stop of "Sec. 4.3" ends none."""

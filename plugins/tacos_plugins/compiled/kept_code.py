@@ -10,7 +10,7 @@ import numpy as np
 from numba.core.caching import FunctionCache
 from numba.extending import is_jitted
 
-from tacos_framework.cache import content_key
+from tacos_framework import content_key
 
 _WRITTEN_IN = (bool, int, float, str, tuple, np.generic, np.ndarray)
 """What a global is that numba writes into code as it stands."""

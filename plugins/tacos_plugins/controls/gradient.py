@@ -6,8 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.settings import setting
-from tacos_framework.values import Exposure, ImageContext
+from tacos_framework import Exposure, ImageContext, setting
 from tacos_plugins.controls.limits import ExposureLimits, signal_shares
 
 GAMMAS = (1 / 1.9, 1 / 1.5, 1 / 1.2, 1.0, 1.2, 1.5, 1.9)

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.camera.colour import luminance
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext
+from tacos_framework import Exposure, ImageContext, Settings, setting
+from tacos_framework.camera import luminance
 
 
 class ExposureLimits(Settings):

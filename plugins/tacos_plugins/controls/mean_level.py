@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.settings import setting
-from tacos_framework.values import Exposure, ImageContext
+from tacos_framework import Exposure, ImageContext, setting
 from tacos_plugins.controls.limits import ExposureLimits, signal_shares
 
 DARKEST = 1e-3

@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts.observed import ObservedCapture
+from tacos_framework import ObservedCapture
 from tacos_plugins.effects.mosaic_cells import cell_means, of_pixels
 
 ITERATIONS = 60

@@ -10,12 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.camera.colour import luminance
-from tacos_framework.camera.exposure import exposure_per_luminance
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.contracts.observed import Captures
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_framework.camera import exposure_per_luminance, luminance
 from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling, settling_of
 from tacos_plugins.effects.shown_by import SEQUENCE
 

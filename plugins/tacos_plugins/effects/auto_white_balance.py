@@ -8,10 +8,16 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.contracts.observed import Captures
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ContextMissing,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+)
 from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling, settling_of
 from tacos_plugins.effects.shown_by import SEQUENCE
 

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts.observed import Captures, ObservedCapture
+from tacos_framework import Captures, ObservedCapture
 
 WIDEST_FOCAL = 0.15
 LONGEST_FOCAL = 30.0

@@ -9,10 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, lit
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ContextMissing,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    lit,
+    setting,
+)
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import COLOURS
 

@@ -11,11 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.contracts.observed import Captures
-from tacos_framework.randomness import generator
-from tacos_framework.settings import Settings, physical, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    generator,
+    physical,
+    setting,
+)
 from tacos_plugins.effects.darks import SteadyDark, steady_darks
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.pointwise import Moments

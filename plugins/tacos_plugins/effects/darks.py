@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts.observed import Captures, ObservedCapture, of_kind
+from tacos_framework import Captures, ObservedCapture, of_kind
 
 ROUNDING_DN = 0.5
 """What a value must exceed to be seen in a file of whole numbers, without noise [DN]."""

@@ -9,11 +9,18 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures
-from tacos_framework.randomness import generator
-from tacos_framework.settings import Settings, physical, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    Settings,
+    ShownBy,
+    Stage,
+    generator,
+    physical,
+    setting,
+)
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.line_defects import bad_lines

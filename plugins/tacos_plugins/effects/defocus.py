@@ -10,10 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, structured
-from tacos_framework.settings import Settings, physical, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    Settings,
+    ShownBy,
+    Stage,
+    physical,
+    setting,
+    structured,
+)
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius

@@ -8,9 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
+from tacos_framework import ContextMissing, ImageContext, ImageGeometry, Settings, Stage, setting
 from tacos_plugins.effects.mosaic import METHODS, mosaic
 
 

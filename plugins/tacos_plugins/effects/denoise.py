@@ -10,9 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 SIZE_PX = 5

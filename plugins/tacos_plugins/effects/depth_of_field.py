@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import ImageGeometry
+from tacos_framework import ImageGeometry
 from tacos_plugins.effects.blur import blur
 from tacos_plugins.effects.disc import disc_kernel
 

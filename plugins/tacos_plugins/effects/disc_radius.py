@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from tacos_framework.contracts.observed import ObservedCapture
+from tacos_framework import ObservedCapture
 from tacos_plugins.effects.blur import disc_transfer
 
 RADII_PX = np.geomspace(0.3, 20.0, 55)

@@ -8,10 +8,16 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures
-from tacos_framework.settings import physical, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    ShownBy,
+    Stage,
+    physical,
+    setting,
+)
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.darks import steady_darks
 from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern, pixel_pattern

@@ -8,9 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects.shown_by import LEVELS
 
 

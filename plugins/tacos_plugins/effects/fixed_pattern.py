@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_files.arrays import read_npy
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.randomness import generator
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageGeometry
+from tacos_framework import Fault, ImageGeometry, Settings, UserError, generator, setting
 
 _KEPT = 8  # patterns kept for the next batch; a candidate with another sensor draws anew
 

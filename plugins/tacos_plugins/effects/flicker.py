@@ -9,10 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, lit
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, lit, setting
 from tacos_plugins.effects.shown_by import LAMPS
 
 

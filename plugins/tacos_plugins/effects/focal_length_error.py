@@ -8,11 +8,21 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, ObservedCapture, of_kind, structured
-from tacos_framework.settings import Settings, physical, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    ObservedCapture,
+    Settings,
+    ShownBy,
+    Stage,
+    of_kind,
+    physical,
+    setting,
+    structured,
+)
+from tacos_framework.camera import Places
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.alignment import aligned_with_expected
 from tacos_plugins.effects.board_calibration import calibrated

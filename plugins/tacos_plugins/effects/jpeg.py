@@ -10,10 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Stage
-from tacos_framework.contracts.observed import Captures
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, Stage, setting
 
 _SAMPLING = {
     "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,

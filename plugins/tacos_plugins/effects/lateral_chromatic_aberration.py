@@ -8,11 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.camera.resampling import resample
-from tacos_framework.contracts import Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import ImageContext, ImageGeometry, Settings, Stage, setting
+from tacos_framework.camera import Places, resample
 
 _LARGEST = 0.05
 _ROUNDS = 6

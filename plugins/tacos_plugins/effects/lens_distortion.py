@@ -10,11 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, ObservedCapture
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    ObservedCapture,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+)
+from tacos_framework.camera import Places
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.board_calibration import calibrated
 from tacos_plugins.effects.lens_models import BrownConrady, Fisheye

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from tacos_framework.contracts.observed import Captures, ObservedCapture, of_kind
+from tacos_framework import Captures, ObservedCapture, of_kind
 from tacos_plugins.effects.darks import ROUNDING_DN, middle_and_spread
 
 NEIGHBOURS = 9

@@ -8,10 +8,17 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, structured
-from tacos_framework.settings import Settings, physical, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    physical,
+    setting,
+    structured,
+)
 from tacos_plugins.effects.blur import blur, kernel_of, line_transfer
 from tacos_plugins.effects.shown_by import EDGES_OR_MOTION
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tacos_framework.contracts.observed import Captures, lit, of_kind, structured
+from tacos_framework import Captures, lit, of_kind, structured
 
 FEWEST_VIEWS = 3
 """Views of a board below which lens, focal length and pose are mixed up."""

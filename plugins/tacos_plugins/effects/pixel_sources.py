@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.values import ImageGeometry
+from tacos_framework import ImageGeometry
+from tacos_framework.camera import Places
 
 _ROUNDS = 6
 _CLOSE_PX = 1e-4

@@ -9,12 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from tacos_framework.camera.geometry import invert_pose
-from tacos_framework.camera.motion import Places, inverse_depth, reprojected
-from tacos_framework.camera.resampling import resample_inverse_depth
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_framework.camera import Places, inverse_depth, invert_pose, reprojected, resample_inverse_depth
 from tacos_plugins.effects.pixel_sources import source_of
 from tacos_plugins.effects.shown_by import PLACES
 

@@ -8,9 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.settings import setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import ImageContext, ImageGeometry, LookAlike, ShownBy, Stage, setting
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.fixed_pattern import PatternSettings, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments

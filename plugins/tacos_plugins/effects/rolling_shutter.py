@@ -8,11 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places
-from tacos_framework.camera.resampling import nearest
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import ImageContext, ImageGeometry, LookAlike, Settings, ShownBy, Stage, setting
+from tacos_framework.camera import Places, nearest
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.pixel_sources import source_of
 from tacos_plugins.effects.shown_by import MOTION

@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
-from tacos_framework.contracts import ShownBy, Stage
-from tacos_framework.contracts.observed import Captures
-from tacos_framework.settings import Settings, physical, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, physical, setting
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import BRACKET
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts.observed import Captures, ObservedCapture, of_kind
+from tacos_framework import Captures, ObservedCapture, of_kind
 
 FEWEST_FRAMES = 3
 """Frames of a sequence that tell a drift from two frames that differ."""

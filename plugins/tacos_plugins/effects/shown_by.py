@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.contracts import ShownBy
+from tacos_framework import ShownBy
 from tacos_plugins.effects.observations import (
     FEWEST_TIMES,
     FEWEST_VIEWS,

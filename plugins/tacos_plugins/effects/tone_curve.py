@@ -11,10 +11,17 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 from scipy.interpolate import PchipInterpolator
 
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, lit
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    Settings,
+    ShownBy,
+    Stage,
+    lit,
+    setting,
+)
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.pointwise import Moments, moments_behind
 from tacos_plugins.effects.shown_by import BRACKET

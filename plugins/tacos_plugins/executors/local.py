@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
-from tacos_framework.settings import Settings
+from tacos_framework import Settings
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, TypeVar
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, setting
 from tacos_plugins.executors.outcomes import results
 from tacos_plugins.executors.pool import Limits, Pool
 

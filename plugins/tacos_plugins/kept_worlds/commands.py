@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 
-from tacos_framework.cli.exits import DONE
-from tacos_framework.components import Command
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import DONE, Command, Fault, UserError
 
 _UNITS = {"": 1, "B": 1, "KB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
 

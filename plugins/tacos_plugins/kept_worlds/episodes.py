@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from tacos_framework.cache import content_key
-from tacos_framework.settings import Settings
-from tacos_framework.values import (
+from tacos_framework import (
     Crossing,
     Episode,
     Light,
@@ -15,8 +13,10 @@ from tacos_framework.values import (
     MeshPart,
     Mover,
     Object,
+    Settings,
     Trajectory,
     World,
+    content_key,
 )
 from tacos_plugins.kept_worlds.fingerprints import code_key, settings_key
 from tacos_plugins.kept_worlds.store import WorldStore

@@ -9,9 +9,8 @@ from importlib.metadata import distributions
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.cache import content_key
-from tacos_framework.files.trees import checksums_below
-from tacos_framework.settings import Settings, paths_in
+from tacos_framework import Settings, content_key, paths_in
+from tacos_framework.files import checksums_below
 
 
 def code_key(cls: type[Any]) -> str | None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import World
+from tacos_framework import World
 from tacos_plugins.lighting.emitters import photopic
 from tacos_plugins.lighting.transport import LightTransport
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.lighting.occlusion import Occlusion
 
 Samples = Iterator[tuple[NDArray[np.intp], NDArray[np.float32], NDArray[np.float64]]]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tacos_framework.camera.colour import luminance
+from tacos_framework.camera import luminance
 
 
 def photopic(channels: ArrayLike) -> NDArray[np.float64]:

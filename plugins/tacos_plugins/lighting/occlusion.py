@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import World
+from tacos_framework import World
 
 Vectors = NDArray[np.float32]
 

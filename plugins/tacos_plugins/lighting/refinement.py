@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import MeshPart, World
+from tacos_framework import MeshPart, World
 
 
 def refined(world: World, edge_m: float) -> World:

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
-from tacos_framework.values import Material
+from tacos_framework import Material
+from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 
 
 def mean_reflectances(materials: Sequence[Material]) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import World
+from tacos_framework import World
 from tacos_plugins.lighting.occlusion import Occlusion
 
 _NUDGE_M = 0.04

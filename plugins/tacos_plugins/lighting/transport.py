@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, get_index_dtype
 
-from tacos_framework.values import World
+from tacos_framework import World
 from tacos_plugins.lighting.direct import SURFACE_OFFSET_M, direct_irradiance
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.lighting.refinement import refined

@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.contracts import Evaluated
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import Candidate, DesignSpace, Evaluated, Settings, setting
 from tacos_plugins.optimizers.observed_results import validate_results
 from tacos_plugins.optimizers.restarts import Descent, Restarts
 from tacos_plugins.optimizers.short_searches import spread_only

@@ -5,8 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from tacos_framework.contracts import Evaluated
-from tacos_framework.variables.design_space import Candidate
+from tacos_framework import Candidate, Evaluated
 
 
 class Draws(ABC):

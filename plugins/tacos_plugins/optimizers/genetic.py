@@ -9,11 +9,17 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
-from tacos_framework.contracts import Evaluated
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables import Gene
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import (
+    Candidate,
+    DesignSpace,
+    Evaluated,
+    Fault,
+    Gene,
+    Settings,
+    UserError,
+    did_you_mean,
+    setting,
+)
 from tacos_plugins.optimizers.short_searches import spread_only
 
 

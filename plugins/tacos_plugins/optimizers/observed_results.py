@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from tacos_framework.contracts import Evaluated
-from tacos_framework.variables.design_space import Candidate
+from tacos_framework import Candidate, Evaluated
 
 
 def validate_results(evaluated: Sequence[Evaluated], asked: Sequence[Candidate]) -> None:

@@ -11,10 +11,17 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from tacos_framework.contracts import DesignProblem, Evaluated
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables.design_space import Candidate, Categorical, DesignSpace
+from tacos_framework import (
+    Candidate,
+    Categorical,
+    DesignProblem,
+    DesignSpace,
+    Evaluated,
+    Fault,
+    Settings,
+    UserError,
+    setting,
+)
 from tacos_plugins.optimizers.observed_results import validate_results
 from tacos_plugins.optimizers.short_searches import spread_only
 

@@ -6,8 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import Candidate, DesignSpace, Settings, setting
 from tacos_plugins.optimizers.draws import Draws
 
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import Candidate, DesignSpace, Settings, setting
 from tacos_plugins.optimizers.draws import Draws
 from tacos_plugins.optimizers.unit_cube import UnitCube
 

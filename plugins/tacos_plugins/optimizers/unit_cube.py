@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.variables import CatalogChoice
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import Candidate, CatalogChoice, DesignSpace
 
 
 class UnitCube:

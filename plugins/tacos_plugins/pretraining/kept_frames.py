@@ -11,8 +11,18 @@ from typing import Any
 import numpy as np
 
 from tacos_files.arrays import read_npz
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.values import Capture, Episode, FrameBatch, Object, Rig, Trajectory, View, World
+from tacos_framework import (
+    Capture,
+    Episode,
+    Fault,
+    FrameBatch,
+    Object,
+    Rig,
+    Trajectory,
+    UserError,
+    View,
+    World,
+)
 
 
 def write_frames(path: Path, frames: FrameBatch) -> None:

@@ -11,18 +11,27 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import JsonValue
 
-from tacos_framework import __version__
-from tacos_framework.contracts import Budget, Executor, Scores, State
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import (
+    Budget,
+    Executor,
+    Fault,
+    Plugins,
+    Progress,
+    Recipe,
+    Scores,
+    Settings,
+    State,
+    UserError,
+    __version__,
+    check,
+    did_you_mean,
+    generator,
+    load_recipe,
+    setting,
+)
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.randomness import generator
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.settings import Settings, check, setting
 from tacos_framework.simulation import Evaluator
 from tacos_framework.store import Results
-from tacos_framework.study.progress import Progress
 from tacos_plugins.pretraining.kept_frames import KeptFrames
 from tacos_plugins.pretraining.pages import PretrainingOutcome, page, summary
 from tacos_plugins.pretraining.shots import Shooting, shots_of_worlds

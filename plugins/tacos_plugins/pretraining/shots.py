@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError, generator
 from tacos_framework.plan import Plan
-from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Simulation
 from tacos_plugins.pretraining.kept_frames import write_frames
 

@@ -5,10 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
-from tacos_framework.camera.geometry import pixel_rays, world_from_camera
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Episode, Exposure, Light, Material, Rig, View, World
+from tacos_framework import (
+    Camera,
+    Capture,
+    Episode,
+    Exposure,
+    Light,
+    Material,
+    Rig,
+    Settings,
+    View,
+    World,
+    setting,
+)
+from tacos_framework.camera import LINEAR_OF_SRGB_BYTE, pixel_rays, world_from_camera
 from tacos_plugins.renderers.traced.moments import world_at
 
 _RAYS_TIMES_TRIANGLES = 1 << 22  # pairs tested at once; bounds memory

@@ -7,9 +7,7 @@ from typing import Any
 
 from pydantic import ConfigDict, model_validator
 
-from tacos_framework.catalog.parts import CatalogPart
-from tacos_framework.quantities import Constraint
-from tacos_framework.settings import Settings, setting
+from tacos_framework import CatalogPart, Constraint, Settings, setting
 from tacos_plugins.rigs.mounted_camera import SensorPart
 
 FITS = {"M12": ("M12",), "M8": ("M8",), "CS": ("CS",), "C": ("C", "CS")}

@@ -7,9 +7,7 @@ from typing import ClassVar
 
 from pydantic import model_validator
 
-from tacos_framework.quantities import Constraint
-from tacos_framework.settings import setting
-from tacos_framework.values import Rig
+from tacos_framework import Constraint, Rig, setting
 from tacos_plugins.rigs.lens import COVERED, LENS_UNITS, LensPart, derived_fit, notes_on_fit
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,

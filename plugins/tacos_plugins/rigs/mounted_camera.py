@@ -9,10 +9,8 @@ from typing import Any
 from pydantic import ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
-from tacos_framework.camera.geometry import agent_from_camera
-from tacos_framework.catalog.parts import CatalogPart
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Electrons
+from tacos_framework import Camera, CatalogPart, Electrons, Settings, setting
+from tacos_framework.camera import agent_from_camera
 
 
 class SensorPart(Settings):

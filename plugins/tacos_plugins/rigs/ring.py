@@ -6,8 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from tacos_framework.settings import setting
-from tacos_framework.values import Rig
+from tacos_framework import Rig, setting
 from tacos_plugins.rigs import several_cameras
 from tacos_plugins.rigs.several_cameras import Outlook, SeveralCamerasConfig, SeveralCamerasVariables
 

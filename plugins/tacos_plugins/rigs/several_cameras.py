@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from tacos_framework.settings import setting
-from tacos_framework.values import Rig
+from tacos_framework import Rig, setting
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
     MountSettings,

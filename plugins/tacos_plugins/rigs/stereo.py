@@ -8,8 +8,7 @@ from typing import ClassVar
 
 from pydantic import model_validator
 
-from tacos_framework.settings import setting
-from tacos_framework.values import Rig
+from tacos_framework import Rig, setting
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
     MountSettings,

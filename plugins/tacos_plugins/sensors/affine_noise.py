@@ -8,11 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import luminance
-from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Exposure
+from tacos_framework import Camera, Exposure, Fault, Settings, UserError, setting
+from tacos_framework.camera import exposure_per_luminance, gain_factor, luminance
 from tacos_plugins.sensors.calibration import Calibration, load_calibration
 from tacos_plugins.sensors.noise import add_noise, gain_ratio
 

@@ -7,10 +7,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from tacos_framework.errors import UserError
-from tacos_framework.packaged_resources import find_file, shipped_folder
-from tacos_framework.settings import Settings, check, setting
-from tacos_framework.settings.yaml_reader import read_yaml
+from tacos_framework import Settings, UserError, check, find_file, read_yaml, setting, shipped_folder
 
 Variance = Annotated[float, Field(ge=0)]
 

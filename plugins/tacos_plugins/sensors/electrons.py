@@ -34,7 +34,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor
+from tacos_framework.camera import exposure_per_luminance, gain_factor
 
 Spectrum = Literal["daylight", "green-555nm"]
 """The light that stands for what the scene sends; see :data:`PHOTONS_PER_LUX_S_UM2`."""

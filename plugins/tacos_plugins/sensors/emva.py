@@ -9,11 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import luminance
-from tacos_framework.camera.exposure import gain_factor
-from tacos_framework.errors import CandidateFailed, Fault, UserError
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Exposure, Rig
+from tacos_framework import Camera, CandidateFailed, Exposure, Fault, Rig, Settings, UserError, setting
+from tacos_framework.camera import gain_factor, luminance
 from tacos_plugins.sensors.electrons import Spectrum, count_electrons, photons_per_luminance, system_gain
 
 NEEDED: Mapping[str, str] = {

@@ -25,7 +25,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tacos_framework.camera.exposure import gain_factor
+from tacos_framework.camera import gain_factor
 from tacos_plugins.sensors.gaussian import PLACES, NormalNumbers
 from tacos_plugins.sensors.kept_numbers import KeptNumbers
 

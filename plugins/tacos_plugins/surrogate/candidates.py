@@ -13,9 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import DesignProblem
-from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Gene, Integer, Variable
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import (
+    Candidate,
+    CatalogChoice,
+    Categorical,
+    Continuous,
+    DesignProblem,
+    DesignSpace,
+    Gene,
+    Integer,
+    Variable,
+)
 from tacos_plugins.surrogate.warp import Warp
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.fitness import Fitness
+from tacos_framework import Fitness
 from tacos_plugins.surrogate.gaussian_process import Prediction, factorised
 from tacos_plugins.surrogate.score_model import ScoreModel
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import ScoreScale
-from tacos_framework.fitness import Fitness
+from tacos_framework import Fitness, ScoreScale
 from tacos_plugins.surrogate.coordinates import CoordinateSystem
 from tacos_plugins.surrogate.fitness_posterior import FitnessPosterior, score_names
 from tacos_plugins.surrogate.gaussian_process import Inputs

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import ScoreScale
+from tacos_framework import ScoreScale
 
 Array = NDArray[np.float64]
 

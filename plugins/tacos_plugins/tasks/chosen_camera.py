@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.values import FrameBatch
+from tacos_framework import Fault, FrameBatch, UserError, did_you_mean
 
 
 def camera_index(frames: FrameBatch, name: str | None, *, where: str) -> int:

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LUMINANCE_WEIGHTS
+from tacos_framework.camera import LUMINANCE_WEIGHTS
 
 MATCHES_NEEDED = 8
 """Fewer matches fix no fundamental matrix with one to spare: seven define it, the eighth tests it."""

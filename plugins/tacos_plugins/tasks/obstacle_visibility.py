@@ -8,9 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tacos_framework.contracts import Scores, ScoreScale, State
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Crossing, FrameBatch, View
+from tacos_framework import Crossing, FrameBatch, Scores, ScoreScale, Settings, State, View, setting
 
 VIEW = ("pitch_deg", "hfov_deg", "vfov_deg", "log2_width_px", "log2_height_px")
 """What a camera has in view, and over how many pixels; light and noise hide no obstacle."""

@@ -11,9 +11,7 @@ import cv2
 import numpy as np
 from pydantic import Field
 
-from tacos_framework.contracts import Scores, ScoreScale, State
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import FrameBatch
+from tacos_framework import FrameBatch, Scores, ScoreScale, Settings, State, setting
 from tacos_plugins.tasks.chosen_camera import camera_index
 from tacos_plugins.tasks.followed_features import (
     Features,

@@ -10,11 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import display_image
-from tacos_framework.contracts import Scores, ScoreScale, State
-from tacos_framework.errors import CandidateFailed
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import FrameBatch, Rig
+from tacos_framework import CandidateFailed, FrameBatch, Rig, Scores, ScoreScale, Settings, State, setting
+from tacos_framework.camera import display_image
 from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MARGINS, MEANINGS, SCALES, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 

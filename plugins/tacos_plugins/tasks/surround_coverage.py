@@ -9,9 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Scores, ScoreScale, State
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, FrameBatch, View
+from tacos_framework import Camera, FrameBatch, Scores, ScoreScale, Settings, State, View, setting
 
 _DIRECTIONS = 4000
 """Directions over the whole sphere: one for every ten square degrees, so that shares are good to 1 %."""

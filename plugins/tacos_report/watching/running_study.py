@@ -11,8 +11,7 @@ from typing import Any
 
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes, read_text
-from tacos_framework.store import read_run_json
-from tacos_framework.store.folder import is_in_use
+from tacos_framework.store import is_in_use, read_run_json
 from tacos_report.plain_values import text
 from tacos_report.study_data import Generation, Tried, document_of, read_generations
 

@@ -14,13 +14,17 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from tacos_framework import hookspecs
-from tacos_framework.components import Component
-from tacos_framework.contracts import acts_after_noise, formation_order
-from tacos_framework.graph import NODE_KINDS, signature_of
-from tacos_framework.graph.types import type_name
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
+from tacos_framework import (
+    NODE_KINDS,
+    Component,
+    Plugins,
+    Recipe,
+    acts_after_noise,
+    formation_order,
+    hookspecs,
+    signature_of,
+    type_name,
+)
 
 Schema = Mapping[str, Any]
 

@@ -9,14 +9,20 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
-from tacos_framework.catalog import camera_names, catalog_names
-from tacos_framework.contracts import learns
-from tacos_framework.errors import UserError
-from tacos_framework.graph import NODE_KINDS, signature_of
-from tacos_framework.graph.types import type_name
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import FIXED, EffectUse, Recipe
-from tacos_framework.recipe.procedure import SHARED_KEYS
+from tacos_framework import (
+    FIXED,
+    NODE_KINDS,
+    SHARED_KEYS,
+    EffectUse,
+    Plugins,
+    Recipe,
+    UserError,
+    camera_names,
+    catalog_names,
+    learns,
+    signature_of,
+    type_name,
+)
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 SETTING_OF_A_NODE = r"^[a-z][a-z0-9_]*\.[A-Za-z0-9_.-]+$"

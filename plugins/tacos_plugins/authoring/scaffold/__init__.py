@@ -8,8 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tacos_framework.components import KINDS
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import KINDS, Fault, UserError, did_you_mean
 from tacos_framework.files import made_folder
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")

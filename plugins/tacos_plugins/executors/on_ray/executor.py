@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.reduction import ForkingPickler
 from typing import TypeVar
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, setting
 from tacos_plugins.executors.on_ray.actor_pool import ActorPool
 from tacos_plugins.executors.on_ray.cluster import LOCAL, Cluster, Needs
 from tacos_plugins.executors.outcomes import results

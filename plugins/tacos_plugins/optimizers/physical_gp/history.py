@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from tacos_framework.contracts import DesignProblem, Evaluated
-from tacos_framework.fitness import Fitness, FitnessTerm
+from tacos_framework import DesignProblem, Evaluated, Fitness, FitnessTerm
 from tacos_plugins.surrogate.grey_box import Observation
 
 FITNESS = "fitness"

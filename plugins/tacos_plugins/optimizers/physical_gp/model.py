@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import DesignProblem
+from tacos_framework import DesignProblem
 from tacos_plugins.optimizers.physical_gp.history import (
     TIME,
     Trial,

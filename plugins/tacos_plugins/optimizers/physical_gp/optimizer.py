@@ -7,10 +7,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tacos_framework.contracts import Asked, DesignProblem, Evaluated
-from tacos_framework.linear_algebra import in_one_thread
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import (
+    Asked,
+    Candidate,
+    DesignProblem,
+    DesignSpace,
+    Evaluated,
+    Settings,
+    in_one_thread,
+    setting,
+)
 from tacos_plugins.optimizers.observed_results import validate_results
 from tacos_plugins.optimizers.physical_gp.episodes import next_episodes
 from tacos_plugins.optimizers.physical_gp.history import Trial, scored_episodes

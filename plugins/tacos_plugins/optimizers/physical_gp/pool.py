@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.variables.design_space import Candidate
+from tacos_framework import Candidate
 from tacos_plugins.surrogate.candidates import FeasibleCandidates, PlacedCandidate
 from tacos_plugins.surrogate.coordinates import CoordinateSystem
 

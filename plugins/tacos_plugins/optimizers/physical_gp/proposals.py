@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.variables.design_space import Candidate
+from tacos_framework import Candidate
 from tacos_plugins.optimizers.physical_gp.acquisition import (
     chosen_in_turn,
     expected_improvement,

@@ -7,10 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from tacos_framework.contracts import Evaluated
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import Candidate, DesignSpace, Evaluated, Fault, Settings, UserError, setting
 from tacos_plugins.optimizers.observed_results import validate_results
 from tacos_plugins.optimizers.policy.designers import Designers, RewardScale
 from tacos_plugins.optimizers.unit_cube import UnitCube

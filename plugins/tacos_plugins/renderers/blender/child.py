@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_files.arrays import read_npy
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 
 SCRIPT = Path(__file__).with_name("inside_blender.py")
 _LINES_SHOWN = 15

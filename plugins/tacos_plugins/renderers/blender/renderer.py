@@ -7,9 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import world_from_camera
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View, World
+from tacos_framework import Camera, Capture, Episode, Exposure, Rig, Settings, View, World, setting
+from tacos_framework.camera import world_from_camera
 from tacos_plugins.renderers.blender.child import pictures, refuse_without_blender, workplace
 from tacos_plugins.renderers.blender.scene_file import shot, write_scene
 from tacos_plugins.renderers.traced.moments import moments_s, world_at

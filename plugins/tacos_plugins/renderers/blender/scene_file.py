@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
-from tacos_framework.values import Camera, Light, Material, World
+from tacos_framework import Camera, Light, Material, World
+from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_plugins.lighting import emitter_luminance_cd_m2
 from tacos_plugins.renderers.traced.coat import sheen
 from tacos_plugins.renderers.traced.lamps import bare_lights

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import World
+from tacos_framework import World
 from tacos_plugins.renderers.light.ambient_visibility import near_ambient_visibility
 from tacos_plugins.renderers.light.charts import Charts, find_charts
 from tacos_plugins.renderers.light.direct_light import LightAtPoints, direct_light

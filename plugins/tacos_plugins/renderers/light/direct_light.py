@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Light
+from tacos_framework import Light
 from tacos_plugins.renderers.light.rays import RayTracer
 
 LEAST_SHARE = 0.003

@@ -8,7 +8,7 @@ from enum import IntFlag
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Material, World
+from tacos_framework import Material, World
 
 CHUNK_TRIANGLES = 128
 """Most triangles in a chunk: fewer cull better, more cost fewer draw commands (measured on llvmpipe)."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Material
+from tacos_framework import Material
 from tacos_plugins.renderers.light.ambient_visibility import around
 from tacos_plugins.renderers.light.probes import FACE_PX, Probe, face_camera, face_rotations
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import agent_from_camera, pixel_rays
-from tacos_framework.values import Camera, Light, World
+from tacos_framework import Camera, Light, World
+from tacos_framework.camera import agent_from_camera, pixel_rays
 from tacos_plugins.renderers.light.rays import RayTracer
 
 FACE_PX = 128

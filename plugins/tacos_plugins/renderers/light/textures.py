@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
-from tacos_framework.values import Material
+from tacos_framework import Material
+from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 
 GREATEST_TEXTURE_PX = 1024
 """Larger textures are reduced to this edge [px]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import ModuleType
 from typing import Literal
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 
 Backend = Literal["scalar", "llvm", "cuda"]
 """Ray by ray on the processor; many rays at once, compiled by LLVM; on an NVIDIA GPU."""

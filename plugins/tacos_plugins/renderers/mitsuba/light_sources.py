@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Light, World
+from tacos_framework import Light, World
 from tacos_plugins.lighting import emitter_luminance_cd_m2
 from tacos_plugins.renderers.mitsuba.materials import Description
 

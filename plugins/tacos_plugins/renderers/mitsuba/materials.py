@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import LINEAR_OF_SRGB_BYTE
-from tacos_framework.values import Material
+from tacos_framework import Material
+from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_plugins.renderers.traced.coat import sheen
 
 Description = dict[str, Any]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera
+from tacos_framework import Camera
 
 _MITSUBA_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0, 1.0])
 """Mitsuba's cameras have x to the left and y up; ours have x to the right and y down."""

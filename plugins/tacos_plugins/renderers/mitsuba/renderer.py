@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from tacos_framework.camera.geometry import world_from_camera
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View, World
+from tacos_framework import Camera, Capture, Episode, Exposure, Rig, Settings, View, World, setting
+from tacos_framework.camera import world_from_camera
 from tacos_plugins.renderers.mitsuba.library import Backend, mitsuba_for
 from tacos_plugins.renderers.mitsuba.passes import in_passes, is_power_of_four, samples_per_pose
 from tacos_plugins.renderers.mitsuba.pinhole import sensor

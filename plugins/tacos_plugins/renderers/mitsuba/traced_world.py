@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.values import Material, MeshPart, World
+from tacos_framework import Material, MeshPart, World
 from tacos_plugins.renderers.mitsuba.light_sources import area_emitter, light_shape, surroundings
 from tacos_plugins.renderers.mitsuba.materials import bsdf
 from tacos_plugins.renderers.traced.lamps import bare_lights

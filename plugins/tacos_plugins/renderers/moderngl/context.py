@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_plugins.chosen_device import chosen_device
 from tacos_plugins.renderers.moderngl.egl_devices import cuda_numbers, render_in_software
 

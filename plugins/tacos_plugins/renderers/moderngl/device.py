@@ -10,8 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.cache import LRUCache
-from tacos_framework.values import Camera, World
+from tacos_framework import Camera, LRUCache, World
 from tacos_plugins.renderers.light.baked_mesh import BakedMesh, light_world
 from tacos_plugins.renderers.light.flatten import SurfaceKind
 from tacos_plugins.renderers.light.probe_map import ProbeMap, map_probes

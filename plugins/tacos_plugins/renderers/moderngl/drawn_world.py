@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import World
+from tacos_framework import World
 from tacos_plugins.renderers.light.baked_mesh import BakedMesh
 from tacos_plugins.renderers.light.probe_map import ProbeMap
 from tacos_plugins.renderers.light.probes import Probe

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import World
+from tacos_framework import World
 from tacos_plugins.renderers.light.baked_mesh import BakedMesh
 from tacos_plugins.renderers.light.flatten import SurfaceKind
 from tacos_plugins.renderers.light.prefilter import BRIGHTEST, prefiltered, roughness_levels

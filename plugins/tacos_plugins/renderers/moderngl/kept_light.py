@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from tacos_framework.cache import content_key
-from tacos_framework.values import World
+from tacos_framework import World, content_key
 from tacos_plugins.kept_worlds.fingerprints import code_key
 from tacos_plugins.kept_worlds.store import store_of_user
 from tacos_plugins.renderers.light.baked_mesh import BakedMesh, SurfaceLight

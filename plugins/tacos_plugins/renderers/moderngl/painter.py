@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera
+from tacos_framework import Camera
 from tacos_plugins.renderers.light.flatten import SurfaceKind
 from tacos_plugins.renderers.moderngl.culling import DrawList
 from tacos_plugins.renderers.moderngl.drawn_world import DrawnWorld

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera
+from tacos_framework import Camera
 from tacos_plugins.renderers.moderngl.rendered_views import RenderedView
 
 LEVELS = 3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera
+from tacos_framework import Camera
 
 
 def projection_matrix(camera: Camera, near_m: float, far_m: float) -> NDArray[np.float64]:

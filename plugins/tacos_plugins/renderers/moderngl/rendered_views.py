@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera
+from tacos_framework import Camera
 from tacos_plugins.renderers.moderngl.context import flush
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.targets import RenderTarget, TargetPool

@@ -8,9 +8,8 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import world_from_camera
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Episode, Exposure, Rig, View
+from tacos_framework import Camera, Capture, Episode, Exposure, Rig, Settings, View, setting
+from tacos_framework.camera import world_from_camera
 from tacos_plugins.renderers.moderngl.culling import looked_up
 from tacos_plugins.renderers.moderngl.device import Device, device
 from tacos_plugins.renderers.moderngl.painter import Painter

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Camera
+from tacos_framework import Camera
 from tacos_plugins.renderers.light.probes import face_rotations
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import (

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import invert_pose
-from tacos_framework.values import Camera
+from tacos_framework import Camera
+from tacos_framework.camera import invert_pose
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
 
 

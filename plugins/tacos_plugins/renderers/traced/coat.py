@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tacos_framework.values import Material
+from tacos_framework import Material
 
 MATTE_ROUGHNESS = 0.8
 """Dielectrics at least this rough are Lambertian [1]."""

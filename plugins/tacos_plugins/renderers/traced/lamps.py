@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Light, World
+from tacos_framework import Light, World
 
 _BESIDE_M = 0.05
 """A glowing surface this close to a light is that light's [m]."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import Episode, MeshPart, World
+from tacos_framework import Episode, MeshPart, World
 
 
 def moments_s(middle_s: float, exposure_s: float, count: int) -> NDArray[np.float64]:

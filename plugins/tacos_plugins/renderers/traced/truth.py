@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import pixel_rays
-from tacos_framework.values import Camera, World
+from tacos_framework import Camera, World
+from tacos_framework.camera import pixel_rays
 from tacos_plugins.lighting.occlusion import Occlusion
 
 

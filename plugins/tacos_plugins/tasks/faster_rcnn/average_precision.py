@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pycocotools.coco import COCO
 from pycocotools.cocoeval import COCOeval
 
-from tacos_framework.contracts import Scores
+from tacos_framework import Scores
 from tacos_plugins.tasks.faster_rcnn.labels import Labels
 
 COUNTED, NOT_COUNTED = 1.0, 0.0

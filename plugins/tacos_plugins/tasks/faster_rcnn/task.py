@@ -10,9 +10,7 @@ import numpy as np
 import torch
 from torchvision.models.detection import FasterRCNN
 
-from tacos_framework.contracts import Budget, Scores, ScoreScale, State
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import FrameBatch
+from tacos_framework import Budget, FrameBatch, Scores, ScoreScale, Settings, State, setting
 from tacos_plugins.tasks.chosen_camera import camera_index
 from tacos_plugins.tasks.faster_rcnn.average_precision import AveragePrecision, Detections
 from tacos_plugins.tasks.faster_rcnn.examples import Example

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 from torchvision.models.detection import FasterRCNN
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, setting
 from tacos_plugins.tasks.faster_rcnn.examples import Example, in_parts, mixed_batches
 from tacos_plugins.tasks.faster_rcnn.networks import still_norms
 from tacos_plugins.tasks.faster_rcnn.schedule import learning_rate

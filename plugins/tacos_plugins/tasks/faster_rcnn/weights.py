@@ -13,7 +13,7 @@ from torchvision.models.detection import (
     FasterRCNN_ResNet50_FPN_Weights,
 )
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_plugins.tasks.faster_rcnn.networks import Backbone
 from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, named_weights, read_checkpoint
 

@@ -16,9 +16,8 @@ from safetensors import SafetensorError
 from safetensors.torch import load
 from torch import Tensor, nn
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import Fault, UserError, did_you_mean, shipped_folder
 from tacos_framework.files import read_bytes
-from tacos_framework.packaged_resources import shipped_folder
 from tacos_plugins.tasks.learning.states import MODEL
 
 NONE = "none"

@@ -11,7 +11,7 @@ from typing import TypeVar
 import torch
 from torch import Tensor, nn
 
-from tacos_framework.errors import CandidateFailed, Fault, UserError
+from tacos_framework import CandidateFailed, Fault, UserError
 
 log = logging.getLogger(__name__)
 

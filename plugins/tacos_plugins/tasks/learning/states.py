@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from tacos_framework.contracts import State
+from tacos_framework import State
 
 MODEL = "model."
 """Begins the names of a module's entries in a state."""

@@ -10,10 +10,18 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Budget, Scores, ScoreScale, State
-from tacos_framework.errors import CandidateFailed
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, FrameBatch, Rig
+from tacos_framework import (
+    Budget,
+    Camera,
+    CandidateFailed,
+    FrameBatch,
+    Rig,
+    Scores,
+    ScoreScale,
+    Settings,
+    State,
+    setting,
+)
 from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, named_weights, read_checkpoint
 from tacos_plugins.tasks.learning.device import DEVICE_HELP, DEVICE_PATTERN, drawing_from, pick_device
 from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_of_memory

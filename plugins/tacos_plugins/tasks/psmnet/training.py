@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, setting
 from tacos_plugins.tasks.learning.batching import in_batches, mixed
 from tacos_plugins.tasks.learning.device import mixed_precision
 from tacos_plugins.tasks.learning.guard import finite, finite_weights

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Scores, ScoreScale
+from tacos_framework import Scores, ScoreScale
 from tacos_plugins.tasks.stereo.pair import StereoPair
 
 SCORES = ("log_error", "inverse_log_error", "rmse_m", "d1", "log_error_all", "rmse_all_m")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import FrameBatch
+from tacos_framework import FrameBatch
 from tacos_plugins.tasks.stereo.pair import StereoPair
 
 

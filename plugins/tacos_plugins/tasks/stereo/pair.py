@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.errors import CandidateFailed
-from tacos_framework.values import Camera
+from tacos_framework import Camera, CandidateFailed
 
 ALIGNED = 1e-6
 """How far cameras may be from parallel and side by side, as a share of the baseline or of the pixels [1]."""
