@@ -228,6 +228,10 @@ PROCEDURES = {
         "pretraining.pretrain:Pretrain",
         "A task that learns, trained on images of our own scenes: weights for studies to start with.",
     ),
+    "calibrate-noise": (
+        "noise_calibration.calibrate:CalibrateNoise",
+        "From frames of grey bars to an affine noise calibration with confidence intervals.",
+    ),
 }
 
 FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {

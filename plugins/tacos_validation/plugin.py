@@ -42,12 +42,6 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
-            "calibrate-noise",
-            "tacos_validation.noise.calibrate:CalibrateNoise",
-            summary="From frames of grey bars to an affine noise calibration with confidence intervals.",
-        ),
-        Component(
-            "procedure",
             "validate-noise",
             "tacos_validation.noise.validate:ValidateNoise",
             summary="The paper's first check: noise of rendered grey bars against the model.",

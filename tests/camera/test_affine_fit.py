@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tacos_validation.noise.levels import Levels
-from tacos_validation.noise.photon_transfer import CLIPPED_SHARE, ROUNDING_DN2, AffineFit, fit_affine
+from tacos_plugins.noise_calibration.levels import Levels
+from tacos_plugins.noise_calibration.photon_transfer import CLIPPED_SHARE, ROUNDING_DN2, AffineFit, fit_affine
 
 BLACK_DN = 20.0
 PHOTON_DN, THERMAL_DN2 = 0.24, 1.8

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_validation.noise.levels import measure_levels
-from tacos_validation.noise.photon_transfer import fit_affine
+from tacos_plugins.noise_calibration.levels import measure_levels
+from tacos_plugins.noise_calibration.photon_transfer import fit_affine
 
 
 def bars(

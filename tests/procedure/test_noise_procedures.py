@@ -12,9 +12,9 @@ from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_framework.study.progress import Silent
+from tacos_plugins.noise_calibration.calibrate import CalibrateNoise
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.calibration import load_calibration
-from tacos_validation.noise.calibrate import CalibrateNoise
 from tacos_validation.noise.validate import ValidateNoise
 
 PHOTON, THERMAL = np.array([0.24, 0.12, 0.29]), np.array([1.82, 0.91, 3.2])

@@ -12,6 +12,8 @@ import pytest
 
 from tacos_framework.catalog import find_catalog
 from tacos_framework.simulation import Evaluation
+from tacos_plugins.noise_calibration.figure import Cloud, photon_transfer
+from tacos_plugins.noise_calibration.levels import Levels
 from tacos_plugins.pretraining.pages import _curves as passes_curve
 from tacos_report.figures.canvas import NARROW_IN
 from tacos_validation.blind.confusion import confusion
@@ -20,8 +22,6 @@ from tacos_validation.blind.figure import Figure
 from tacos_validation.cameras_validated.figures import levels, noise
 from tacos_validation.cameras_validated.noise_curves import NoiseCurve
 from tacos_validation.cameras_validated.ranking import CameraScores
-from tacos_validation.noise.figure import Cloud, photon_transfer
-from tacos_validation.noise.levels import Levels
 from tacos_validation.optimizers_compared.outcome import Comparison
 from tacos_validation.optimizers_compared.pages import _regret_curve as regret_curve
 from tacos_validation.optimizers_compared.standings import JudgedRun, standings

@@ -22,6 +22,7 @@ from tacos_gap.procedures.simulate_captures import SimulateCaptures
 from tacos_plugins.executors.local import LocalExecutor
 from tacos_plugins.executors.on_ray.executor import RayExecutor
 from tacos_plugins.executors.process import ProcessExecutor
+from tacos_plugins.noise_calibration.calibrate import CalibrateNoise
 from tacos_plugins.optimizers.cma_es import CmaEs
 from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.optuna_search import OptunaSearch
@@ -37,7 +38,6 @@ from tacos_plugins.rigs.stereo import StereoRig
 from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
 from tacos_plugins.tasks.orb_features import OrbFeatures
 from tacos_plugins.tasks.sgbm import Sgbm
-from tacos_validation.noise.calibrate import CalibrateNoise
 from tacos_validation.noise.validate import ValidateNoise
 from tacos_validation.task_validation.validate import ValidateTask
 from tacos_worlds.bench.chessboard import Chessboard

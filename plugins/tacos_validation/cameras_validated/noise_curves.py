@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.simulation.formation import simulate
-from tacos_validation.noise.levels import Levels, measure_levels
-from tacos_validation.noise.photon_transfer import fit_affine
+from tacos_plugins.noise_calibration.levels import Levels, measure_levels
+from tacos_plugins.noise_calibration.photon_transfer import fit_affine
 
 FRAMES = 2
 """Of each capture: a pair tells the variance, whatever the pattern on the sensor."""

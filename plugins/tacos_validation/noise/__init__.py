@@ -1,1 +1,1 @@
-"""Measuring a camera's noise, and holding the simulated noise against its model."""
+"""Holding the simulated noise against its model."""

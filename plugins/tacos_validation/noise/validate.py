@@ -17,20 +17,20 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
-from tacos_plugins.sensors.calibration import load_calibration
-from tacos_report.page import Page, Paragraph, Section, Table, Warnings, in_both_widths, write_page
-from tacos_validation.noise.bench import (
+from tacos_plugins.noise_calibration.bench import (
     CameraSetting,
     NoiseBench,
     SimulatedCamera,
     capture_of,
     take_frames,
 )
-from tacos_validation.noise.figure import photon_transfer
-from tacos_validation.noise.frame_files import FrameStack
-from tacos_validation.noise.measuring import Measured, doubts, measure
-from tacos_validation.noise.pages import frame_picture, shown
-from tacos_validation.noise.photon_transfer import ROUNDING_DN2
+from tacos_plugins.noise_calibration.figure import photon_transfer
+from tacos_plugins.noise_calibration.frame_files import FrameStack
+from tacos_plugins.noise_calibration.measuring import Measured, doubts, measure
+from tacos_plugins.noise_calibration.pages import frame_picture, shown
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
+from tacos_plugins.sensors.calibration import load_calibration
+from tacos_report.page import Page, Paragraph, Section, Table, Warnings, in_both_widths, write_page
 
 
 class CheckedCamera(SimulatedCamera):

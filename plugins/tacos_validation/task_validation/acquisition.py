@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tacos_framework.contracts import Scores
 from tacos_framework.formation import EpisodeDraws
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
-from tacos_validation.noise.bench import expose
+from tacos_plugins.noise_calibration.bench import expose
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,8 +18,8 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.study.progress import Progress
 from tacos_framework.values import Episode, Rig
 from tacos_plugins.building import build, build_rig, episode_of
+from tacos_plugins.noise_calibration.bench import CameraSetting
 from tacos_report.page import write_page
-from tacos_validation.noise.bench import CameraSetting
 from tacos_validation.task_validation.acquisition import Taken, take
 from tacos_validation.task_validation.findings import ValidationFindings
 from tacos_validation.task_validation.pages import page, summary

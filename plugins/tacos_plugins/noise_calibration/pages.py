@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.colour import display_image
+from tacos_plugins.noise_calibration.frame_files import FrameStack
 from tacos_report.page import PagePicture, image_uri
-from tacos_validation.noise.frame_files import FrameStack
 
 _WIDEST_PX = 900
 

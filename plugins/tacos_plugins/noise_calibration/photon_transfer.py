@@ -1,6 +1,6 @@
 """The photon transfer curve: a straight line of variance over mean, through levels of brightness.
 
-Each level (`tacos_validation.noise.levels`) is weighed by how well its variance is known:
+Each level (`tacos_plugins.noise_calibration.levels`) is weighed by how well its variance is known:
 
     var = s_p (mean - black) + s_t + 1/12          (paper, supplement, Sec. Noise Model Calibration)
 
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from tacos_validation.noise.levels import Levels
+from tacos_plugins.noise_calibration.levels import Levels
 
 ROUNDING_DN2 = 1 / 12
 """Variance of the error of rounding to whole numbers [DN^2]."""

@@ -13,7 +13,7 @@ from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting
 from tacos_framework.values import Capture, Exposure, FrameBatch, Rig
 from tacos_plugins.building import build, episode_of
-from tacos_validation.noise.frame_files import FrameStack, stack_of
+from tacos_plugins.noise_calibration.frame_files import FrameStack, stack_of
 
 
 class CameraSetting(Settings):

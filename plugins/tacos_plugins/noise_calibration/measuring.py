@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.errors import Fault, UserError
-from tacos_validation.noise.figure import Cloud
-from tacos_validation.noise.frame_files import FrameStack
-from tacos_validation.noise.levels import Levels, measure_levels
-from tacos_validation.noise.photon_transfer import (
+from tacos_plugins.noise_calibration.figure import Cloud
+from tacos_plugins.noise_calibration.frame_files import FrameStack
+from tacos_plugins.noise_calibration.levels import Levels, measure_levels
+from tacos_plugins.noise_calibration.photon_transfer import (
     CLIPPED_SHARE,
     FINEST_DN2,
     AffineFit,

@@ -17,19 +17,19 @@ from tacos_framework.settings import Settings, setting
 from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
-from tacos_plugins.sensors.calibration import Calibration, load_calibration
-from tacos_report.page import Code, Page, Section, Table, Warnings, in_both_widths, write_page
-from tacos_validation.noise.bench import (
+from tacos_plugins.noise_calibration.bench import (
     CameraSetting,
     NoiseBench,
     SimulatedCamera,
     capture_of,
     take_frames,
 )
-from tacos_validation.noise.figure import photon_transfer
-from tacos_validation.noise.frame_files import FrameStack, Mosaic, read_stack
-from tacos_validation.noise.measuring import Measured, doubts, measure
-from tacos_validation.noise.pages import frame_picture, shown
+from tacos_plugins.noise_calibration.figure import photon_transfer
+from tacos_plugins.noise_calibration.frame_files import FrameStack, Mosaic, read_stack
+from tacos_plugins.noise_calibration.measuring import Measured, doubts, measure
+from tacos_plugins.noise_calibration.pages import frame_picture, shown
+from tacos_plugins.sensors.calibration import Calibration, load_calibration
+from tacos_report.page import Code, Page, Section, Table, Warnings, in_both_widths, write_page
 
 WHITE_WALL_DN_SHARE = 200 / 255
 """Where brightness is not known: a white wall at 20 lux, f/2, 30 ms and 5 dB, over full scale [1]."""
@@ -69,7 +69,7 @@ class CalibrateNoise:
 
     References
     ----------
-    `tacos_validation.noise.photon_transfer`.
+    `tacos_plugins.noise_calibration.photon_transfer`.
     """
 
     class Config(Settings):

@@ -1,0 +1,1 @@
+"""Measuring a camera's noise from frames of grey bars."""
