@@ -6,7 +6,7 @@ RUN apt-get update \
     && rm -rf /var/lib/apt/lists/*
 
 COPY . /source
-RUN pip install --no-cache-dir '/source[optuna,fronts,frames,raw,export]' && rm -rf /source
+RUN pip install --no-cache-dir '/source[optuna,fronts,frames,raw,export]' /source/plugins/tacos_validation && rm -rf /source
 
 WORKDIR /work
 CMD ["tacos", "doctor"]

@@ -5,7 +5,7 @@
 #     scripts/set_up.sh dev     and what its tests and checks need
 #     scripts/set_up.sh EXTRA   and an extra of pyproject.toml
 #
-# Makes the virtual environment .venv with the package installed editable, and sees to it that OpenGL works
+# Makes the virtual environment .venv with the package and tacos-validation installed editable, and sees to it that OpenGL works
 # without a display. What belongs to the system (python3-venv, Mesa) comes from apt-get where rights allow;
 # where they do not, a sentence says what to install. Safe to run twice, and at the same time as itself.
 set -euo pipefail
@@ -85,7 +85,7 @@ make_venv() {
 fingerprint() {
     {
         printf '%s\n' "$root" "$("$venv/bin/python" --version)"
-        cat pyproject.toml scripts/set_up.sh
+        cat pyproject.toml plugins/tacos_validation/pyproject.toml scripts/set_up.sh
     } | sha256sum | cut -d' ' -f1
 }
 
@@ -97,9 +97,10 @@ venv_works() {
 
 install_package() {
     local target=".${extra:+[$extra]}"
-    say "installing the package and what it needs (pip install --editable '$target');" \
+    say "installing the package and what it needs (pip install --editable '$target' --editable plugins/tacos_validation);" \
         "a few minutes on a slow line"
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input --editable "$target" ||
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
+        --editable "$target" --editable plugins/tacos_validation ||
         give_up "pip could not install the package; its message stands above."
 }
 

@@ -19,7 +19,8 @@ cd "$root"
 [ -x "$venv/bin/uv" ] || { "$python" -m venv --clear "$venv" && "$venv/bin/python" -m pip install --quiet uv; }
 echo "[smoke] $("$python" --version), $resolution versions"
 VIRTUAL_ENV="$venv" "$venv/bin/uv" pip install --quiet --resolution "$resolution" \
-    --editable '.[testing,optuna,fronts,frames,raw,export]' 'hypothesis>=6.100' 'jsonschema>=4.20'
+    --editable '.[testing,optuna,fronts,frames,raw,export]' --editable plugins/tacos_validation \
+    'hypothesis>=6.100' 'jsonschema>=4.20'
 
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 "$venv/bin/python" -m pytest -q -o filterwarnings=default -p no:cacheprovider \

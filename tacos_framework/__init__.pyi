@@ -70,8 +70,10 @@ from .graph.types import type_name as type_name
 from .hookspecs import hookimpl as hookimpl
 from .linear_algebra import in_one_thread as in_one_thread
 from .packaged_resources import find_file as find_file
+from .packaged_resources import recipe_folders as recipe_folders
 from .packaged_resources import shipped_folder as shipped_folder
 from .packaged_resources import shipped_names as shipped_names
+from .packaged_resources import shipped_recipes as shipped_recipes
 from .plugins import Plugins as Plugins
 from .plugins import calling as calling
 from .plugins import culprit_of as culprit_of

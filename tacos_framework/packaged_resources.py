@@ -1,19 +1,56 @@
-"""Files that come with the package: recipes and catalogs, found from any folder."""
+"""Files that come with packages: recipes and catalogs, found from any folder."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.files import read_json
 
 _PACKAGE = Path(__file__).resolve().parent
+
+RECIPES_GROUP = "tacos_recipes"
+"""Entry points of this group name packages whose YAML files are recipes: ``"my_plugin.recipes"``."""
 
 
 def shipped_folder(kind: Literal["catalogs", "recipes"]) -> Path:
     """The folder of shipped files: inside an installed package, or beside it in a checkout."""
     installed = _PACKAGE / kind
     return installed if installed.is_dir() else _PACKAGE.parent / kind
+
+
+def recipe_folders() -> tuple[Path, ...]:
+    """The folders of the recipes that run by name: the framework's, then those of plugin packages."""
+    return (shipped_folder("recipes"), *_folders_of_plugins())
+
+
+def shipped_recipes() -> dict[str, Path]:
+    """The files of the recipes that run by name, sorted by name; a plugin's never hides the framework's."""
+    found = {file.stem: file for folder in reversed(recipe_folders()) for file in folder.glob("*.yaml")}
+    return {name: found[name] for name in sorted(found)}
+
+
+def package_offering(name: str) -> str | None:
+    """What to install for a component (``procedure.NAME``) or recipe that a known package offers."""
+    known = read_json(shipped_folder("catalogs") / "plugin_packages.json")
+    for package, offers in known.items():
+        if name in (*offers["components"], *offers["recipes"]):
+            return str(package)
+    return None
+
+
+def _folders_of_plugins() -> Iterator[Path]:
+    for point in sorted(entry_points(group=RECIPES_GROUP)):
+        try:
+            spec = find_spec(point.value)
+        except ImportError:  # `tacos plugins` lists the package as broken
+            continue
+        if spec is not None:
+            yield from map(Path, spec.submodule_search_locations or ())
 
 
 def find_file(name: str | Path, shipped: Path, *, folder: Path | None = None, noun: str) -> Path:

@@ -109,7 +109,7 @@ def _look_for(what: str, plugins: Plugins) -> None:
     UserError
         When there is none, with the name of a recipe, scene or catalog that is nearly the same.
     """
-    from tacos_framework import catalog_names, did_you_mean, shipped_folder
+    from tacos_framework import catalog_names, did_you_mean, shipped_recipes
 
     path = Path(what)
     if what.startswith("scene.") or path.suffix in (".yaml", ".yml") or path.is_file():
@@ -118,7 +118,7 @@ def _look_for(what: str, plugins: Plugins) -> None:
         if not (path / "recipe.yaml").is_file():
             raise UserError(Fault(what, "this folder holds no recipe.yaml", "the results folder of a study"))
         return
-    recipes = [file.stem for file in shipped_folder("recipes").glob("*.yaml")]
+    recipes = shipped_recipes()
     if what not in recipes:
         scenes = [each.component.use for each in plugins if each.component.kind == "scene"]
         suggestion = did_you_mean(what, [*recipes, *scenes, *catalog_names(), "cameras"])

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from tacos_framework.components import KINDS, Component
 from tacos_framework.errors import Fault, did_you_mean
+from tacos_framework.packaged_resources import package_offering
 from tacos_framework.plugins.failures import PluginFailure
 
 
@@ -83,6 +84,8 @@ class Registry:
         if lost := [failure for failure in failures if use in failure.uses or not failure.uses]:
             broken = "; ".join(f"plugin {failure.plugin} is unusable: {failure.reason}" for failure in lost)
             remedy = f"{remedy} Note: {broken}."
+        elif (package := package_offering(use)) is not None:
+            remedy = f"pip install '{package}'"
         else:
             remedy = f"{remedy} If a plugin package offers it, install that package beside tacos-framework."
         return Fault(

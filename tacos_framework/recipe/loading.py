@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.packaged_resources import shipped_folder
+from tacos_framework.packaged_resources import package_offering, shipped_recipes
 from tacos_framework.recipe.parsing import recipe_from
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure, procedure_from
 from tacos_framework.recipe.recipe import Recipe
@@ -26,10 +26,12 @@ def find_recipe(name: str | Path) -> Path:
     path = Path(name)
     if path.suffix in (".yaml", ".yml") or path.is_file():
         return path
-    shipped = {file.stem: file for file in shipped_folder("recipes").glob("*.yaml")}
+    shipped = shipped_recipes()
     if str(name) in shipped:
         return shipped[str(name)]
     remedy = did_you_mean(str(name), shipped) if str(name) == path.name else "Check the path."
+    if (package := package_offering(str(name))) is not None:
+        remedy = f"pip install '{package}'"
     raise UserError(
         Fault(str(name), "there is no such recipe", "a YAML file, or the name of a shipped recipe", remedy)
     )

@@ -12,7 +12,7 @@ from tacos_framework.cache import content_key
 from tacos_framework.environment import package_versions
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files.trees import checksums_below
-from tacos_framework.packaged_resources import shipped_folder
+from tacos_framework.packaged_resources import recipe_folders, shipped_folder
 from tacos_framework.plan import Plan
 from tacos_framework.plan.procedure import ProcedurePlan
 from tacos_framework.plugins import Plugins
@@ -74,7 +74,7 @@ def _code_of(package: str) -> dict[str, str]:
 
 
 def _is_shipped_data(file: Path) -> bool:
-    return any(file.is_relative_to(shipped_folder(kind)) for kind in ("catalogs", "recipes"))
+    return any(file.is_relative_to(folder) for folder in (shipped_folder("catalogs"), *recipe_folders()))
 
 
 def _catalogs(plan: Plan) -> dict[str, dict[str, str]]:

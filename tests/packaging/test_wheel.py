@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import configparser
+import json
 import os
 import subprocess
 import sys
@@ -13,13 +14,14 @@ from pathlib import Path
 
 import pytest
 
+from tacos_validation.plugin import tacos_components
+
 ROOT = Path(__file__).parents[2]
 PLUGINS = (
     "tacos_plugins",
     "tacos_worlds",
     "tacos_gap",
     "tacos_report",
-    "tacos_validation",
     "tacos_decision",
     "tacos_view",
     "tacos_export",
@@ -29,13 +31,26 @@ PLUGINS = (
 PACKAGES = ("tacos_framework", *(f"plugins/{name}" for name in PLUGINS))
 
 
+VALIDATION = ROOT / "plugins/tacos_validation"
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[zipfile.ZipFile]:
-    """The wheel of this repository, built by its own backend without network."""
-    out = tmp_path_factory.mktemp("dist")
+    """The wheel of tacos-framework."""
+    yield from built(ROOT, tmp_path_factory.mktemp("dist"))
+
+
+@pytest.fixture(scope="module")
+def validation_wheel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[zipfile.ZipFile]:
+    """The wheel of tacos-validation."""
+    yield from built(VALIDATION, tmp_path_factory.mktemp("dist"))
+
+
+def built(root: Path, out: Path) -> Iterator[zipfile.ZipFile]:
+    """A wheel, built by its own backend without network."""
     build = "import sys, hatchling.build; print(hatchling.build.build_wheel(sys.argv[1]))"
     done = subprocess.run(
-        [sys.executable, "-c", build, str(out)], cwd=ROOT, capture_output=True, text=True, check=False
+        [sys.executable, "-c", build, str(out)], cwd=root, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
     (path,) = out.glob("*.whl")
@@ -91,7 +106,6 @@ def test_entry_points(wheel: zipfile.ZipFile) -> None:
         "worlds": "tacos_worlds.plugin",
         "gap": "tacos_gap.plugin",
         "report": "tacos_report.plugin",
-        "validation": "tacos_validation.plugin",
         "decision": "tacos_decision.plugin",
         "view": "tacos_view.plugin",
         "export": "tacos_export.plugin",
@@ -121,6 +135,55 @@ def test_shipped_recipes_run_by_name_from_an_installed_wheel(wheel: zipfile.ZipF
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_validation_is_a_wheel_of_its_own_with_its_recipes(validation_wheel: zipfile.ZipFile) -> None:
+    names = {name for name in validation_wheel.namelist() if ".dist-info/" not in name}
+    expected = {path.removeprefix("plugins/") for path in files_in("plugins/tacos_validation")}
+    assert names == expected - {"tacos_validation/pyproject.toml"}
+    assert "tacos_validation/recipes/gap_blind_check.yaml" in names
+    points = configparser.ConfigParser()
+    points.read_string(metadata(validation_wheel, "entry_points.txt"))
+    assert dict(points["tacos"]) == {"validation": "tacos_validation.plugin"}
+    assert dict(points["tacos_recipes"]) == {"validation": "tacos_validation.recipes"}
+
+
+def test_validation_has_the_version_of_the_framework(
+    wheel: zipfile.ZipFile, validation_wheel: zipfile.ZipFile
+) -> None:
+    ours, its = (Parser().parsestr(metadata(each, "METADATA")) for each in (wheel, validation_wheel))
+    assert its["Version"] == ours["Version"]
+
+
+def test_what_validation_offers_is_told_where_it_is_missing() -> None:
+    """The list of known packages names all its components and recipes, and nothing else."""
+    known = json.loads((ROOT / "catalogs/plugin_packages.json").read_text())["tacos-framework[validation]"]
+    assert known["components"] == sorted(component.use for component in tacos_components())
+    assert known["recipes"] == sorted(path.stem for path in (VALIDATION / "recipes").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("name", ["gap_blind_check", "own.yaml"])
+def test_without_validation_a_recipe_names_what_to_install(
+    name: str, wheel: zipfile.ZipFile, tmp_path: Path
+) -> None:
+    site = tmp_path / "site"
+    wheel.extractall(site)
+    (tmp_path / "own.yaml").write_text("tacos: 1\nname: mine\nuse: procedure.gap-blind-check\n")
+    code = (
+        "import importlib.metadata as m, sys; found = m.entry_points;"
+        "m.entry_points = lambda **k: m.EntryPoints(p for p in found(**k) if p.name != 'validation');"
+        "import tacos_framework.cli as cli; sys.exit(cli.run_main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, name, "--check"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(site)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "pip install 'tacos-framework[validation]'" in done.stdout + done.stderr
 
 
 def test_licence(wheel: zipfile.ZipFile) -> None:

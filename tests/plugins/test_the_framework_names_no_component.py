@@ -16,7 +16,11 @@ import tacos_framework
 from tacos_framework.plugins import Plugins
 
 ROOT = Path(tacos_framework.__file__).parent
-OFFERED = [each.component for each in Plugins.discover() if each.distribution == "tacos-framework"]
+OFFERED = [
+    each.component
+    for each in Plugins.discover()
+    if each.distribution in ("tacos-framework", "tacos-validation")
+]
 USES = {component.use for component in OFFERED}
 BARE = {component.name for component in OFFERED if component.kind == "effect" and "-" in component.name}
 EXAMPLE = re.compile(r"\b(such as|as in|e\.g\.|like)\b")

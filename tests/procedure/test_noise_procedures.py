@@ -249,11 +249,11 @@ def test_frames_come_from_somewhere(config):
 
 @pytest.mark.parametrize("name", ["calibrate_noise", "validate_noise"])
 def test_the_shipped_recipes_have_no_faults(name):
-    from tacos_framework.packaged_resources import shipped_folder
+    from tacos_framework.packaged_resources import shipped_recipes
     from tacos_framework.plan.procedure import plan_procedure
     from tacos_framework.recipe.procedure import procedure_from
 
-    recipe, faults = procedure_from(read_yaml(shipped_folder("recipes") / f"{name}.yaml"), {}, ())
+    recipe, faults = procedure_from(read_yaml(shipped_recipes()[name]), {}, ())
     assert (
         plan_procedure(recipe, Plugins.discover(), faults).recipe.use == f"procedure.{name.replace('_', '-')}"
     )

@@ -14,13 +14,13 @@ from jsonschema import Draft202012Validator
 from tacos_framework.cli import tacos_main
 from tacos_framework.components import Component
 from tacos_framework.hookspecs import hookimpl
-from tacos_framework.packaged_resources import shipped_folder
+from tacos_framework.packaged_resources import shipped_folder, shipped_recipes
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_plugins.authoring.reference.recipe_schema import recipe_schema
 from tests.docs.pages import Block, blocks
 
-SHIPPED = sorted(shipped_folder("recipes").glob("*.yaml"))
+SHIPPED = sorted(shipped_recipes().values())
 IN_DOCS = [  # but for the tutorial's, whose component is not installed here
     block
     for block in blocks(language="yaml")

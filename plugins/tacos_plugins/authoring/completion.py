@@ -53,9 +53,9 @@ def completion_script(shell: str, command: str | None = None) -> str:
     except ModuleNotFoundError:
         missing = Fault("tacos completion", "shtab is not installed", "", "pip install shtab")
         raise UserError(missing) from None
-    from tacos_framework import shipped_folder, shipped_names
+    from tacos_framework import shipped_recipes
 
-    recipes = " ".join(shipped_names(shipped_folder("recipes")))
+    recipes = " ".join(shipped_recipes())
     preamble = _PREAMBLE[shell].format(recipes=recipes)
     parsers = [parser for parser in _parsers() if command in (None, parser.prog)]
     return "\n".join(shtab.complete(parser, shell=shell, preamble=preamble) for parser in parsers)

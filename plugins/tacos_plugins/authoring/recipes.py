@@ -6,7 +6,7 @@ import re
 from itertools import takewhile
 from pathlib import Path
 
-from tacos_framework import read_yaml, shipped_folder, shipped_names
+from tacos_framework import read_yaml, recipe_folders, shipped_recipes
 from tacos_framework.files import read_text
 
 _SENTENCE = re.compile(r".+?[.?](?=\s+[A-Z]|$)")
@@ -15,11 +15,11 @@ _SENTENCE = re.compile(r".+?[.?](?=\s+[A-Z]|$)")
 
 def list_recipes() -> str:
     """The shipped recipes, a line each, and how they are used."""
-    folder = shipped_folder("recipes")
-    names = shipped_names(folder)
-    widest = max(map(len, names))
-    lines = [f"{name:<{widest}}  {summary_of(folder / f'{name}.yaml')}" for name in names]
-    closing = f"They lie in {folder}. Run one by its name, tacos-run NAME, or a copy by its path."
+    recipes = shipped_recipes()
+    widest = max(map(len, recipes))
+    lines = [f"{name:<{widest}}  {summary_of(file)}" for name, file in recipes.items()]
+    folders = " and ".join(map(str, recipe_folders()))
+    closing = f"They lie in {folders}. Run one by its name, tacos-run NAME, or a copy by its path."
     return "\n".join([*lines, "", closing])
 
 

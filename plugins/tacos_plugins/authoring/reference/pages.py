@@ -244,13 +244,13 @@ def hooks_page() -> str:
     return "\n\n".join(sections).replace("``", "`") + "\n"
 
 
+_OURS = ("tacos-framework", "tacos-validation")
+"""The distributions of this repository: the pages do not depend on what else is installed."""
+
+
 def default_components() -> list[Component]:
-    """The components of this distribution alone: the pages do not depend on what else is installed."""
-    return [
-        registered.component
-        for registered in Plugins.discover()
-        if registered.distribution == "tacos-framework"
-    ]
+    """The components of this repository's distributions."""
+    return [registered.component for registered in Plugins.discover() if registered.distribution in _OURS]
 
 
 def pages() -> dict[str, Callable[[], str]]:
