@@ -5,13 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.contracts import Executor
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
-from tacos_framework.runner import run
+from tacos_framework import Executor, Plugins, Progress, Recipe, run
 from tacos_framework.store import read_run_json
 from tacos_framework.study import BROKEN_OFF, DEFECT
-from tacos_framework.study.progress import Progress
 
 
 def result_of(

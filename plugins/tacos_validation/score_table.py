@@ -6,14 +6,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from tacos_framework.cache import content_key
-from tacos_framework.contracts import Executor, Scores, State
-from tacos_framework.fitness import Fitness
+from tacos_framework import Evaluation, Executor, Fitness, Scores, State, content_key
 from tacos_framework.plan import Plan
-from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob, merged_evaluation
-from tacos_framework.simulation.evaluation import Raised
+from tacos_framework.simulation import EpisodeSpec, Evaluator, Raised, ScoreJob, merged_evaluation
 from tacos_framework.store import Results
-from tacos_framework.study.problem import broken_by
+from tacos_framework.study import broken_by
 
 FILE = "scores.jsonl"
 KEPT = ("scores", "failed", "images", "seconds")

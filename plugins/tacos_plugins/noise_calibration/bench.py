@@ -7,11 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework import Capture, Exposure, FrameBatch, Plugins, Rig, Settings, Use, setting
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedSensor
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Use
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Capture, Exposure, FrameBatch, Rig
 from tacos_plugins.building import build, episode_of
 from tacos_plugins.noise_calibration.frame_files import FrameStack, stack_of
 

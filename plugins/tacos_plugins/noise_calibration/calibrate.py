@@ -10,12 +10,9 @@ from typing import Any
 
 from pydantic import model_validator
 
-from tacos_framework.camera.exposure import exposure_per_luminance, gain_factor
+from tacos_framework import Plugins, Progress, Settings, setting, to_yaml
+from tacos_framework.camera import exposure_per_luminance, gain_factor
 from tacos_framework.formation import EpisodeDraws
-from tacos_framework.plugins import Plugins
-from tacos_framework.settings import Settings, setting
-from tacos_framework.settings.yaml_writer import to_yaml
-from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
 from tacos_plugins.noise_calibration.bench import (
     CameraSetting,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tacos_files.arrays import read_npy
 from tacos_files.images import read_samples
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 
 Mosaic = Literal["none", "RGGB", "BGGR", "GRBG", "GBRG"]
 """The colours of the 2 x 2 photosites at the top left of a file, row by row; none where it is no mosaic."""

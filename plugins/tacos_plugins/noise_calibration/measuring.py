@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_plugins.noise_calibration.figure import Cloud
 from tacos_plugins.noise_calibration.frame_files import FrameStack
 from tacos_plugins.noise_calibration.levels import Levels, measure_levels

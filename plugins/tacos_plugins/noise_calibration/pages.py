@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import display_image
+from tacos_framework.camera import display_image
 from tacos_plugins.noise_calibration.frame_files import FrameStack
 from tacos_report.page import PagePicture, image_uri
 

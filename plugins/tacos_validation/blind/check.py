@@ -10,11 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.contracts import Executor
-from tacos_framework.plugins import Plugins
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Executor, Plugins, Progress, Settings, setting
 from tacos_framework.store import Results
-from tacos_framework.study.progress import Progress
 from tacos_gap.hypotheses.candidates import candidates
 from tacos_report.page import write_page
 from tacos_validation.blind.cases import Case

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, UserError
 from tacos_framework.files import read_json
 
 SURE = 0.5

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, setting
 from tacos_validation.blind.generators.catalogue import CATALOGUE
 from tacos_validation.blind.generators.confounders import PAIRS
 from tacos_validation.blind.generators.independent import VARIANTS, available

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.plugins import Plugins
+from tacos_framework import Fault, Plugins, UserError
 from tacos_gap.captures import CaptureFolder, read_captures
 from tacos_gap.captures.missing import FILE
 from tacos_gap.simulation.bench import recipe_renderer

@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, Plugins, Use, UserError, read_yaml
 from tacos_framework.files import read_text
 from tacos_framework.formation import PlacedEffect
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Use
-from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_gap.answer.diagnosis import Notify, diagnose
 from tacos_gap.answer.transfer import Photographed, patched
 from tacos_gap.captures import CaptureFolder

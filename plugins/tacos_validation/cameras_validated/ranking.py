@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.randomness import generator
+from tacos_framework import generator
 from tacos_gap.tasks import CaptureScores
 from tacos_validation.task_validation.agreement import (
     Agreement,

@@ -12,11 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
-from tacos_framework.camera.colour import display_image
+from tacos_framework import Plugins, Progress, Settings, setting
+from tacos_framework.camera import display_image
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
-from tacos_framework.plugins import Plugins
-from tacos_framework.settings import Settings, setting
-from tacos_framework.study.progress import Progress
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.hypotheses.candidates import Candidates, candidates
 from tacos_gap.procedures.checking import check_all, check_captures

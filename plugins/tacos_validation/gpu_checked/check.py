@@ -7,16 +7,21 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import (
+    Evaluation,
+    Executor,
+    Fault,
+    Plugins,
+    Progress,
+    Recipe,
+    Settings,
+    UserError,
+    load_recipe,
+    setting,
+)
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe, load_recipe
-from tacos_framework.settings import Settings, setting
-from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
-from tacos_framework.study.pipelined import score_pipelined
-from tacos_framework.study.progress import Progress
-from tacos_framework.study.shards import score_sharded
+from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
+from tacos_framework.study import score_pipelined, score_sharded
 from tacos_validation.gpu_checked.pictures import Difference, difference, taken_on
 
 ALIKE = Difference(ids=1e-3, depth=1e-3, luminance=5e-2)

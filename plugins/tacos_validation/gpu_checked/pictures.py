@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.environment import DEVICE_VARIABLE
+from tacos_framework import DEVICE_VARIABLE, Plugins, Recipe
 from tacos_framework.plan import make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
 from tacos_framework.simulation import EpisodeSpec, Simulation
 
 LUMINANCE_TOLERANCE = 0.02

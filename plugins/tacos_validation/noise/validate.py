@@ -10,12 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework.camera.exposure import gain_factor
-from tacos_framework.errors import UserError
+from tacos_framework import Plugins, Progress, Settings, UserError, setting
+from tacos_framework.camera import gain_factor
 from tacos_framework.formation import EpisodeDraws
-from tacos_framework.plugins import Plugins
-from tacos_framework.settings import Settings, setting
-from tacos_framework.study.progress import Progress
 from tacos_plugins.building import build, build_rig
 from tacos_plugins.noise_calibration.bench import (
     CameraSetting,

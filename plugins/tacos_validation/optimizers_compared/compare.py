@@ -8,14 +8,10 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.plugins import Plugins
+from tacos_framework import Executor, Fault, Plugins, Progress, UserError
 from tacos_framework.simulation import EpisodeSpec, Evaluator
 from tacos_framework.store import Results
-from tacos_framework.study.failing import KeepsFailing
-from tacos_framework.study.progress import Progress
-from tacos_framework.study.search import Search
+from tacos_framework.study import KeepsFailing, Search
 from tacos_report.page import write_page
 from tacos_validation.optimizers_compared.contest import BUDGET_SPENT, FromTable, Run
 from tacos_validation.optimizers_compared.outcome import Comparison, curves_csv, standings_csv

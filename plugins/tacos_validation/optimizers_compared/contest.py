@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
-from tacos_framework.cache import content_key
-from tacos_framework.contracts import Executor
-from tacos_framework.simulation import Evaluation, Evaluator, ScoreJob
-from tacos_framework.study.search import Search
+from tacos_framework import Evaluation, Executor, content_key
+from tacos_framework.simulation import Evaluator, ScoreJob
+from tacos_framework.study import Search
 from tacos_validation.score_table import ScoreTable, Wanted
 
 MOST_IDLE_ROUNDS = 50

@@ -8,9 +8,18 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Integer, Variable
-from tacos_framework.variables.design_space import Candidate, DesignSpace
+from tacos_framework import (
+    Candidate,
+    CatalogChoice,
+    Categorical,
+    Continuous,
+    DesignSpace,
+    Fault,
+    Integer,
+    UserError,
+    Variable,
+    did_you_mean,
+)
 
 DIGITS = 9
 """Decimals of a value on the grid, so that one point is one number however it was reached."""

@@ -6,11 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Fault, Plugins, Recipe, Test, Use, UserError, load_recipe
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe, Test, Use
-from tacos_framework.recipe.loading import load_recipe
 from tacos_framework.simulation import EpisodeSpec
 from tacos_validation.optimizers_compared.grid import on_grid
 from tacos_validation.optimizers_compared.settings import CompareOptimizersConfig, HeldOut

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError
+from tacos_framework import Candidate, Fault, UserError
 from tacos_framework.plan import Plan
 from tacos_framework.simulation import EpisodeSpec
-from tacos_framework.study.problem import broken_by
-from tacos_framework.variables.design_space import Candidate
+from tacos_framework.study import broken_by
 from tacos_validation.optimizers_compared.grid import Stepped, coarse_grid, count_coarse, neighbours, stride
 from tacos_validation.optimizers_compared.settings import ReferenceSearch
 from tacos_validation.score_table import ScoreTable

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from pydantic import JsonValue, model_validator
 
-from tacos_framework.errors import did_you_mean
-from tacos_framework.recipe import Use
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, Use, did_you_mean, setting
 
 
 class HeldOut(Settings):

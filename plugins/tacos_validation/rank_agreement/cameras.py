@@ -9,10 +9,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tacos_framework.catalog import load_cameras
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import CatalogChoice, Continuous, Fault, UserError, did_you_mean, load_cameras
 from tacos_framework.plan import Plan
-from tacos_framework.variables import CatalogChoice, Continuous
 from tacos_validation.rank_agreement.settings import RankedCameras
 
 

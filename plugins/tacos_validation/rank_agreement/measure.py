@@ -6,17 +6,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError
-from tacos_framework.fitness import Fitness
+from tacos_framework import (
+    Evaluation,
+    Executor,
+    Fault,
+    Fitness,
+    Plugins,
+    Progress,
+    Recipe,
+    UserError,
+    generator,
+    load_recipe,
+)
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.randomness import generator
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator
+from tacos_framework.simulation import EpisodeSpec, Evaluator
 from tacos_framework.store import Results
-from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.rank_agreement.agreement import agreement, agreement_of_halves, tau_b
 from tacos_validation.rank_agreement.cameras import RankedCamera, cameras_of

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.simulation import Evaluation
+from tacos_framework import Evaluation
 from tacos_validation.rank_agreement.agreement import Agreement, places
 
 SIZES = ("quick", "full")

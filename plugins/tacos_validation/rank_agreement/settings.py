@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import JsonValue, model_validator
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, setting
 
 
 class RankedCameras(Settings):

@@ -8,15 +8,20 @@ from typing import Any
 
 from pydantic import JsonValue, model_validator
 
-from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import (
+    Executor,
+    Fault,
+    Plugins,
+    Progress,
+    Recipe,
+    Settings,
+    UserError,
+    did_you_mean,
+    load_recipe,
+    setting,
+)
 from tacos_framework.plan import make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import load_recipe
-from tacos_framework.settings import Settings, setting
 from tacos_framework.store import DESIGNED, Results
-from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
 from tacos_validation.studies_compared.pages import StudiesComparison, lines, page, summary

@@ -7,8 +7,7 @@ from typing import Literal
 
 from pydantic import JsonValue, model_validator
 
-from tacos_framework.errors import did_you_mean
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, did_you_mean, setting
 from tacos_framework.store import DESIGNED
 
 

@@ -8,14 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework.contracts import Executor
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework import Executor, Fault, Plugins, Progress, Recipe, UserError, did_you_mean, load_recipe
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import load_recipe
 from tacos_framework.store import DESIGNED, Results, read_run_lines
-from tacos_framework.study.progress import Progress
 from tacos_report.page import write_page
 from tacos_validation.kept_studies import result_of
 from tacos_validation.studies_table.findings import StudyRun, findings

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import Scores
+from tacos_framework import Capture, Episode, Exposure, FrameBatch, Rig, Scores
 from tacos_framework.formation import EpisodeDraws
-from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
 from tacos_plugins.noise_calibration.bench import expose
 
 

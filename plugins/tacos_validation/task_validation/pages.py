@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import display_image
-from tacos_framework.values import FrameBatch
+from tacos_framework import FrameBatch
+from tacos_framework.camera import display_image
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.page import (
     Heading,

@@ -9,14 +9,21 @@ from typing import Any
 import numpy as np
 from pydantic import model_validator
 
-from tacos_framework.catalog import OffTheShelf, load_cameras
-from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.plugins import Plugins
-from tacos_framework.randomness import generator
-from tacos_framework.recipe import Use
-from tacos_framework.settings import Settings, setting
-from tacos_framework.study.progress import Progress
-from tacos_framework.values import Episode, Rig
+from tacos_framework import (
+    Episode,
+    Fault,
+    OffTheShelf,
+    Plugins,
+    Progress,
+    Rig,
+    Settings,
+    Use,
+    UserError,
+    did_you_mean,
+    generator,
+    load_cameras,
+    setting,
+)
 from tacos_plugins.building import build, build_rig, episode_of
 from tacos_plugins.noise_calibration.bench import CameraSetting
 from tacos_report.page import write_page
