@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ import pytest
 
 from tacos_framework.errors import UserError
 from tacos_framework.store import Results
+from tacos_framework.store.database import DATABASE
 from tacos_gap.captures import read_captures
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.figure import Figure, interval
@@ -103,8 +106,9 @@ def test_a_broken_check_goes_on_with_its_cases_and_names_one_that_was_damaged(tm
     file = tmp_path / CASES
     file.write_bytes(file.read_bytes() + b'{"case": "cut')
     assert [each.name for each in kept_cases(results)] == ["first", "second"]
-    file.write_bytes(file.read_bytes().replace(b"first", b"worst"))
-    with pytest.raises(UserError, match=r"cases\.jsonl.*line 1"):
+    with closing(sqlite3.connect(tmp_path / DATABASE)) as connection, connection:
+        connection.execute("UPDATE entries SET value = replace(value, 'first', 'worst')")
+    with pytest.raises(UserError, match=r"the digest of cases\.jsonl 0 does not fit"):
         kept_cases(results)
 
 
