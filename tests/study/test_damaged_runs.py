@@ -137,7 +137,10 @@ def test_lines_that_somebody_changed_are_named_and_written_anew(toys, tmp_path, 
     whole = lines.read_bytes()
     lines.write_bytes(whole.replace(b"generation", b"exhibition"))
     (bad,) = (check for check in verify(tmp_path / "run") if check.damage)
-    assert (bad.name, bad.damage) == ("generations.jsonl", "it is not what the database holds")
+    assert (bad.name, bad.damage) == (
+        "generations.jsonl",
+        "its digest is not the one that the run wrote down",
+    )
     run(recipe(), toys, tmp_path / "run", resume=True)
     assert lines.read_bytes() == whole
 
