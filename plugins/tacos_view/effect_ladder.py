@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from tacos_framework import Fault, FrameBatch, Plugins, UserError, check
+from tacos_framework import EffectBase, Fault, FrameBatch, Plugins, UserError, check, optional
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect
 from tacos_view.pictures import Picture, shown_frame
 from tacos_view.setup import PURPOSE, RenderSetup
@@ -105,7 +105,7 @@ def _severities(use: str, cls: type[Any], given: Mapping[str, Any]) -> Iterator[
             yield from rungs
             return
     else:
-        guesses = getattr(cls, "initial_guesses", None) or ()
+        guesses = optional(cls, EffectBase, "initial_guesses") or ()
         if not guesses:
             what = f"{use} does not say how severe it is met in the field"
             raise UserError(Fault(use, what, "a severity", "Give one: --set SETTING=VALUE."))

@@ -10,8 +10,10 @@ from tacos_framework import (
     Fault,
     Plugins,
     Recipe,
+    SceneBase,
     UserError,
     load_recipe,
+    optional,
     read_yaml_draft,
     recipe_from,
     to_yaml,
@@ -77,7 +79,7 @@ def _scene_recipe(
 ) -> Recipe:
     """A study in a scene: nothing of it is designed, but a recipe is what all else is made for."""
     cls = plugins.resolve(scene, "scene")
-    outdoors = getattr(cls, "carrier", "") == "car"
+    outdoors = optional(cls, SceneBase, "carrier") == "car"
     lux = sets.get("scenario.illumination_lux")
     by_day = outdoors and not (isinstance(lux, int | float) and lux < DUSK_LUX)
     own = {key: f"nodes.world.{key}" for key in sets if key.partition(".")[0] in cls.Config.model_fields}

@@ -18,7 +18,10 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     """The command line of ``tacos``."""
     parser = argparse.ArgumentParser(prog="tacos", description="Look around tacos-framework.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
+    listed = commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
+    listed.add_argument(
+        "--members", action="store_true", help="load them, and list members that no contract knows"
+    )
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
     for command in plugins.offers.commands(taken=tuple(commands.choices)):
         try:
@@ -40,14 +43,14 @@ def _main(argv: Sequence[str] | None) -> int:
     plugins = Plugins.discover()
     arguments = parser(plugins).parse_args(argv)
     own: dict[str, Callable[[argparse.Namespace], int]] = {
-        "plugins": lambda arguments: _plugins(plugins),
+        "plugins": lambda arguments: _plugins(plugins, members=arguments.members),
         "doctor": lambda arguments: _doctor(plugins),
     }
     commands = {command.name: command.run for command in plugins.offers.commands()} | own
     return commands[arguments.command](arguments)
 
 
-def _plugins(plugins: Plugins) -> int:
+def _plugins(plugins: Plugins, *, members: bool) -> int:
     for registered in plugins:
         component = registered.component
         missing = component.missing_packages()
@@ -55,9 +58,26 @@ def _plugins(plugins: Plugins) -> int:
         print(
             f"{component.use:<30} {component.summary}{note}  [{registered.distribution or registered.plugin}]"
         )
+    if members:
+        _unread_members(plugins)
     for failure in plugins.failures:
         print(f"broken: plugin {failure.plugin}: {failure.reason}. {failure.remedy}", file=sys.stderr)
     return DONE
+
+
+def _unread_members(plugins: Plugins) -> None:
+    """List what the framework never reads of a component: helpers of its author, or names meant otherwise."""
+    from tacos_framework.errors import UserError
+    from tacos_framework.plugins.contract_check import unread_members
+
+    print("\nPublic members that no contract knows (helpers, or misspelt names):")
+    for registered in plugins:
+        try:
+            cls = plugins.resolve(registered.component.use)
+        except UserError:  # `tacos doctor` says what is wrong with it
+            continue
+        if names := unread_members(registered.component, cls):
+            print(f"{registered.component.use:<30} {', '.join(names)}")
 
 
 def _doctor(plugins: Plugins) -> int:

@@ -24,29 +24,49 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tacos_framework.contracts.control import Controller
+from tacos_framework.contracts.control import Controller, ControllerBase
 from tacos_framework.contracts.effect import (
     FILE_STAGES,
     LIGHT_STAGES,
     STAGES,
     Effect,
+    EffectBase,
     Stage,
     acts_after_noise,
     formation_order,
     moves_pixels,
 )
-from tacos_framework.contracts.executor import Executor, JobRunner
+from tacos_framework.contracts.executor import Executor, ExecutorBase, JobRunner
 from tacos_framework.contracts.observed import LookAlike, ObservedCapture, ShownBy
-from tacos_framework.contracts.optimizer import Asked, DesignProblem, Evaluated, Optimizer, ScoreScale
-from tacos_framework.contracts.procedure import Procedure
-from tacos_framework.contracts.renderer import Renderer
-from tacos_framework.contracts.rig import RigBuilder
-from tacos_framework.contracts.scene import EpisodeStore, Scene
-from tacos_framework.contracts.sensor import Sensor
-from tacos_framework.contracts.task import Budget, Scorer, Scores, State, Task, Trainable, learns
+from tacos_framework.contracts.optimizer import (
+    Asked,
+    DesignProblem,
+    Evaluated,
+    Optimizer,
+    OptimizerBase,
+    ScoreScale,
+)
+from tacos_framework.contracts.optional import optional
+from tacos_framework.contracts.procedure import Procedure, ProcedureBase
+from tacos_framework.contracts.renderer import Renderer, RendererBase
+from tacos_framework.contracts.rig import RigBase, RigBuilder
+from tacos_framework.contracts.scene import EpisodeStore, Scene, SceneBase
+from tacos_framework.contracts.sensor import Sensor, SensorBase
+from tacos_framework.contracts.task import (
+    Budget,
+    Scorer,
+    Scores,
+    State,
+    Task,
+    TaskBase,
+    Trainable,
+    TrainableBase,
+    learns,
+)
 from tacos_framework.contracts.transform import Transform
 
 __all__ = [
+    "BASES",
     "FILE_STAGES",
     "LIGHT_STAGES",
     "PROTOCOLS",
@@ -55,33 +75,45 @@ __all__ = [
     "Asked",
     "Budget",
     "Controller",
+    "ControllerBase",
     "DesignProblem",
     "Effect",
+    "EffectBase",
     "EpisodeStore",
     "Evaluated",
     "Executor",
+    "ExecutorBase",
     "JobRunner",
     "LookAlike",
     "ObservedCapture",
     "Optimizer",
+    "OptimizerBase",
     "Procedure",
+    "ProcedureBase",
     "Renderer",
+    "RendererBase",
+    "RigBase",
     "RigBuilder",
     "Scene",
+    "SceneBase",
     "ScoreScale",
     "Scorer",
     "Scores",
     "Sensor",
+    "SensorBase",
     "ShownBy",
     "Stage",
     "State",
     "Task",
+    "TaskBase",
     "Trainable",
+    "TrainableBase",
     "Transform",
     "acts_after_noise",
     "formation_order",
     "learns",
     "moves_pixels",
+    "optional",
 ]
 
 PROTOCOLS: Mapping[str, type[Any]] = {
@@ -97,6 +129,20 @@ PROTOCOLS: Mapping[str, type[Any]] = {
     "executor": Executor,
     "procedure": Procedure,
 }
+
+BASES: Mapping[str, type[Any]] = {
+    "scene": SceneBase,
+    "rig": RigBase,
+    "renderer": RendererBase,
+    "effect": EffectBase,
+    "sensor": SensorBase,
+    "control": ControllerBase,
+    "task": TrainableBase,
+    "optimizer": OptimizerBase,
+    "executor": ExecutorBase,
+    "procedure": ProcedureBase,
+}
+"""The class that has the optional members of a kind, for kinds that have any."""
 
 VERBS: Mapping[str, tuple[str, ...]] = {
     "scene": ("episode",),

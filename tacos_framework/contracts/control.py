@@ -21,11 +21,7 @@ class Controller(Protocol):
     Candidates are evaluated in any order and process, so the object itself keeps nothing between calls. What
     it must know of earlier frames it keeps in ``context.memory``, which is empty at the start of each walk.
 
-    A further member is optional:
-
-    ``warm_up_frames: int``
-        How many frames of the first view of a walk the camera has taken before the first that counts: a
-        camera is rarely switched on as its episode begins. 0 by default.
+    `ControllerBase` has an optional member.
     """
 
     Config: ClassVar[type[Settings]]
@@ -49,3 +45,11 @@ class Controller(Protocol):
             Black and white level of the file [DN], and the controller's memory.
         """
         ...
+
+
+class ControllerBase:
+    """Optional members of a `Controller`, with their defaults."""
+
+    warm_up_frames: int = 0
+    """How many frames of the first view of a walk the camera has taken before the first that counts: a
+    camera is rarely switched on as its episode begins."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.contracts.observed import LookAlike, ShownBy
+from tacos_framework.contracts.optional import optional
 from tacos_framework.settings import Settings
 from tacos_framework.values import ImageContext, ImageGeometry
 
@@ -45,40 +47,7 @@ class Effect(Protocol):
     and takes account of binning before an effect is called: it sees pixels and digital numbers of the image
     it is given.
 
-    Further members are optional:
-
-    ``after_noise: ClassVar[bool]``
-        True for an effect of the stage pixel that acts on noisy samples: electrons that are lost or shared
-        once they are counted. It then follows the noise, ahead of the effects of the stage readout.
-    ``rank: ClassVar[int]``
-        The order within a stage, lower first; 0 by default. Equal ranks act in the recipe's order.
-    ``photon_scale: float``
-        Factor on the variance of the photon noise, for an effect that changes the noise and not the signal.
-    ``moments(mean_dn, variance_dn2, *, geometry, context)``
-        Mean and variance of the noise after the effect, from those before it, where a closed form exists.
-        Both are arrays of the shape (N, H, W, C), or flat fields that broadcast to it.
-
-    What a diagnosis should know of an effect, the class declares; all of it is optional:
-
-    ``initial_guesses: ClassVar[Sequence[Mapping[str, Any]]]``
-        Severities met in the field, where a diagnosis begins its search; parameters given as floats are then
-        fitted. An effect without is tried a little to either side of neutral, one with ``()`` only where the
-        captures point to it.
-    ``guesses_from(captures) -> Iterable[Mapping[str, Any]]``
-        Class method: further initial guesses that the captures themselves suggest, for an effect to which
-        nothing points far from the truth.
-    ``by_capture: ClassVar[Sequence[str]]``
-        Settings a camera sets anew for each picture, as its focus. Where several captures show the effect, a
-        diagnosis may fit a value for each; it asks ``guesses_from`` of each capture by itself.
-    ``look_alikes: ClassVar[Sequence[LookAlike]]``
-        Effects that some captures cannot tell from this one. It holds both ways.
-    ``shown_by: ClassVar[Sequence[ShownBy]]``
-        The captures it takes to speak of it.
-    ``plausible: bool``
-        False for settings that no camera has, as a lens that brightens its corners. Recipes may have them, a
-        diagnosis does not propose them.
-
-    `tacos_framework.contracts.observed` has what captures, look-alikes and needs are.
+    `EffectBase` has the optional members, those among them that a diagnosis reads.
     """
 
     Config: ClassVar[type[Settings]]
@@ -116,9 +85,50 @@ class Effect(Protocol):
         ...
 
 
+class EffectBase:
+    """Optional members of an `Effect`, with their defaults."""
+
+    after_noise: ClassVar[bool] = False
+    """True for an effect of the stage pixel that acts on noisy samples: electrons that are lost or shared
+    once they are counted. It then follows the noise, ahead of the effects of the stage readout."""
+    rank: ClassVar[int] = 0
+    """The order within a stage, lower first. Equal ranks act in the recipe's order."""
+    photon_scale: float = 1.0
+    """Factor on the variance of the photon noise, for an effect that changes the noise and not the
+    signal."""
+    source: Callable[..., Any] | None = None
+    """Where pixels look in the image without the effect; see `Effect`."""
+    source_at: Callable[..., Any] | None = None
+    """The same for any points."""
+    moved_inverse_depth: Callable[..., Any] | None = None
+    """The inverse depth of what is seen from another place [1/m]; see `Effect`."""
+    moments: Callable[..., Any] | None = None
+    """``moments(mean_dn, variance_dn2, *, geometry, context)``: mean and variance of the noise after the
+    effect, from those before it, where a closed form exists. Arrays of the shape (N, H, W, C), or flat
+    fields that broadcast to it."""
+
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]] | None] = None
+    """Severities met in the field, where a diagnosis begins its search; parameters given as floats are then
+    fitted. An effect without is tried a little to either side of neutral, one with ``()`` only where the
+    captures point to it."""
+    guesses_from: ClassVar[Callable[..., Any] | None] = None
+    """``guesses_from(captures) -> Iterable[Mapping[str, Any]]``, a class method: further initial guesses
+    that the captures suggest, for an effect to which nothing points far from the truth."""
+    by_capture: ClassVar[Sequence[str]] = ()
+    """Settings a camera sets anew for each picture, as its focus. Where several captures show the effect, a
+    diagnosis may fit a value for each; it asks ``guesses_from`` of each capture by itself."""
+    look_alikes: ClassVar[Sequence[LookAlike]] = ()
+    """Effects that some captures cannot tell from this one. It holds both ways."""
+    shown_by: ClassVar[Sequence[ShownBy]] = ()
+    """The captures it takes to speak of it."""
+    plausible: bool = True
+    """False for settings that no camera has, as a lens that brightens its corners. Recipes may have them, a
+    diagnosis does not propose them."""
+
+
 def acts_after_noise(effect: type[Any]) -> bool:
     """Whether an effect acts on noisy samples, which correlates noise, rather than on expected light."""
-    return getattr(effect, "after_noise", False) or STAGES.index(effect.stage) > STAGES.index("pixel")
+    return optional(effect, EffectBase, "after_noise") or STAGES.index(effect.stage) > STAGES.index("pixel")
 
 
 def formation_order(effect: type[Any]) -> tuple[int, bool, int]:
@@ -126,9 +136,9 @@ def formation_order(effect: type[Any]) -> tuple[int, bool, int]:
 
     Whatever order a recipe or a diagnosis lists effects in, white balance then comes before the tone curve.
     """
-    return STAGES.index(effect.stage), acts_after_noise(effect), getattr(effect, "rank", 0)
+    return STAGES.index(effect.stage), acts_after_noise(effect), optional(effect, EffectBase, "rank")
 
 
 def moves_pixels(effect: type[Any]) -> bool:
     """Whether an effect class does nothing but move pixels, and says from where."""
-    return callable(getattr(effect, "source", None))
+    return callable(optional(effect, EffectBase, "source"))

@@ -14,10 +14,7 @@ Result = TypeVar("Result")
 class JobRunner(Protocol):
     """Runs evaluations, here or elsewhere: what a host may hand to `run` in place of a recipe's executor.
 
-    A further member is optional:
-
-    ``workers: int``
-        How many jobs it runs at a time. 1 where it does not say.
+    `ExecutorBase` has an optional member.
 
     A job may have an attribute ``affinity: Hashable | None``: what it needs that is costly to make and is
     kept in the process that made it (a world, lit). Workers do well to be given jobs of an affinity they have
@@ -48,3 +45,10 @@ class Executor(JobRunner, Protocol):
     """A `JobRunner` that recipes can name."""
 
     Config: ClassVar[type[Settings]]
+
+
+class ExecutorBase:
+    """Optional members of a `JobRunner`, with their defaults."""
+
+    workers: int = 1
+    """How many jobs it runs at a time."""

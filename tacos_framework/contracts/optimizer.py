@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, Protocol
 
@@ -101,22 +101,8 @@ class Evaluated:
 class Optimizer(Protocol):
     """The derivative-free side: ``Class(config, space=space, rng=rng)``, then ask and tell until stop.
 
-    Further members are optional:
-
-    ``problem``
-        A keyword of ``__init__``; one that takes it is given the `DesignProblem`.
-    ``recommend(count) -> list[Candidate]``
-        The candidates it thinks best, the best first; the study scores them once more on fresh episodes.
-        Without it, those of highest mean fitness are.
-    ``choose(finalists) -> int``
-        The place, among those candidates as they were `Evaluated` on fresh episodes, of the best one. Their
-        numbers of episodes name other scenes than those of `tell`. Without it, that of highest fitness is.
-    ``notes(config, space) -> Iterable[str]``
-        A class method: what whoever reads the plan should know of a search with these settings, in
-        sentences, such as that it ends before anything is learnt.
-    ``budget: ClassVar[str]``
-        The setting (a whole number) that says how long it goes on, where `restore` of a state from before
-        goes on with a larger one as if it had been that large from the start: such studies can be extended.
+    Its ``__init__`` may take a further keyword ``problem`` and is then given the `DesignProblem`.
+    `OptimizerBase` has the optional members.
     """
 
     Config: ClassVar[type[Settings]]
@@ -145,3 +131,21 @@ class Optimizer(Protocol):
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a `state`; equal to never having stopped."""
         ...
+
+
+class OptimizerBase:
+    """Optional members of an `Optimizer`, with their defaults."""
+
+    recommend: Callable[[int], list[Any]] | None = None
+    """``recommend(count)``: the candidates it thinks best, the best first; the study scores them once more
+    on fresh episodes. Without it, those of highest mean fitness are."""
+    choose: Callable[[Sequence[Evaluated]], int] | None = None
+    """``choose(finalists)``: the place, among those candidates as they were `Evaluated` on fresh episodes,
+    of the best one. Their numbers of episodes name other scenes than those of `tell`. Without it, that of
+    highest fitness is."""
+    notes: ClassVar[Callable[..., Iterable[str]] | None] = None
+    """``notes(config, space)``, a class method: what whoever reads the plan should know of a search with
+    these settings, in sentences, such as that it ends before anything is learnt."""
+    budget: ClassVar[str | None] = None
+    """The setting (a whole number) that says how long it goes on, where `restore` of a state from before
+    goes on with a larger one as if it had been that large from the start: such studies can be extended."""

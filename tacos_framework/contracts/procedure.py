@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Protocol
 
 from tacos_framework.contracts.executor import Executor
@@ -25,11 +25,7 @@ class Procedure(Protocol):
     resume    whether to go on with a broken run
     ========  =============================================================================================
 
-    A further member is optional:
-
-    ``check(*, seed, plugins) -> None``
-        Raises a `UserError` with whatever its settings lead to that cannot be run, such as faults of the
-        recipes they name. It is called as the recipe is checked, and asks for those keywords it needs.
+    `ProcedureBase` has an optional member.
     """
 
     Config: ClassVar[type[Settings]]
@@ -42,3 +38,12 @@ class Procedure(Protocol):
         The entry ``summary`` of the result is a text in a few lines, which ``tacos-run`` prints.
         """
         ...
+
+
+class ProcedureBase:
+    """Optional members of a `Procedure`, with their defaults."""
+
+    check: Callable[..., None] | None = None
+    """``check(*, seed, plugins)``: raises a `UserError` with whatever its settings lead to that cannot be
+    run, such as faults of the recipes they name. It is called as the recipe is checked, with those keywords
+    that it asks for."""

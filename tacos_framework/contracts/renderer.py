@@ -11,11 +11,7 @@ from tacos_framework.values import Capture, Episode, Exposure, Rig
 class Renderer(Protocol):
     """Gives the light that reaches each pixel, and the truth behind it.
 
-    A further member is optional:
-
-    ``averages_exposure: bool``
-        True where its settings make light an average over the exposure time. Recipes that control the
-        exposure refuse such a renderer: light is rendered before the time is known.
+    `RendererBase` has an optional member.
     """
 
     Config: ClassVar[type[Settings]]
@@ -23,3 +19,11 @@ class Renderer(Protocol):
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch."""
         ...
+
+
+class RendererBase:
+    """Optional members of a `Renderer`, with their defaults."""
+
+    averages_exposure: bool = False
+    """True where its settings make light an average over the exposure time. Recipes that control the
+    exposure refuse such a renderer: light is rendered before the time is known."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import ClassVar, Protocol
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, ClassVar, Protocol
 
 from tacos_framework.settings import Settings
 from tacos_framework.values import Rig
@@ -19,20 +19,7 @@ class RigBuilder(Protocol):
     nobody states, are left out. One that is called ``f_number_min`` is the smallest f-number of the lens: no
     scenario may open it further.
 
-    Further members are optional:
-
-    ``buildable``
-        A tuple of `tacos_framework.quantities.Constraint`, without which the cameras cannot be built; they
-        hold unless the recipe bounds the same quantity.
-    ``alternatives``
-        Groups of variables of which exactly one is given, as a focal length or a lens: a product that fixes
-        one of a group leaves none of the others to be designed.
-    ``notes(variables) -> Iterable[str]``
-        Sentences on what somebody who builds these cameras should know.
-    ``coordinates(variables) -> Mapping[str, float]``
-        What images depend on, as numbers along which they change evenly: angles, logarithms of pixel counts
-        and pitch. A model of the scores learns along them what candidates have in common. Without it, the
-        derived quantities and the numbers among the variables stand for them.
+    `RigBase` has the optional members.
     """
 
     Config: ClassVar[type[Settings]]
@@ -46,3 +33,20 @@ class RigBuilder(Protocol):
     def derived(self, variables: Settings) -> Mapping[str, float]:
         """The derived quantities of these variables, cheaply: nothing is rendered."""
         ...
+
+
+class RigBase:
+    """Optional members of a `RigBuilder`, with their defaults."""
+
+    buildable: ClassVar[Sequence[Any]] = ()
+    """Constraints (`tacos_framework.Constraint`) without which the cameras cannot be built; they hold
+    unless the recipe bounds the same quantity."""
+    alternatives: ClassVar[Sequence[frozenset[str]]] = ()
+    """Groups of variables of which exactly one is given, as a focal length or a lens: a product that fixes
+    one of a group leaves none of the others to be designed."""
+    notes: Callable[..., Iterable[str]] | None = None
+    """``notes(variables)``: sentences on what somebody who builds these cameras should know."""
+    coordinates: Callable[..., Mapping[str, float]] | None = None
+    """``coordinates(variables)``: what images depend on, as numbers along which they change evenly: angles,
+    logarithms of pixel counts and pitch. A model of the scores learns along them what candidates have in
+    common. Without it, the derived quantities and the numbers among the variables stand for them."""

@@ -14,10 +14,7 @@ from tacos_framework.values import Episode
 class Scene(Protocol):
     """Makes worlds and the agent's trips through them.
 
-    A further member is optional:
-
-    ``carrier: ClassVar[str]``
-        What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it.
+    `SceneBase` has an optional member.
     """
 
     Config: ClassVar[type[Settings]]
@@ -30,9 +27,17 @@ class Scene(Protocol):
         ...
 
 
+class SceneBase:
+    """Optional members of a `Scene`, with their defaults."""
+
+    carrier: ClassVar[str] = ""
+    """What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it."""
+
+
 @runtime_checkable
 class EpisodeStore(Protocol):
-    """Keeps episodes beyond a simulation, so that each is made once; see the hook `tacos_episode_stores`."""
+    """Keeps episodes beyond a simulation, so that each is made once; see the hook
+    `tacos_episode_stores`."""
 
     def episode(
         self, scene: type[Any], config: Settings, follows_from: Mapping[str, Any], make: Callable[[], Episode]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.settings import Settings
-from tacos_framework.values import Camera, Exposure
+from tacos_framework.values import Camera, Exposure, Rig
 
 Samples = NDArray[np.float32]
 """(N, H, W, C) samples of one camera with the pedestal, neither rounded nor clipped, C = 1 or 3 [DN]."""
@@ -21,11 +22,7 @@ class Sensor(Protocol):
     samples, effects of the pixel, the noise, effects of the readout, then rounds and clips to the range of
     the file. The diagnosis of real captures does the same with the same sensor.
 
-    A further member is optional:
-
-    ``lacks(rig) -> str | None``
-        What the sensor would have to know of a rig's cameras and does not, in a sentence. A recipe none of
-        whose cameras it can serve is refused with it; a candidate it cannot serve fails.
+    `SensorBase` has an optional member.
     """
 
     Config: ClassVar[type[Settings]]
@@ -81,3 +78,11 @@ class Sensor(Protocol):
     def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float | None:
         """What one electron of a photosite adds to a sample: the system gain K; None if unknown [DN/e-]."""
         ...
+
+
+class SensorBase:
+    """Optional members of a `Sensor`, with their defaults."""
+
+    lacks: Callable[[Rig], str | None] | None = None
+    """What the sensor would have to know of a rig's cameras and does not, in a sentence. A recipe none of
+    whose cameras it can serve is refused with it; a candidate it cannot serve fails."""

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.contracts.optimizer import ScoreScale
 from tacos_framework.settings import Settings
-from tacos_framework.values import FrameBatch
+from tacos_framework.values import FrameBatch, Rig
 
 Scores = Mapping[str, float]
 """Named numbers of one episode. A score without meaning there (no obstacle on the path) is left out."""
@@ -46,25 +47,7 @@ class Scorer(Protocol):
 class Task(Protocol):
     """A perception task. ``scores`` names what its scorers report.
 
-    Further members are optional:
-
-    ``lacks(rig) -> str | None``
-        Why it cannot judge a rig's cameras, in a sentence; used as that of a `Sensor`.
-    ``lower_is_better: ClassVar[frozenset[str]]``
-        Those of the scores that are errors, of which reports call the smallest best. Of the others higher is
-        better.
-    ``score_meanings: ClassVar[Mapping[str, str]]``
-        What a score says, in a few words, where its name does not tell those who read a report.
-    ``score_scales: ClassVar[Mapping[str, ScoreScale]]``
-        Which of the scores are counts, and which are shares between 0 and 1; the others may be any number.
-    ``margins: ClassVar[Mapping[str, float]]``
-        Differences of a score that do not matter on the job, in its unit. A study calls cameras equal by them
-        unless its recipe has other ones; a score without has a margin of 0.
-    ``depends_on: ClassVar[Mapping[str, Sequence[str]]]``
-        The coordinates of the rig (`RigBuilder`) a score depends on, where it does not depend on all.
-    ``frames_per_update: int``
-        How many frames it would have at a time, as a network on a GPU; one by default. It may be given more
-        or fewer, and its scores must not depend on that.
+    `TaskBase` has the optional members.
     """
 
     Config: ClassVar[type[Settings]]
@@ -78,14 +61,7 @@ class Task(Protocol):
 class Trainable(Protocol):
     """A task that learns. State goes in and comes out; the object itself keeps none.
 
-    Further members are optional:
-
-    ``Training: ClassVar[type[Settings]]``
-        The settings it takes from the recipe's ``train:`` through `Budget.settings`; those given are then
-        checked with the recipe, before anything is computed.
-    ``untrained() -> str | None``
-        Why `initial_state` knows nothing yet, in a sentence that says where trained weights come from; None
-        where it has been trained before. What is untrained is refused where a recipe freezes it.
+    `TrainableBase` has the optional members.
     """
 
     scores: ClassVar[tuple[str, ...]]
@@ -108,3 +84,36 @@ class Trainable(Protocol):
 def learns(task: type[Any]) -> bool:
     """Whether a task class is `Trainable`."""
     return callable(getattr(task, "fit", None)) and callable(getattr(task, "initial_state", None))
+
+
+class TaskBase:
+    """Optional members of a `Task`, with their defaults."""
+
+    lacks: Callable[[Rig], str | None] | None = None
+    """Why it cannot judge a rig's cameras, in a sentence; used as that of a sensor."""
+    lower_is_better: ClassVar[Collection[str]] = frozenset()
+    """Those of the scores that are errors, of which reports call the smallest best."""
+    score_meanings: ClassVar[Mapping[str, str]] = {}
+    """What a score says, in a few words, where its name does not tell those who read a report."""
+    score_scales: ClassVar[Mapping[str, ScoreScale]] = {}
+    """Which of the scores are counts, and which are shares between 0 and 1; the others may be any
+    number."""
+    margins: ClassVar[Mapping[str, float]] = {}
+    """Differences of a score that do not matter on the job, in its unit. A study calls cameras equal by
+    them unless its recipe has other ones; a score without has a margin of 0."""
+    depends_on: ClassVar[Mapping[str, Sequence[str]]] = {}
+    """The coordinates of the rig (`RigBuilder`) a score depends on, where it does not depend on all."""
+    frames_per_update: int = 1
+    """How many frames it would have at a time, as a network on a GPU. It may be given more or fewer, and
+    its scores must not depend on that."""
+
+
+class TrainableBase(TaskBase):
+    """Optional members of a `Trainable` task, with their defaults."""
+
+    Training: ClassVar[type[Settings] | None] = None
+    """The settings it takes from the recipe's ``train:`` through `Budget.settings`; those given are then
+    checked with the recipe, before anything is computed."""
+    untrained: Callable[[], str | None] | None = None
+    """Why `initial_state` knows nothing yet, in a sentence that says where trained weights come from; None
+    where it has been trained before. What is untrained is refused where a recipe freezes it."""

@@ -14,9 +14,11 @@ from tacos_framework.camera.resampling import resample
 from tacos_framework.contracts import (
     FILE_STAGES,
     LIGHT_STAGES,
+    EffectBase,
     acts_after_noise,
     formation_order,
     moves_pixels,
+    optional,
 )
 from tacos_framework.formation.checked import checked_samples
 from tacos_framework.formation.draws import EpisodeDraws
@@ -109,5 +111,5 @@ class EffectChain:
             pixel=tuple(each for each in inside if not acts_after_noise(type(each.effect))),
             readout=tuple(each for each in inside if acts_after_noise(type(each.effect))),
             files=files,
-            photon_scale=prod(getattr(each.effect, "photon_scale", 1.0) for each in ordered),
+            photon_scale=prod(optional(each.effect, EffectBase, "photon_scale") for each in ordered),
         )

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework.contracts import ControllerBase, optional
 from tacos_framework.errors import ContractBroken
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.placed import PlacedControl
@@ -94,7 +95,7 @@ class ExposureLoop:
 
     def _warm_up(self, one: Capture, state: _CameraState, draws: EpisodeDraws) -> None:
         """Let the camera look at the first view of a walk for a while, with draws of its own."""
-        for count in range(getattr(self.control.controller, "warm_up_frames", 0)):
+        for count in range(optional(self.control.controller, ControllerBase, "warm_up_frames")):
             before = EpisodeDraws(draws.seed, (*draws.names, "warm-up", count))
             state.exposure = self._next(self.expose(one, state.exposure, before), state)
 

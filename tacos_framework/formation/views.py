@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import Places, image_velocity, inverse_depth
 from tacos_framework.camera.resampling import nearest, resample, resample_inverse_depth
-from tacos_framework.contracts import moves_pixels
+from tacos_framework.contracts import EffectBase, moves_pixels, optional
 from tacos_framework.formation.chain import ActingEffect
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.plugins.guarded import calling
@@ -108,7 +108,7 @@ def _moved(view: View, acting: ActingEffect, geometry: ImageGeometry, context: I
         if places is None:
             return view
         near: NDArray[np.floating] = resample_inverse_depth(inverse_depth(view.depth_m), *places)
-        if callable(moved := getattr(acting.effect, "moved_inverse_depth", None)):
+        if callable(moved := optional(acting.effect, EffectBase, "moved_inverse_depth")):
             near = moved(near, *places, geometry=geometry)
     with np.errstate(divide="ignore"):
         depth_m = 1.0 / near

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tacos_framework.contracts import SensorBase, optional
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.recipe import Recipe
@@ -32,7 +33,7 @@ def check_cameras_fit(
     asking = {
         name: part
         for name, part in nodes.items()
-        if callable(getattr(part.cls, "lacks", None))
+        if callable(optional(part.cls, SensorBase, "lacks"))
         and not any(variable.name.startswith(f"{name}.") for variable in space.variables)
     }
     if not asking:

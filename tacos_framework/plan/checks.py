@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from tacos_framework.catalog import OffTheShelf, load_cameras
+from tacos_framework.contracts import TaskBase, optional
 from tacos_framework.errors import UserError, did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
@@ -61,7 +62,7 @@ def declared_margins(nodes: Mapping[str, ConfiguredComponent]) -> dict[str, floa
     return {
         f"{name}.{score}": margin
         for name, part in nodes.items()
-        for score, margin in getattr(part.cls, "margins", {}).items()
+        for score, margin in optional(part.cls, TaskBase, "margins").items()
     }
 
 

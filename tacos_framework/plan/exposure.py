@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from tacos_framework.contracts import RendererBase, optional
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.starting import with_starting_values
@@ -18,7 +19,7 @@ def find_exposure(
     if use is None:
         return None
     for name, part in nodes.items():
-        if part.use.startswith("renderer.") and getattr(part.instance, "averages_exposure", False):
+        if part.use.startswith("renderer.") and optional(part.instance, RendererBase, "averages_exposure"):
             findings.add(
                 ("nodes", name),
                 f"{part.use} averages light over the exposure time, which {use.use} sets only later",

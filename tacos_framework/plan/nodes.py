@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from tacos_framework.components import KINDS
-from tacos_framework.contracts import learns
+from tacos_framework.contracts import TrainableBase, learns, optional
 from tacos_framework.graph import NODE_KINDS, Graph, Node, Signature, signature_of, wiring_faults
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
@@ -97,7 +97,7 @@ def _check_training(
     elif len(signature.inputs) != 1:
         ports = ", ".join(signature.inputs)
         findings.add(path, f"{use.use} has the ports {ports}", "one port, for what learns in a study")
-    elif (kind := getattr(cls, "Training", None)) is not None:
+    elif (kind := optional(cls, TrainableBase, "Training")) is not None:
         findings.checked(kind, use.train.settings, path)
 
 
@@ -107,7 +107,7 @@ def _check_frozen_weights(
     """Whether weights that stay as they are have been trained: the scores of others are noise."""
     if use.train is None or use.train.weights != "frozen":
         return
-    untrained = getattr(part.instance, "untrained", None)
+    untrained = optional(part.instance, TrainableBase, "untrained")
     if callable(untrained) and (reason := untrained()):
         findings.add(
             ("nodes", name, "train", "weights"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tacos_framework.catalog import CatalogPart, Grade
+from tacos_framework.contracts import OptimizerBase, RigBase, optional
 from tacos_framework.plan.feasibility import derived_of, infeasible
 from tacos_framework.plan.plan import Plan
 from tacos_framework.variables.design_space import CatalogChoice
@@ -40,7 +41,7 @@ def notes_on_constraints(plan: Plan) -> Iterator[str]:
 def notes_on_search(plan: Plan) -> Iterator[str]:
     """What the optimizer says of a search with its settings."""
     optimizer = plan.optimizer
-    if callable(notes := getattr(optimizer.cls, "notes", None)):
+    if callable(notes := optional(optimizer.cls, OptimizerBase, "notes")):
         with optimizer.calling("notes"):
             yield from list(notes(optimizer.config, plan.space))
 
@@ -112,7 +113,7 @@ def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
         for row in variable.rows:
             if row.name == name:
                 yield from (f"{row.name}: {said}" for said in (*row.doubts, *_to_be_asked(row)))
-    notes = getattr(plan.rig.instance, "notes", None)
+    notes = optional(plan.rig.instance, RigBase, "notes")
     if callable(notes):
         try:
             with plan.rig.calling("notes"):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.catalog import OffTheShelf
-from tacos_framework.contracts import learns
+from tacos_framework.contracts import RigBase, learns, optional
 from tacos_framework.fitness import Fitness
 from tacos_framework.graph import Graph
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
@@ -136,7 +136,9 @@ class Plan:
     def _replaced_by(self, given: Mapping[str, Any]) -> set[str]:
         """Variables of the rig that others stand for: a focal length for a lens."""
         groups = [
-            group for group in getattr(self.rig.cls, "alternatives", ()) if not given.keys().isdisjoint(group)
+            group
+            for group in optional(self.rig.cls, RigBase, "alternatives")
+            if not given.keys().isdisjoint(group)
         ]
         return {name for group in groups for name in group if name not in given}
 

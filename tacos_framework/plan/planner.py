@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from tacos_framework.contracts import RigBase, optional
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.fitness import Fitness, FitnessTerm
 from tacos_framework.plan.bounded import boundable, find_constraints, find_objectives, narrowed
@@ -68,7 +69,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     if findings.faults or not (graph and rig and space and optimizer and executor):
         return None
     bounded = {constraint.quantity for constraint in constraints}
-    own = tuple(c for c in getattr(rig.cls, "buildable", ()) if c.quantity not in bounded)
+    own = tuple(c for c in optional(rig.cls, RigBase, "buildable") if c.quantity not in bounded)
     plan = Plan(
         recipe=recipe,
         graph=graph,

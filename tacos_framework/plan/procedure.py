@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tacos_framework.contracts import ProcedureBase, optional
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.plugins import Plugins, calling
 from tacos_framework.recipe import Use
@@ -58,7 +59,7 @@ def plan_procedure(recipe: ProcedureRecipe, plugins: Plugins, faults: Sequence[F
 
 def _check_itself(recipe: ProcedureRecipe, plugins: Plugins, cls: type[Any], config: Settings) -> None:
     """Let a procedure look for faults in what its settings name."""
-    if not callable(getattr(cls, "check", None)):
+    if not callable(optional(cls, ProcedureBase, "check")):
         return
     offered = {"seed": recipe.seed, "plugins": plugins}
     asked = inspect.signature(cls.check).parameters

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, get_args
 
 from tacos_framework.components import Component
-from tacos_framework.contracts import PROTOCOLS, STAGES, VERBS, ScoreScale, learns
+from tacos_framework.contracts import BASES, PROTOCOLS, STAGES, VERBS, ScoreScale, Trainable, learns
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plugins.contract_calls import CALLS, OPTIONAL_CALLS, scorer_faults
 from tacos_framework.settings import Settings
+
+ALIKE = 0.8
+"""Share of letters in common (difflib's ratio) from which a name counts as misspelt: two letters of ten may
+be wrong. No component that ships has a member so near to another."""
 
 
 def contract_faults(component: Component, cls: type[Any]) -> list[str]:
     """What a class lacks to be a component of its kind, in sentences; empty when it fits."""
     if not isinstance(cls, type):
         return [f"{component.target} is a {type(cls).__name__}, not a class"]
-    faults = [*_missing(component.kind, cls), *_misfits(component.kind, cls)]
+    faults = [*_missing(component.kind, cls), *_misspelt(component.kind, cls), *_misfits(component.kind, cls)]
     return faults or [*_called_wrongly(component.kind, cls)]
 
 
@@ -40,6 +45,46 @@ def _missing(kind: str, cls: type[Any]) -> Iterator[str]:
             name in vars(each).get("__annotations__", {}) for each in cls.__mro__
         ):
             yield f"{cls.__name__} has no attribute {name}: give it one, or a property, or its annotation"
+
+
+def _misspelt(kind: str, cls: type[Any]) -> Iterator[str]:
+    """Members that the framework does not read, and that are nearly called as one it would."""
+    known = known_members(kind)
+    own = own_members(cls)
+    unused = sorted(known - own)
+    for name in sorted(own - known):
+        if meant := difflib.get_close_matches(name, unused, n=1, cutoff=ALIKE):
+            yield f"{cls.__name__}.{name} is read by nobody. Did you mean {meant[0]!r}?"
+
+
+def unread_members(component: Component, cls: type[Any]) -> list[str]:
+    """Public members of a class that the contract of its kind does not have: helpers, or mistakes."""
+    return sorted(own_members(cls) - known_members(component.kind))
+
+
+def known_members(kind: str) -> set[str]:
+    """All members that the framework may read of a component of a kind."""
+    protocols = [PROTOCOLS[kind], *([Trainable] if kind == "task" else [])]
+    found = {name for each in protocols for name in (*vars(each), *each.__annotations__)}
+    found |= {call.verb for call in (*CALLS[kind], *OPTIONAL_CALLS.get(kind, ()))}
+    for base in BASES[kind].__mro__ if kind in BASES else ():
+        found |= {*vars(base), *vars(base).get("__annotations__", {})}
+    return {name for name in found if not name.startswith("_")}
+
+
+def own_members(cls: type[Any]) -> set[str]:
+    """Public members that a class has of itself or of classes other than those of the framework."""
+    theirs = [
+        each
+        for each in cls.__mro__
+        if each.__module__.partition(".")[0] not in ("builtins", "tacos_framework")
+    ]
+    return {
+        name
+        for each in theirs
+        for name in (*vars(each), *vars(each).get("__annotations__", {}))
+        if not name.startswith("_")
+    }
 
 
 def _class_attributes(kind: str) -> set[str]:
@@ -68,7 +113,7 @@ def _misfits(kind: str, cls: type[Any]) -> Iterator[str]:
             yield f"{name}.derived_quantities is no mapping of names to units, such as {{'hfov_deg': 'deg'}}"
     if kind == "task":
         yield from _score_misfits(cls)
-        if hasattr(cls, "Training") and not _is_settings(cls.Training):
+        if getattr(cls, "Training", None) is not None and not _is_settings(cls.Training):
             yield f"{name}.Training is not a tacos_framework.settings.Settings class"
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Any, ClassVar, Generic, TypeVar
 
-from tacos_framework.contracts import JobRunner
+from tacos_framework.contracts import ExecutorBase, JobRunner, optional
 from tacos_framework.errors import ContractBroken
 from tacos_framework.plugins.guarded import Culprit, blame
 from tacos_framework.settings import Settings
@@ -137,7 +137,7 @@ class GuardedExecutor:
     @property
     def workers(self) -> int:
         """How many jobs it runs at a time."""
-        return int(getattr(self._executor, "workers", 1))
+        return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
         """See `map_by_key`."""

@@ -204,8 +204,8 @@ class StudySettings(Settings):
     """How candidates are compared."""
 
     retired_keys: ClassVar[Mapping[str, str]] = {
-        "race": "Take it out: races dropped the best candidate too often. To spend fewer images, let "
-        "optimizer.physical-gp choose the episodes, or lower `episodes`.",
+        "race": "Take it out: races dropped the best candidate too often. To spend fewer images, lower "
+        "`episodes`, or take an optimizer that asks for single episodes.",
     }
 
     episodes: int = setting(1, help="Episodes each candidate is scored on.", ge=1)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tacos_framework.cache import LRUCache, content_key
-from tacos_framework.contracts import EpisodeStore
+from tacos_framework.contracts import EpisodeStore, TaskBase, optional
 from tacos_framework.formation import EpisodeDraws, ImageFormation
 from tacos_framework.graph import Node
 from tacos_framework.plan import Plan
@@ -100,7 +100,7 @@ class EvaluationContext:
             with self.at_work(node.name):
                 return self.output(node, inputs, draws, batch.first_frame)
 
-        wanted = [getattr(self.components[task], "frames_per_update", 1) for task in tasks]
+        wanted = [optional(self.components[task], TaskBase, "frames_per_update") for task in tasks]
         yield from self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks)
 
     def draws(self, spec: EpisodeSpec) -> EpisodeDraws:

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from tacos_framework.cache import LRUCache, content_key
-from tacos_framework.contracts import EpisodeStore, Scores, State
+from tacos_framework.contracts import EpisodeStore, Scores, SensorBase, State, optional
 from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.formation import ImageFormation, PlacedControl, PlacedEffect, PlacedSensor
 from tacos_framework.plan import EXPOSURE, REFUSED, ConfiguredComponent, EffectPart, Plan
@@ -138,7 +138,9 @@ class Simulation:
             )
             with self.plan.nodes[name].calling(f"lacks in node {name!r}"):
                 reasons = [
-                    each.lacks(context.rig) for each in sensors if callable(getattr(each, "lacks", None))
+                    each.lacks(context.rig)
+                    for each in sensors
+                    if callable(optional(each, SensorBase, "lacks"))
                 ]
             if reason := next(filter(None, reasons), None):
                 raise CandidateFailed(reason)

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from tacos_framework.contracts import Asked, DesignProblem, Evaluated
+from tacos_framework.contracts import Asked, DesignProblem, Evaluated, OptimizerBase, optional
 from tacos_framework.errors import ContractBroken
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import ConfiguredComponent
@@ -86,7 +86,7 @@ class GuardedOptimizer:
     @property
     def recommends(self) -> bool:
         """Whether it has a say in which candidates are best."""
-        return callable(getattr(self._optimizer, "recommend", None))
+        return callable(optional(self._optimizer, OptimizerBase, "recommend"))
 
     def recommend(self, count: int) -> list[Candidate] | None:
         """The candidates it thinks best, at most `count`, each once; None where it has no say in that."""
@@ -105,7 +105,7 @@ class GuardedOptimizer:
 
     def choose(self, finalists: Sequence[Evaluated]) -> int | None:
         """The place of the finalist it thinks best; None where it has no say in that."""
-        if not callable(getattr(self._optimizer, "choose", None)):
+        if not callable(optional(self._optimizer, OptimizerBase, "choose")):
             return None
         with self._part.calling("choose"):
             place = self._optimizer.choose(finalists)

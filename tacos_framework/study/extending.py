@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tacos_framework.contracts import OptimizerBase, optional
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.plugins import Plugins
@@ -16,7 +17,7 @@ from tacos_framework.store.run import RECIPE
 
 def budget_setting(optimizer: type[Any]) -> str | None:
     """The setting of an optimizer's class that says how long it goes on, where it may be raised later."""
-    name: str | None = getattr(optimizer, "budget", None)
+    name: str | None = optional(optimizer, OptimizerBase, "budget")
     return name
 
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from tacos_framework.cache import content_key
-from tacos_framework.contracts import Executor, State
+from tacos_framework.contracts import Executor, ExecutorBase, State, optional
 from tacos_framework.settings import Settings
 from tacos_framework.simulation import Evaluation, ScoreJob
 from tacos_framework.store import Results
@@ -126,7 +126,7 @@ class JournaledExecutor:
     @property
     def workers(self) -> int:
         """How many jobs it runs at a time."""
-        return int(getattr(self._executor, "workers", 1))
+        return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
         """The results in the order of the jobs; each is written down before it is handed on."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tacos_framework import __version__
+from tacos_framework.contracts import SceneBase, TaskBase, optional
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
 from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints, notes_on_search
@@ -69,12 +70,12 @@ class Outcome:
             "lower_is_better": sorted(
                 f"{name}.{score}"
                 for name, node in self.plan.nodes.items()
-                for score in getattr(node.cls, "lower_is_better", ())
+                for score in optional(node.cls, TaskBase, "lower_is_better")
             ),
             "score_meanings": {
                 f"{name}.{score}": meaning
                 for name, node in self.plan.nodes.items()
-                for score, meaning in getattr(node.cls, "score_meanings", {}).items()
+                for score, meaning in optional(node.cls, TaskBase, "score_meanings").items()
             },
             "carrier": self._carrier(),
         }
@@ -129,7 +130,7 @@ class Outcome:
 
     def _carrier(self) -> str:
         """What carries the cameras, as the first scene says that does; empty where none does."""
-        said = (getattr(node.cls, "carrier", "") for node in self.plan.nodes.values())
+        said = (optional(node.cls, SceneBase, "carrier") for node in self.plan.nodes.values())
         return next(filter(None, said), "")
 
     def notes(self) -> Iterator[str]:

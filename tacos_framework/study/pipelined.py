@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, zip_longest
 
-from tacos_framework.contracts import Executor
+from tacos_framework.contracts import Executor, ExecutorBase, optional
 from tacos_framework.fitness import Fitness
 from tacos_framework.simulation import Evaluation, Evaluator, PrepareJob, ScoreJob, merged_evaluation
 from tacos_framework.simulation.jobs import Job
@@ -86,7 +86,7 @@ def _scored(
 
 
 def _workers(executor: Executor) -> int:
-    return int(getattr(executor, "workers", 1))
+    return int(optional(executor, ExecutorBase, "workers"))
 
 
 def _prepared(job: ScoreJob, following: ScoreJob | None, executor: Executor) -> Iterator[PrepareJob]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tacos_framework.contracts import DesignProblem, ScoreScale
+from tacos_framework.contracts import DesignProblem, RigBase, ScoreScale, optional
 from tacos_framework.errors import ContractBroken
 from tacos_framework.plan import REFUSED, Plan
 from tacos_framework.variables import CatalogChoice, Categorical
@@ -65,7 +65,7 @@ def coordinates_of(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
         When the rig gives what is no number.
     """
     own, others = _split(plan, values)
-    if callable(declared := getattr(plan.rig.instance, "coordinates", None)):
+    if callable(declared := optional(plan.rig.instance, RigBase, "coordinates")):
         variables = plan.rig_variables(values)
         with plan.rig.calling("coordinates"):
             found = _numbers(plan, declared(variables))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, islice, repeat
 from typing import Any, ClassVar, TypeVar
 
-from tacos_framework.contracts import Executor
+from tacos_framework.contracts import Executor, ExecutorBase, optional
 from tacos_framework.settings import Settings
 from tacos_framework.simulation import BuildJob, EpisodeSpec
 
@@ -40,7 +40,7 @@ class BuildingAhead:
     @property
     def workers(self) -> int:
         """How many jobs it runs at a time."""
-        return int(getattr(self._executor, "workers", 1))
+        return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
         """The results of the jobs, in their order."""

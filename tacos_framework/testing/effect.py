@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.camera.motion import image_velocity
 from tacos_framework.camera.resampling import resample
-from tacos_framework.contracts import FILE_STAGES, LIGHT_STAGES, STAGES, moves_pixels
+from tacos_framework.contracts import FILE_STAGES, LIGHT_STAGES, STAGES, EffectBase, moves_pixels, optional
 from tacos_framework.formation import in_image_units
 from tacos_framework.settings import physical_settings
 from tacos_framework.testing.component import ComponentConformance
@@ -111,9 +111,9 @@ class EffectConformance(ComponentConformance):
         assert self.component.neutral, "an effect names the values at which it is off"
         unknown = set(self.component.neutral) - set(fields)
         assert not unknown, f"neutral names no settings: {', '.join(sorted(unknown))}"
-        by_capture = set(getattr(self.component, "by_capture", ()))
+        by_capture = set(optional(self.component, EffectBase, "by_capture"))
         assert by_capture <= set(self.component.neutral), "by_capture names settings that have a neutral one"
-        for guess in getattr(self.component, "initial_guesses", ()):
+        for guess in optional(self.component, EffectBase, "initial_guesses") or ():
             self.component.Config(**guess)
 
     def test_its_physical_settings_stand_for_others(self) -> None:
@@ -153,7 +153,7 @@ class EffectConformance(ComponentConformance):
     def test_it_changes_the_image_at_other_values(self) -> None:
         samples, effect = self.sample(), self.make()
         changed = fingerprint(self.on_array(samples, self.config)) != fingerprint(samples)
-        assert changed or getattr(effect, "photon_scale", 1.0) != 1.0
+        assert changed or optional(effect, EffectBase, "photon_scale") != 1.0
 
     def test_equal_generators_give_equal_images(self) -> None:
         samples = self.sample()

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from tacos_framework.contracts import Asked, DesignProblem, Evaluated
+from tacos_framework.contracts import Asked, DesignProblem, Evaluated, OptimizerBase, optional
 from tacos_framework.fitness import Fitness, FitnessTerm, standard_errors
 from tacos_framework.study.asking import takes_problem
 from tacos_framework.testing.component import ComponentConformance
@@ -197,7 +197,7 @@ class OptimizerConformance(ComponentConformance):
 
     def test_it_recommends_candidates_that_can_be_made(self) -> None:
         space, optimizer = self.space(), self.make()
-        if not callable(getattr(optimizer, "recommend", None)):
+        if not callable(optional(optimizer, OptimizerBase, "recommend")):
             return
         self.rounds(optimizer)
         recommended = optimizer.recommend(RECOMMENDED)
@@ -211,7 +211,7 @@ class OptimizerConformance(ComponentConformance):
 
     def test_a_recommendation_changes_nothing(self) -> None:
         asking, optimizer = self.make(), self.make()
-        if not callable(getattr(optimizer, "recommend", None)):
+        if not callable(optional(optimizer, OptimizerBase, "recommend")):
             return
         while asking.stop() is None:
             first = [candidate.key for candidate in optimizer.recommend(RECOMMENDED)]
@@ -222,7 +222,7 @@ class OptimizerConformance(ComponentConformance):
             )
 
     def test_its_notes_are_sentences(self) -> None:
-        notes = getattr(self.component, "notes", None)
+        notes = optional(self.component, OptimizerBase, "notes")
         if not callable(notes):
             return
         for note in notes(self.component.Config(**self.config), self.space()):
@@ -231,7 +231,7 @@ class OptimizerConformance(ComponentConformance):
 
     def test_of_finalists_it_chooses_one_that_is_there(self) -> None:
         optimizer = self.make()
-        if not callable(getattr(optimizer, "choose", None)):
+        if not callable(optional(optimizer, OptimizerBase, "choose")):
             return
         asked = [each for _ in range(2) if optimizer.stop() is None for each in self.round(optimizer)]
         finalists = [self.evaluated(_parts(each)[0]) for each in asked]

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from tacos_framework.contracts import RigBase, optional
 from tacos_framework.testing.component import ComponentConformance, check_settings
 from tacos_framework.testing.fingerprint import fingerprint
 from tacos_framework.values import Rig
@@ -54,7 +55,7 @@ class RigConformance(ComponentConformance):
     def test_its_coordinates_are_finite_numbers(self) -> None:
         """Where it declares any (`RigBuilder.coordinates`)."""
         rig = self.make()
-        if not hasattr(rig, "coordinates"):
+        if not callable(optional(rig, RigBase, "coordinates")):
             return
         found = rig.coordinates(self.make_variables())
         wrong = {name: value for name, value in found.items() if not math.isfinite(value)}
@@ -62,9 +63,9 @@ class RigConformance(ComponentConformance):
         assert not wrong, f"coordinates must be finite: {wrong}"
 
     def test_what_it_says_beside_its_cameras_is_well_formed(self) -> None:
-        bounded = {constraint.quantity for constraint in getattr(self.component, "buildable", ())}
+        bounded = {constraint.quantity for constraint in optional(self.component, RigBase, "buildable")}
         assert bounded <= set(self.component.derived_quantities)
-        names = {name for group in getattr(self.component, "alternatives", ()) for name in group}
+        names = {name for group in optional(self.component, RigBase, "alternatives") for name in group}
         assert names <= set(self.component.Variables.model_fields)
         notes = getattr(self.make(), "notes", None)
         assert notes is None or all(isinstance(note, str) for note in notes(self.make_variables()))

@@ -6,6 +6,9 @@ from typing import Any
 
 import pytest
 
+from tacos_framework.components import Component
+from tacos_framework.contracts import BASES, optional
+from tacos_framework.plugins.contract_check import unread_members
 from tacos_framework.values import Capture, Episode, FrameBatch
 from tests.plugins.sound_classes import SOUND, SoundScorer, changed, faults
 
@@ -239,3 +242,44 @@ def test_a_task_says_what_scores_for_it(begin, fault):
 def test_a_task_that_learns_is_called_to_fit():
     fit = {"fit": lambda self, batches, *, state, rng: state, "initial_state": lambda self, *, rng: {}}
     assert changed("task", **fit) == ["Mine.fit does not take 'budget', with which the framework calls it"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "member", "meant"),
+    [
+        ("effect", "initial_gueses", "initial_guesses"),
+        ("effect", "after_nois", "after_noise"),
+        ("effect", "look_alike", "look_alikes"),
+        ("optimizer", "recomend", "recommend"),
+        ("optimizer", "budgets", "budget"),
+        ("task", "lower_is_beter", "lower_is_better"),
+        ("task", "margin", "margins"),
+        ("rig", "coordinate", "coordinates"),
+        ("renderer", "averages_exposures", "averages_exposure"),
+        ("executor", "worker", "workers"),
+    ],
+)
+def test_a_misspelt_optional_member_is_a_fault(kind, member, meant):
+    assert changed(kind, **{member: ()}) == [f"Mine.{member} is read by nobody. Did you mean {meant!r}?"]
+
+
+def test_every_misspelt_member_is_named():
+    assert len(changed("effect", initial_gueses=(), after_nois=True, shownby=())) == 3
+    assert len(changed("optimizer", recomend=len, chose=len)) == 2
+
+
+def test_a_helper_is_no_fault_and_is_listed():
+    helped = type("Mine", (SOUND["effect"],), {"kernel_of": lambda self: None, "_own": 1})
+    assert faults("effect", helped) == []
+    assert unread_members(Component("effect", "mine", "x:Mine", summary="."), helped) == ["kernel_of"]
+
+
+@pytest.mark.parametrize("kind", sorted(BASES))
+def test_optional_members_can_be_read_of_any_component_and_no_others(kind):
+    base = BASES[kind]
+    names = [name for name in vars(base) if not name.startswith("_")]
+    assert names
+    for name in names:
+        assert optional(object(), base, name) == getattr(base, name)
+    with pytest.raises(AttributeError, match="initial_gueses"):
+        optional(object(), base, "initial_gueses")

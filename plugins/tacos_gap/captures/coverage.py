@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tacos_framework import calling
+from tacos_framework import EffectBase, calling, optional
 from tacos_gap.captures.capture import RealCapture
 
 
@@ -24,7 +24,7 @@ def untold(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) ->
     """
     lacking: dict[str, list[str]] = {}
     for name, cls in effects.items():
-        for need in getattr(cls, "shown_by", ()):
+        for need in optional(cls, EffectBase, "shown_by"):
             with calling(f"effect.{name}", doing="shown_by"):
                 met = need.met(captures)
             if not met:
@@ -62,4 +62,4 @@ def beyond_even_fields(captures: Sequence[RealCapture], effects: Mapping[str, ty
     """
     if any(capture.kind == "board" or capture.is_structured for capture in captures):
         return set()
-    return {name for name, cls in effects.items() if callable(getattr(cls, "source", None))}
+    return {name for name, cls in effects.items() if callable(optional(cls, EffectBase, "source"))}

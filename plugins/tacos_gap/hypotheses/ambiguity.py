@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework import LookAlike, calling
+from tacos_framework import EffectBase, LookAlike, calling, optional
 from tacos_gap.captures import RealCapture
 
 
@@ -42,5 +42,5 @@ def confused_with(
 
 def _declared(effects: Mapping[str, type[Any]]) -> Iterator[tuple[str, str, LookAlike]]:
     for name, cls in effects.items():
-        for alike in getattr(cls, "look_alikes", ()):
+        for alike in optional(cls, EffectBase, "look_alikes"):
             yield name, alike.effect, alike

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from statistics import median, median_low
 from typing import Any
 
-from tacos_framework import ShownBy
+from tacos_framework import EffectBase, ShownBy, optional
 from tacos_gap.captures import RealCapture
 
 _AT = "@"
@@ -90,14 +90,14 @@ def guesses_by_capture(cls: type[Any], captures: Sequence[RealCapture]) -> Itera
     They are what the class guesses from each capture by itself: neutral where that is nothing. A class that
     cannot guess begins with the same value everywhere. A codec leaves its traces in files of any kind.
     """
-    settings: Sequence[str] = getattr(cls, "by_capture", ())
-    needs: Sequence[ShownBy] = getattr(cls, "shown_by", ())
+    settings: Sequence[str] = optional(cls, EffectBase, "by_capture")
+    needs: Sequence[ShownBy] = optional(cls, EffectBase, "shown_by")
     shown = [c for c in captures if cls.stage == "codec" or c.is_structured]
     seen = [c for c in shown if all(need.met([c]) for need in needs)]
     if not settings or len(seen) < FEWEST_CAPTURES:
         return
-    if not callable(guess := getattr(cls, "guesses_from", None)):
-        for own in getattr(cls, "initial_guesses", ()):
+    if not callable(guess := optional(cls, EffectBase, "guesses_from")):
+        for own in optional(cls, EffectBase, "initial_guesses") or ():
             yield _spread(settings, own, {c.id: own for c in seen}, cls.neutral)
         return
     alone: dict[str, Mapping[str, Any]] = {c.id: next(iter(guess([c])), {}) for c in seen}

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from tacos_framework import Fault, Plugins, UserError, did_you_mean
+from tacos_framework import EffectBase, Fault, Plugins, UserError, did_you_mean, optional
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,8 @@ def candidates(plugins: Plugins, without: tuple[str, ...] = ()) -> Candidates:
 
 def _guesses(cls: type[Any]) -> bool:
     """Whether a class says where to begin: one that names no guess is no flaw of a capture."""
-    initial = getattr(cls, "initial_guesses", None)
-    return initial is None or len(initial) > 0 or callable(getattr(cls, "guesses_from", None))
+    initial = optional(cls, EffectBase, "initial_guesses")
+    return initial is None or len(initial) > 0 or callable(optional(cls, EffectBase, "guesses_from"))
 
 
 def left_out(name: str, distribution: str | None, error: BaseException) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import calling, period_of
+from tacos_framework import EffectBase, calling, optional, period_of
 from tacos_framework.formation import PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.hypotheses.by_capture import captures_with_values, guesses_by_capture, setting_of, values_in
@@ -65,7 +65,7 @@ class HypothesisTerm:
                 effect = self.cls(config)
             except ValueError:  # pydantic's ValidationError is one
                 return None
-            plausible = getattr(effect, "plausible", True)
+            plausible = optional(effect, EffectBase, "plausible")
         return PlacedEffect(self.use, self.use, self.cls, config) if plausible else None
 
     def with_free(self, theta: Sequence[float]) -> HypothesisTerm:
@@ -128,7 +128,7 @@ def initial_guesses_for(name: str, cls: type[Any], captures: Sequence[RealCaptur
     """Where the search for an effect begins: at what its class guesses from captures, and in general."""
     suggested: list[Mapping[str, Any]] = []
     with calling(f"effect.{name}", doing="guesses_from"):
-        if callable(guess := getattr(cls, "guesses_from", None)):
+        if callable(guess := optional(cls, EffectBase, "guesses_from")):
             suggested += guess(captures)
         suggested += guesses_by_capture(cls, captures)
     return [*initial_guesses_of(name, cls, suggested), *initial_guesses_of(name, cls)]
@@ -143,7 +143,7 @@ def initial_guesses_of(
     neutral value is moved a little to either side of it.
     """
     floats = {k: v for k, v in cls.neutral.items() if isinstance(v, float)}
-    own = getattr(cls, "initial_guesses", None)
+    own = optional(cls, EffectBase, "initial_guesses")
     if own is None:
         own = [{key: value + side * step(cls, key)} for key, value in floats.items() for side in (1, -1)]
     guesses = [_flattened(guess) for guess in (own if suggested is None else suggested)]

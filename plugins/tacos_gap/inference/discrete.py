@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args, get_origin
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework import EffectBase, optional
 from tacos_gap.hypotheses.by_capture import is_of_one_capture
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.problem import Hypothesis, Problem, robust
@@ -89,7 +90,7 @@ def words_of(term: HypothesisTerm) -> dict[str, tuple[Any, ...]]:
 
 
 def _guesses(term: HypothesisTerm) -> Iterator[Any]:
-    yield from getattr(term.cls, "initial_guesses", None) or ()
+    yield from optional(term.cls, EffectBase, "initial_guesses") or ()
 
 
 def _with(term: HypothesisTerm, name: str, value: Any) -> HypothesisTerm:

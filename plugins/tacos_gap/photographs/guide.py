@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework import Fault, UserError, did_you_mean
+from tacos_framework import EffectBase, Fault, UserError, did_you_mean, optional
 from tacos_framework.files import read_json
 from tacos_gap.captures.missing import FILE, nothing_to_read
 
@@ -214,7 +214,7 @@ def _alike(name: str, effects: Mapping[str, type[Any]]) -> Iterator[tuple[str, s
     """Effects that may look like one, the kind that tells them apart, and why; each once."""
     seen = set()
     for own, cls in effects.items():
-        for alike in getattr(cls, "look_alikes", ()):
+        for alike in optional(cls, EffectBase, "look_alikes"):
             if name not in (own, alike.effect):
                 continue
             other = alike.effect if own == name else own

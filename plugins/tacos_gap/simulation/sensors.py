@@ -9,7 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Camera, CandidateFailed, Exposure, Fault, Rig, UserError, calling
+from tacos_framework import (
+    Camera,
+    CandidateFailed,
+    Exposure,
+    Fault,
+    Rig,
+    SensorBase,
+    UserError,
+    calling,
+    optional,
+)
 from tacos_framework.formation import PlacedSensor, SensorAt
 from tacos_gap.captures import Noise, RealCapture
 from tacos_plugins.sensors.kept_numbers import KeptNumbers
@@ -168,7 +178,9 @@ def with_sensor(captures: Sequence[RealCapture], placed: PlacedSensor) -> tuple[
 def _misfits(sensor: SensorAt, capture: RealCapture, channels: int) -> list[Fault]:
     """How a sensor does not fit a capture."""
     component: Any = sensor.sensor
-    if callable(lacks := getattr(component, "lacks", None)) and (reason := lacks(Rig((sensor.camera,)))):
+    if callable(lacks := optional(component, SensorBase, "lacks")) and (
+        reason := lacks(Rig((sensor.camera,)))
+    ):
         return [Fault("sensor", reason, "", "Give the missing figures as settings of the sensor.")]
     context, faults = capture.context, []
     for name in ("black_level_dn", "white_level_dn"):

@@ -6,7 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tacos_framework import Fault, Plugins, Recipe, State, UserError, calling, generator, learns, load_recipe
+from tacos_framework import (
+    Fault,
+    Plugins,
+    Recipe,
+    State,
+    TaskBase,
+    TrainableBase,
+    UserError,
+    calling,
+    generator,
+    learns,
+    load_recipe,
+    optional,
+)
 from tacos_framework.plan import ConfiguredComponent, Plan, make_plan
 
 DEFAULT = "task.orb-features"
@@ -50,7 +63,7 @@ class RecipeTask:
 
     def lower_is_better(self, score: str) -> bool:
         """Whether a score is an error."""
-        return score in getattr(self.part.cls, "lower_is_better", ())
+        return score in optional(self.part.cls, TaskBase, "lower_is_better")
 
 
 def default_tasks(plugins: Plugins) -> tuple[RecipeTask, ...]:
@@ -80,7 +93,7 @@ def _task_of(plan: Plan, name: str, counted: tuple[str, ...]) -> RecipeTask:
         return RecipeTask(name, part, why_not=why, counted=counted)
     state: State | None = None
     if learns(part.cls):
-        untrained = getattr(part.instance, "untrained", None)
+        untrained = optional(part.instance, TrainableBase, "untrained")
         if callable(untrained) and (reason := untrained()):
             return RecipeTask(
                 name, part, why_not=f"its weights were never trained: {reason}", counted=counted

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import CandidateFailed, Rig
+from tacos_framework import CandidateFailed, Rig, TaskBase, optional
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.simulation.formation import simulate
@@ -145,7 +145,7 @@ def _is_able(
     task: RecipeTask, capture: RealCapture, frames: NDArray[np.float32], why: dict[str, str]
 ) -> bool:
     """Whether a task can be scored on a capture."""
-    lacks = getattr(task.part.instance, "lacks", None)
+    lacks = optional(task.part.instance, TaskBase, "lacks")
     if callable(lacks) and (reason := lacks(Rig((camera_of(capture),)))):
         why[task.node] = f"of the captures' single camera {reason}"
         return False

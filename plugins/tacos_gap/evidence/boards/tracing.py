@@ -10,11 +10,13 @@ from scipy.ndimage import map_coordinates
 
 from tacos_framework import (
     ContextMissing,
+    EffectBase,
     ImageContext,
     ImageGeometry,
     calling,
     formation_order,
     moves_pixels,
+    optional,
 )
 from tacos_framework.camera import Places
 from tacos_framework.formation import PlacedEffect, in_image_units
@@ -62,7 +64,7 @@ def traced(
 
 def _through(placed: PlacedEffect, geometry: ImageGeometry, points_px: Points) -> Points:
     """Where points look through one effect: exactly if it says so, else between the pixels of its map."""
-    if not callable(getattr(placed.cls, "source_at", None)):
+    if not callable(optional(placed.cls, EffectBase, "source_at")):
         source = source_of(placed, geometry)
         return points_px if source is None else _looked_up(source, points_px)
     nothing = ImageContext()

@@ -19,9 +19,11 @@ from tacos_framework import (
     Component,
     Plugins,
     Recipe,
+    TrainableBase,
     acts_after_noise,
     formation_order,
     hookspecs,
+    optional,
     signature_of,
     type_name,
 )
@@ -158,7 +160,7 @@ def _component(component: Component) -> Iterator[str]:
     yield settings_table(cls.Config)
     if component.kind == "rig":
         yield f"Variables, to be designed or fixed:\n\n{settings_table(cls.Variables)}"
-    if component.kind == "task" and hasattr(cls, "Training"):
+    if component.kind == "task" and optional(cls, TrainableBase, "Training"):
         yield f"Further keys of `train:`\n\n{settings_table(cls.Training)}"
 
 
