@@ -15,10 +15,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-from tacos_framework import load_recipe, run
+from tacos_framework import Plugins, in_one_thread, load_recipe, run
 from tacos_framework.formation import EpisodeDraws
-from tacos_framework.linear_algebra import in_one_thread
-from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import ENOUGH_PIXELS, diagnose
 from tacos_gap.captures import CaptureFolder, read_captures
 from tacos_gap.hypotheses.candidates import candidates

@@ -14,11 +14,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.colour import display_image
-from tacos_framework.camera.geometry import agent_from_camera
+from tacos_framework import Camera, Capture, Exposure, Plugins, Rig
+from tacos_framework.camera import agent_from_camera, display_image
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect, PlacedSensor
-from tacos_framework.plugins import Plugins
-from tacos_framework.values import Camera, Capture, Exposure, Rig
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_worlds.indoor.scene import IndoorScene

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import stdtrit
 
-from tacos_framework.study.sequential import confidence_interval, error_at, looks
+from tacos_framework.study import confidence_interval
+from tacos_framework.study.sequential import error_at, looks
 
 MOST, STUDIES, ERROR = 30, 4000, 0.05
 LOOKS, LONG = looks(8, MOST), looks(8, 60)

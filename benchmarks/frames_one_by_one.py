@@ -19,15 +19,9 @@ import sys
 import time
 from typing import ClassVar
 
-from tacos_framework.components import Component
-from tacos_framework.contracts import Scores, State
-from tacos_framework.hookspecs import hookimpl
+from tacos_framework import Component, FrameBatch, Plugins, Recipe, Scores, Settings, State, hookimpl
 from tacos_framework.plan import make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
-from tacos_framework.settings import Settings
 from tacos_framework.simulation import EpisodeSpec, ScoreJob, Simulation
-from tacos_framework.values import FrameBatch
 
 SENSOR = {"width_px": 4056, "height_px": 3040, "pixel_um": 1.55}
 VALUES = {"focal_length_mm": 3.6, "pitch_deg": -10.0}

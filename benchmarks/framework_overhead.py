@@ -14,9 +14,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
-from tacos_framework import run
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import read_any_recipe
+from tacos_framework import Recipe, read_any_recipe, run
 
 QUICK = Path(__file__).parents[1] / "recipes" / "headset_quick.yaml"
 

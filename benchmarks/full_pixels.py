@@ -16,10 +16,9 @@ from typing import TypeVar
 import cv2
 import numpy as np
 
-from tacos_framework.camera.geometry import agent_from_camera
+from tacos_framework import Camera, Exposure, Rig, generator
+from tacos_framework.camera import agent_from_camera
 from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedSensor
-from tacos_framework.randomness import generator
-from tacos_framework.values import Camera, Exposure, Rig
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.gaussian import NormalNumbers

@@ -18,7 +18,7 @@ import time
 import numpy as np
 from renderers.tour import benchmark_camera
 
-from tacos_framework.values import Exposure, Rig
+from tacos_framework import Exposure, Rig
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_worlds.indoor.scene import IndoorScene
 

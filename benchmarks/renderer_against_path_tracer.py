@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from renderers.tour import benchmark_camera, parse_size
 
-from tacos_framework.camera.geometry import pixel_rays
-from tacos_framework.values import Episode, Exposure, Rig, View, World
+from tacos_framework import Episode, Exposure, Rig, View, World
+from tacos_framework.camera import pixel_rays
 from tacos_plugins.lighting.direct import direct_irradiance
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer

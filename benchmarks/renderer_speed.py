@@ -21,7 +21,7 @@ import numpy as np
 from renderers.tour import SCENES, make_tour, parse_size
 from renderers_in_turns import RendererProcess, cpu_times
 
-from tacos_framework.values import Exposure, Rig
+from tacos_framework import Exposure, Rig
 from tacos_plugins.renderers.moderngl.context import describe_gl
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 

@@ -20,8 +20,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import agent_from_camera
-from tacos_framework.values import Camera, Episode, Exposure, Rig
+from tacos_framework import Camera, Episode, Exposure, Rig
+from tacos_framework.camera import agent_from_camera
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 from tacos_view.pictures import contact_sheet
 from tacos_worlds.indoor.scene import IndoorScene

@@ -17,7 +17,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tacos_framework.contracts import Asked, Evaluated
+from tacos_framework import Asked, Evaluated
 from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.physical_gp.optimizer import PhysicalGp
 from tests.optimizers.camera_problem import BEST, CameraProblem

@@ -24,11 +24,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from tacos_framework import run
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
-from tacos_framework.recipe.loading import read_any_recipe
-from tacos_framework.simulation import Evaluation
+from tacos_framework import Evaluation, Plugins, Recipe, read_any_recipe, run
 from tacos_framework.study import Silent
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))  # spawned workers import them, too

@@ -16,13 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from tacos_framework import load_recipe
-from tacos_framework.contracts import Budget, State
+from tacos_framework import Budget, FrameBatch, Plugins, Recipe, State, load_recipe
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
 from tacos_framework.simulation import EpisodeSpec, Simulation
-from tacos_framework.values import FrameBatch
 
 RECIPE, TASK = "headset_joint_quick", "detect"
 CAMERA, PITCH_DEG = "oak_d_pro_wide", -5.0

@@ -17,11 +17,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from tempfile import TemporaryDirectory
 
-from tacos_framework import load_recipe
+from tacos_framework import Evaluation, Plugins, load_recipe
 from tacos_framework.plan import make_plan
-from tacos_framework.plugins import Plugins
-from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
-from tacos_framework.study.shards import score_sharded
+from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
+from tacos_framework.study import score_sharded
 from tacos_plugins.executors.process import ProcessExecutor
 from tacos_plugins.kept_worlds.store import FOLDER_VARIABLE
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.values import MeshPart, World
+from tacos_framework import MeshPart, World
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from renderers import Picture
 from renderers.tour import Tour
-from tacos_framework.values import Exposure, Rig, View
+from tacos_framework import Exposure, Rig, View
 from tacos_plugins.renderers.moderngl.renderer import ModernglRenderer
 
 

@@ -11,7 +11,7 @@ from panda3d import core
 from renderers import Picture
 from renderers.merged import Merged, by_material, by_object
 from renderers.tour import Tour
-from tacos_framework.values import Material
+from tacos_framework import Material
 
 _NEAR_M = 0.05
 # Panda3D's camera looks along y with z up; ours looks along z with y down.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from renderers import Picture
 from renderers.merged import by_material
 from renderers.tour import Tour
-from tacos_framework.values import Material, World
+from tacos_framework import Material, World
 from tacos_plugins.renderers.moderngl.context import gl_context
 from tacos_plugins.renderers.moderngl.projection import projection_matrix
 

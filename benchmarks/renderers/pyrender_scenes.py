@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from renderers import Picture
 from renderers.merged import by_material, by_object
 from renderers.tour import Tour
-from tacos_framework.values import Light, Material
+from tacos_framework import Light, Material
 
 os.environ["PYOPENGL_PLATFORM"] = "egl"
 if not hasattr(np, "infty"):

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import agent_from_camera, world_from_camera
-from tacos_framework.values import Camera, Episode
+from tacos_framework import Camera, Episode
+from tacos_framework.camera import agent_from_camera, world_from_camera
 from tacos_worlds.indoor.scene import IndoorScene
 from tacos_worlds.street.scene import StreetScene
 

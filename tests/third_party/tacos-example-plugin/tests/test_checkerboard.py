@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from tacos_framework import FrameBatch
 from tacos_framework.testing import TaskConformance
 from tacos_framework.testing.samples import sample_frames, sample_rig
-from tacos_framework.values import FrameBatch
 
 from tacos_example.checkerboard import Checkerboard
 

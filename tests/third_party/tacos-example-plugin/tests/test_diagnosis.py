@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tacos_framework import ProcedureRecipe, run
-from tacos_framework.plugins import Plugins
-from tacos_framework.values import Camera, Exposure, ImageContext, ImageGeometry
+from tacos_framework import Camera, Exposure, ImageContext, ImageGeometry, Plugins, ProcedureRecipe, run
 from tacos_gap.captures import Noise, RealCapture, write_captures
 from tacos_gap.hypotheses.candidates import candidates
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from tacos_framework.contracts import Budget
+from tacos_framework import Budget
 from tacos_framework.testing import TrainableConformance
 from tacos_framework.testing.samples import sample_frames
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tacos_framework import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.testing import EffectConformance
-from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
 
 from tacos_example.haze import Haze
 

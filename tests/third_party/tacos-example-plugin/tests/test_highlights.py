@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tacos_framework import Exposure, ImageContext
 from tacos_framework.testing import ControlConformance
-from tacos_framework.values import Exposure, ImageContext
 
 from tacos_example.highlights import Highlights
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from tacos_framework import Exposure
 from tacos_framework.testing import SensorConformance
 from tacos_framework.testing.forming import expose
 from tacos_framework.testing.samples import sample_capture
-from tacos_framework.values import Exposure
 
 from tacos_example.monochrome import MonochromeSensor
 

@@ -7,10 +7,8 @@ from typing import ClassVar
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.camera.colour import display_image, luminance
-from tacos_framework.contracts import Scores, State
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import FrameBatch
+from tacos_framework import FrameBatch, Scores, Settings, State, setting
+from tacos_framework.camera import display_image, luminance
 
 
 class Checkerboard:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Episode, Light, Material, MeshPart, Object, Trajectory, World
+from tacos_framework import Episode, Light, Material, MeshPart, Object, Settings, Trajectory, World, setting
 
 MATERIALS = (("wall", 0.7), ("floor", 0.3), ("white", 0.85), ("black", 0.04))
 """Names and reflectances [1]; parts name them by position."""

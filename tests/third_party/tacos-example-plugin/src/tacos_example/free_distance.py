@@ -8,9 +8,7 @@ from typing import ClassVar
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.contracts import Budget, Scores, State
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import FrameBatch
+from tacos_framework import Budget, FrameBatch, Scores, Settings, State, setting
 
 THUMBNAIL_PX = (8, 6)
 FEATURES = THUMBNAIL_PX[0] * THUMBNAIL_PX[1] + 1

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import TypeVar
 
-from tacos_framework.settings import Settings, setting
+from tacos_framework import Settings, setting
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")

@@ -7,10 +7,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.contracts import LookAlike, ShownBy, Stage
-from tacos_framework.contracts.observed import Captures, structured
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import ContextMissing, ImageContext, ImageGeometry
+from tacos_framework import (
+    Captures,
+    ContextMissing,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+    structured,
+)
 
 
 def _distances_known(captures: Captures) -> bool:

@@ -7,9 +7,7 @@ from typing import ClassVar
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.contracts import Scores, State
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera
+from tacos_framework import Camera, Scores, Settings, State, setting
 
 from tacos_example.point_tracks import Motion, Tracks
 

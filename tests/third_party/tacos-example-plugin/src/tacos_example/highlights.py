@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Exposure, ImageContext
+from tacos_framework import Exposure, ImageContext, Settings, setting
 
 
 class Highlights:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from tacos_framework.camera.geometry import pixel_rays, world_from_camera
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Capture, Episode, Rig, View, World
+from tacos_framework import Camera, Capture, Episode, Rig, Settings, View, World, setting
+from tacos_framework.camera import pixel_rays, world_from_camera
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 

@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.contracts import Evaluated
-from tacos_framework.settings import Settings, setting
-from tacos_framework.variables.design_space import Candidate, DesignSpace, Gene
+from tacos_framework import Candidate, DesignSpace, Evaluated, Gene, Settings, setting
 
 
 class LatinHypercube:

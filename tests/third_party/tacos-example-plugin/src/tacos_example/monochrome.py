@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.camera.colour import luminance
-from tacos_framework.camera.exposure import exposure_per_luminance
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Exposure
+from tacos_framework import Camera, Exposure, Settings, setting
+from tacos_framework.camera import exposure_per_luminance, luminance
 
 Samples = NDArray[np.float32]
 

@@ -6,9 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from tacos_framework.camera.geometry import agent_from_camera
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Rig
+from tacos_framework import Camera, Rig, Settings, setting
+from tacos_framework.camera import agent_from_camera
 
 
 class PanoramaRig:

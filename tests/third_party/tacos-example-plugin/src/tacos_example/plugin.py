@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework.components import Component
-from tacos_framework.hookspecs import hookimpl
+from tacos_framework import Component, hookimpl
 
 
 @hookimpl

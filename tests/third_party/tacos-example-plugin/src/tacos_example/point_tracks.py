@@ -9,8 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.settings import Settings, setting
-from tacos_framework.values import Camera, Episode, FrameBatch
+from tacos_framework import Camera, Episode, FrameBatch, Settings, setting
 
 from tacos_example.checkerboard import grey_image
 

@@ -10,14 +10,19 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from tacos_framework.camera.colour import display_image
-from tacos_framework.camera.geometry import agent_from_camera
-from tacos_framework.errors import UserError
-from tacos_framework.graph import signature_of
-from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Use
-from tacos_framework.settings import Settings, check, setting
-from tacos_framework.values import Camera, Exposure, Rig
+from tacos_framework import (
+    Camera,
+    Exposure,
+    Plugins,
+    Rig,
+    Settings,
+    Use,
+    UserError,
+    check,
+    setting,
+    signature_of,
+)
+from tacos_framework.camera import agent_from_camera, display_image
 
 PIXEL_UM = 3.0
 
