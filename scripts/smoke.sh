@@ -24,9 +24,9 @@ VIRTUAL_ENV="$venv" "$venv/bin/uv" pip install --quiet --resolution "$resolution
 
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 "$venv/bin/python" -m pytest -q -o filterwarnings=default -p no:cacheprovider \
-    tests/camera tests/design_space tests/formation tests/recipe tests/renderers/test_light.py tests/rigs \
-    tests/sensors tests/optimizers/test_genetic.py tests/optimizers/test_cma_es.py tests/scenes/test_user_models.py \
-    tests/scenes/imported
+    tests/camera tests/variables tests/formation tests/recipe tests/renderers/test_light.py tests/rigs \
+    tests/sensors tests/optimizers/test_genetic.py tests/optimizers/test_cma_es.py tests/worlds/test_user_models.py \
+    tests/worlds/imported
 out="$(mktemp -d)"
 trap 'rm -rf "$out"' EXIT
 "$venv/bin/tacos-run" headset_quick --quiet --out "$out/run" --set rig.binning=16 --set executor.workers=1 \

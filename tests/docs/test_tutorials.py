@@ -50,7 +50,7 @@ COMMANDS = [
     if line.startswith(("tacos-run headset", "tacos catalog image_sensors", "tacos plugins", "tacos doctor"))
     and "--with " not in line  # a file that the page makes; tests/docs/test_diagnosis_tutorial.py does so
     and "=runs/" not in line  # likewise
-    and "=house.glb" not in line  # the reader's own; tests/scenes/imported walks through such files
+    and "=house.glb" not in line  # the reader's own; tests/worlds/imported walks through such files
     and ".glb" not in line  # a file of the reader's own
 ]
 

@@ -13,7 +13,7 @@ from PIL import Image
 from tacos_framework.errors import Fault, UserError
 from tests.fuzz.image_readers import encoded, samples
 from tests.fuzz.reader import Reader
-from tests.scenes.imported.two_rooms import two_rooms, y_up
+from tests.worlds.imported.two_rooms import two_rooms, y_up
 
 _MTL = b"newmtl m\nKd 0.5 0.5 0.5\nNs 20\nd 1\nmap_Kd picture.png\n"
 _OBJ = b"""mtllib material.mtl

@@ -65,7 +65,7 @@ PROTECTIONS = (
         "tacos_framework/settings/yaml_reader.py",
         "if event.tag is not None:",
         "if False:",
-        "tests/yaml_reader/test_yaml_reader.py::test_all_faults_of_a_text_come_at_once",
+        "tests/settings/test_yaml_reader.py::test_all_faults_of_a_text_come_at_once",
     ),
     Protection(
         "what a library raises on a damaged file is a fault",

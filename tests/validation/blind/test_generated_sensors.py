@@ -10,7 +10,7 @@ from tacos_validation.blind.generators import processing_effects as processing
 from tacos_validation.blind.generators import sensor_effects as sensor
 from tacos_validation.blind.generators.camera import IdealShot, dark
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
-from tests.gap.blind.ideal_frames import COLOUR, MONO, difference, flat, frames
+from tests.validation.blind.ideal_frames import COLOUR, MONO, difference, flat, frames
 
 
 def test_conversion_gain_changes_noise_but_not_the_mean() -> None:

@@ -13,7 +13,7 @@ from tacos_framework.variables.design_space import (
     DesignSpace,
     Integer,
 )
-from tests.design_space.spaces import SENSORS, UNKNOWN_PIXEL, full_space, sensor, sensor_choice
+from tests.variables.spaces import SENSORS, UNKNOWN_PIXEL, full_space, sensor, sensor_choice
 
 
 @pytest.mark.parametrize(

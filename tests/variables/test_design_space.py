@@ -22,7 +22,7 @@ from tacos_framework.variables.design_space import (
     Gene,
     Integer,
 )
-from tests.design_space.spaces import COLUMNS, SENSORS, full_space, sensor, sensor_choice
+from tests.variables.spaces import COLUMNS, SENSORS, full_space, sensor, sensor_choice
 
 
 def test_genes_name_their_variable_column_and_bounds() -> None:

@@ -17,7 +17,7 @@ from tacos_validation.blind.generators.catalogue import CATALOGUE
 from tacos_validation.blind.generators.image_formation import expected, seen
 from tacos_validation.blind.generators.independent import VARIANTS, available
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
-from tests.gap.blind.ideal_frames import COLOUR, MONO, difference, flat, frames, scene
+from tests.validation.blind.ideal_frames import COLOUR, MONO, difference, flat, frames, scene
 
 NEUTRAL: tuple[InjectedEffect, ...] = (
     light.InjectedIlluminationGradient(),

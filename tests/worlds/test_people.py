@@ -15,7 +15,7 @@ from tacos_worlds.kit.people.clothes import draw_clothes
 from tacos_worlds.kit.people.person import Build, draw_build, draw_person, person
 from tacos_worlds.kit.people.pose import Pose, joints_of, seated, standing, walking
 from tacos_worlds.kit.piece import Seat
-from tests.scenes.solids import solid
+from tests.worlds.solids import solid
 
 seeds = st.integers(0, 100_000)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.scenes.imported.two_rooms import two_rooms, y_up
+from tests.worlds.imported.two_rooms import two_rooms, y_up
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,7 @@ from tacos_framework.errors import UserError
 from tacos_plugins.lighting import irradiance_at, photopic
 from tacos_worlds.imported.labels import read_table
 from tacos_worlds.imported.scene import ImportedScene
-from tests.scenes.imported.two_rooms import ROOM_M, two_rooms
+from tests.worlds.imported.two_rooms import ROOM_M, two_rooms
 
 
 def scene(file: Path, **settings: object) -> ImportedScene:

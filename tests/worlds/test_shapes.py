@@ -21,7 +21,7 @@ from tacos_worlds.kit.shapes import (
     superellipse,
     tube,
 )
-from tests.scenes.solids import solid
+from tests.worlds.solids import solid
 
 edge = st.floats(0.05, 3.0)
 
