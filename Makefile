@@ -8,7 +8,7 @@ packages := tacos_framework plugins
 embedding := tests/embedding/design_a_camera.py tests/embedding/public_types.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-lowest test-pythons lint format docs slow mutants clean
+.PHONY: help setup demo test test-fast test-lowest test-pythons lint format docs slow mutants clean
 
 help: ## Say what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /make \1\t/' | expand -t 14
@@ -22,6 +22,11 @@ demo: ## Design a headset's camera in a few minutes; writes runs/demo/report.htm
 
 test: lint ## Run all checks and tests, but for the slow ones
 	$(one_thread) $(bin)/pytest -n 2 --dist loadfile --no-loadscope-reorder --doctest-modules tests $(packages)
+
+# The folders whose tests take seconds: physics, contracts, recipes, plans, one task and report.
+fast := camera catalog compiled controls core effects export files formation graph lighting plan plugins recipe rigs sensors settings simulation startup surrogate variables
+test-fast: setup ## Run the tests that take under two minutes together
+	$(one_thread) $(bin)/pytest -n 2 --doctest-modules $(fast:%=tests/%) tacos_framework
 
 lint: setup ## Check style, formatting, types and layers
 	$(bin)/ruff check .

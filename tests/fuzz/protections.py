@@ -69,7 +69,7 @@ PROTECTIONS = (
     ),
     Protection(
         "what a library raises on a damaged file is a fault",
-        "plugins/tacos_worlds/mesh_files/read.py",
+        "plugins/tacos_worlds/kit/mesh_files/read.py",
         "except UNREADABLE as error:",
         "except ImportError as error:",
         "tests/fuzz/test_damaged_files.py::test_damage_is_a_value_or_a_fault",
