@@ -52,7 +52,7 @@ PARTS = {
     ],
     "loops compiled": ["numba.core.dispatcher:_FunctionCompiler.compile"],
     "optimizer": [
-        f"tacos_framework.study.asking:GuardedOptimizer.{verb}" for verb in ("ask", "tell", "stop")
+        f"tacos_framework.study.guarded_optimizer:GuardedOptimizer.{verb}" for verb in ("ask", "tell", "stop")
     ],
     "analysis of the study": ["tacos_framework.study.study:Study._analyse"],
     "result, report": [

@@ -154,7 +154,7 @@ def _to_go_on_with(
     elif arguments.extend and not isinstance(recipe, Recipe):
         faults.append(Fault("--extend", "only studies can be extended", "", "Leave it out."))
     elif isinstance(recipe, Recipe) and not faults:
-        from tacos_framework.study.extending import for_resuming
+        from tacos_framework.study.extension import for_resuming
 
         recipe = for_resuming(recipe, arguments.out, plugins, extend)
     return recipe, extend

@@ -23,8 +23,8 @@ from tacos_framework.contracts import State
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.store.database import DATABASE, Database, damage
 from tacos_framework.store.log import LogFile, logging_to
-from tacos_framework.store.reading import FILES, digest, json_object, read_run_file
-from tacos_framework.store.writing import replace_file
+from tacos_framework.store.readers import FILES, digest, json_object, read_run_file
+from tacos_framework.store.writers import replace_file
 
 log = logging.getLogger(__name__)
 

@@ -13,8 +13,8 @@ from tacos_framework.settings.yaml_writer import to_yaml
 from tacos_framework.store.database import DATABASE, PAGE_BYTES, PARTS, Database, damage, other_version
 from tacos_framework.store.differences import differences
 from tacos_framework.store.folder import RunFolder
-from tacos_framework.store.reading import FILES, RESULT, read_run_file
-from tacos_framework.store.writing import PARTIAL
+from tacos_framework.store.readers import FILES, RESULT, read_run_file
+from tacos_framework.store.writers import PARTIAL
 
 RECIPE, MANIFEST, LOG = "recipe.yaml", "manifest.json", "log.txt"
 

@@ -1,4 +1,4 @@
-from .failing import KeepsFailing as KeepsFailing
+from .failure_policy import KeepsFailing as KeepsFailing
 from .finalists import rescore_finalists as rescore_finalists
 from .fitness_contributions import contributions as contributions
 from .journal import EVALUATIONS as EVALUATIONS

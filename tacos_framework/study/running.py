@@ -17,8 +17,8 @@ from tacos_framework.recipe import Recipe
 from tacos_framework.store import Results
 from tacos_framework.store.dependencies import manifest_of_study
 from tacos_framework.store.manifest import settle_manifest
-from tacos_framework.study.extending import for_resuming, without_budget
-from tacos_framework.study.failing import KeepsFailing
+from tacos_framework.study.extension import for_resuming, without_budget
+from tacos_framework.study.failure_policy import KeepsFailing
 from tacos_framework.study.progress import Progress, Silent
 from tacos_framework.study.study import BROKEN_OFF, DEFECT, Study
 

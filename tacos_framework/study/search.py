@@ -9,13 +9,13 @@ from typing import Any
 from tacos_framework.contracts import Asked, Executor, State
 from tacos_framework.randomness import generator
 from tacos_framework.simulation import EpisodeSpec, Evaluation, Evaluator, ScoreJob
-from tacos_framework.study.asking import GuardedOptimizer, not_evaluated, result_of
 from tacos_framework.study.episodes import scored_episodes, training_episode
-from tacos_framework.study.evaluating import evaluate_each_once, job_keys
-from tacos_framework.study.failing import MOST_ALIKE, KeepsFailing, limit_of
+from tacos_framework.study.failure_policy import MOST_ALIKE, KeepsFailing, limit_of
+from tacos_framework.study.guarded_optimizer import GuardedOptimizer, not_evaluated, result_of
 from tacos_framework.study.pipelined import score_pipelined
 from tacos_framework.study.problem import broken_by, design_problem
 from tacos_framework.study.search_state import EndOfSearch, SearchState, fitness_of
+from tacos_framework.study.unique_evaluations import evaluate_each_once, job_keys
 
 MOST_BROKEN_IN_A_ROW = 1000
 """After so many candidates in a row that break a constraint, no more are asked for."""

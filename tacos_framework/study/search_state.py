@@ -10,7 +10,7 @@ from tacos_framework.cache import content_key
 from tacos_framework.contracts import State
 from tacos_framework.plan import Plan
 from tacos_framework.simulation import Evaluation
-from tacos_framework.study.failing import FailuresInARow, alike
+from tacos_framework.study.failure_policy import FailuresInARow, alike
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from
 from tacos_framework.study.run_files import KeptSearch
 from tacos_framework.variables.design_space import DesignSpace

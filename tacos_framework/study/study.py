@@ -19,8 +19,8 @@ from tacos_framework.study.account import Account
 from tacos_framework.study.analysis import make_record
 from tacos_framework.study.checkpoints import Checkpoints
 from tacos_framework.study.degenerate import degenerate
-from tacos_framework.study.extending import budget_of
-from tacos_framework.study.failing import KeepsFailing
+from tacos_framework.study.extension import budget_of
+from tacos_framework.study.failure_policy import KeepsFailing
 from tacos_framework.study.finalists import rescore_finalists
 from tacos_framework.study.journal import Journal, JournaledExecutor
 from tacos_framework.study.kept_evaluation import as_data, evaluation_from

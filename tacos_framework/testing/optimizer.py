@@ -11,7 +11,7 @@ import pytest
 
 from tacos_framework.contracts import Asked, DesignProblem, Evaluated, OptimizerBase, optional
 from tacos_framework.fitness import Fitness, FitnessTerm, standard_errors
-from tacos_framework.study.asking import takes_problem
+from tacos_framework.study.guarded_optimizer import takes_problem
 from tacos_framework.testing.component import ComponentConformance
 from tacos_framework.variables.design_space import Candidate, Categorical, Continuous, DesignSpace, Integer
 

@@ -100,7 +100,7 @@ def _world(path: Path) -> object:
     """A model as a world of `scene.imported`: surfaces in metres, labelled, without what is nothing."""
     from tacos_worlds.imported.labels import class_names, label_of
     from tacos_worlds.imported.patch import sound
-    from tacos_worlds.imported.reading import read_world
+    from tacos_worlds.imported.reader import read_world
 
     file = _beside_its_files(path, path.parent / "world")
     read = read_world(file, up="auto", metres_per_unit=1.0, leave_out=(), most_px=64)

@@ -12,7 +12,7 @@ from tacos_framework.errors import ContractBroken
 from tacos_framework.fitness import Fitness, FitnessTerm
 from tacos_framework.plan import ConfiguredComponent
 from tacos_framework.settings import Settings
-from tacos_framework.study.asking import GuardedOptimizer
+from tacos_framework.study.guarded_optimizer import GuardedOptimizer
 from tacos_framework.variables.design_space import Candidate, Continuous, DesignSpace
 
 SPACE = DesignSpace([Continuous("pitch_deg", -30, 30, "deg"), Continuous("focal_length_mm", 1, 5, "mm")])

@@ -35,7 +35,7 @@ from tacos_gap.attribution import SIMULATIONS
 from tacos_gap.captures import read_captures
 from tacos_gap.hypotheses.candidates import candidates
 from tacos_gap.inference.problem import placed
-from tacos_gap.procedures.checking import check_all, check_captures
+from tacos_gap.procedures.checks import check_all, check_captures
 from tacos_gap.procedures.progress import Telling
 from tacos_gap.report import task_words
 from tacos_gap.report.page import Circumstances, page

@@ -17,7 +17,7 @@ from tacos_framework.camera import display_image
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.hypotheses.candidates import Candidates, candidates
-from tacos_gap.procedures.checking import check_all, check_captures
+from tacos_gap.procedures.checks import check_all, check_captures
 from tacos_gap.procedures.progress import Telling
 from tacos_gap.simulation.formation import simulate
 from tacos_gap.tasks import CaptureScores, RecipeTask, default_tasks, score_tasks, tasks_of

@@ -14,9 +14,9 @@ from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.lighting.refinement import refined
 from tacos_worlds.imported.atlas import painted
 from tacos_worlds.imported.detail import simplified
-from tacos_worlds.imported.facing import facing_the_eye
 from tacos_worlds.imported.finishes import materials_of
 from tacos_worlds.imported.floor import Floor
+from tacos_worlds.imported.front_sides import facing_the_eye
 from tacos_worlds.imported.lamps import of_glowing, panel_luminance_cd_m2, placed, strongest
 from tacos_worlds.imported.model import Skin
 from tacos_worlds.imported.normals import with_normals

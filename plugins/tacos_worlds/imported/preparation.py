@@ -18,11 +18,11 @@ from tacos_worlds.imported.labels import Label, Rule, class_names, label_of, rea
 from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
 from tacos_worlds.imported.patch import Patch, sound
 from tacos_worlds.imported.place import Budget, Sources, geometry, illuminance_lux, lit_world
-from tacos_worlds.imported.reading import Read, read_world
+from tacos_worlds.imported.progress import Telling
+from tacos_worlds.imported.reader import Read, read_world
 from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.settings import ImportedSettings
 from tacos_worlds.imported.sky import Surroundings, read_surroundings
-from tacos_worlds.imported.telling import Telling
 from tacos_worlds.imported.walkable_place import Place
 
 _LARGEST_TEXTURE_PX = 8192

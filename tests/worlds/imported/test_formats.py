@@ -16,7 +16,7 @@ from tacos_worlds.imported.formats.gltf import read_gltf
 from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.formats.poses import read_poses
 from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
-from tacos_worlds.imported.reading import read_world
+from tacos_worlds.imported.reader import read_world
 from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.sky import read_surroundings
 

@@ -7,7 +7,7 @@ import logging
 import pytest
 
 from tacos_worlds.imported import telling
-from tacos_worlds.imported.telling import SHARES, Telling
+from tacos_worlds.imported.progress import SHARES, Telling
 
 
 @pytest.fixture
