@@ -129,6 +129,7 @@ from .study.record import StudiedCamera as StudiedCamera
 from .study.record import StudyRecord as StudyRecord
 from .study.record import Values as Values
 from .values import Camera as Camera
+from .values import Candidate as Candidate
 from .values import Capture as Capture
 from .values import ContextMissing as ContextMissing
 from .values import Crossing as Crossing
@@ -153,7 +154,6 @@ from .variables import Continuous as Continuous
 from .variables import Gene as Gene
 from .variables import Integer as Integer
 from .variables import Variable as Variable
-from .variables.design_space import Candidate as Candidate
 from .variables.design_space import DesignSpace as DesignSpace
 
 __version__: str

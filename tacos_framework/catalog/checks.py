@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tacos_framework.catalog.parts import CatalogColumn, CatalogPart, Grade, Value
+from tacos_framework.catalog.parts import CatalogColumn
 from tacos_framework.catalog.plausible import implausible
 from tacos_framework.errors import Fault, did_you_mean
+from tacos_framework.values.catalog_part import CatalogPart, Grade, Value
 
 UNITS = {
     "px": "px",

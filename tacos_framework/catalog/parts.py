@@ -1,22 +1,13 @@
-"""Parts, the columns that describe them, and catalogs of parts."""
+"""Catalogs of parts, and the columns that describe them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from tacos_framework.errors import did_you_mean
-
-Value = float | int | str | None
-"""A value of a part; None where no source states it."""
-
-Grade = Literal[
-    "data sheet", "camera maker", "measurement", "transcription", "reseller", "derived", "hobby list"
-]
-"""How far a value can be trusted, the best first: stated by the maker of the part; by the maker of a camera
-with it (EMVA 1288, a manual); measured by somebody who says how; one of these as copied by a third party;
-stated by a shop; computed from other values; said by a list or program not checked against the maker."""
+from tacos_framework.values.catalog_part import CatalogPart
 
 
 @dataclass(frozen=True)
@@ -43,58 +34,6 @@ class CatalogColumn:
     type: Literal["number", "integer", "text"] = "number"
     required: bool = False
     positive: bool = True
-
-
-@dataclass(frozen=True)
-class CatalogPart:
-    """A part that can be bought: one row of a catalog.
-
-    Parameters
-    ----------
-    name
-        Unique in its catalog.
-    values
-        For each column its value; None is unknown.
-    provenance
-        For each known value, who says so.
-    doubts
-        Sentences about values that are probably wrong.
-    notes
-        Sentences on anything else, such as what was cross-checked.
-    grades
-        How far a value can be trusted, where the catalog says so.
-    """
-
-    name: str
-    values: Mapping[str, Value]
-    provenance: Mapping[str, str] = field(default_factory=dict, compare=False)
-    doubts: tuple[str, ...] = field(default=(), compare=False)
-    notes: tuple[str, ...] = field(default=(), compare=False)
-    grades: Mapping[str, Grade] = field(default_factory=dict, compare=False)
-
-    def __hash__(self) -> int:
-        return hash((self.name, frozenset(self.values.items())))
-
-    def __getitem__(self, column: str) -> Value:
-        return self.values[column]
-
-    def number(self, column: str) -> float:
-        """A value that must be a number.
-
-        Raises
-        ------
-        ValueError
-            When it is unknown or text.
-        """
-        value = self.values.get(column)
-        if isinstance(value, int | float):
-            return float(value)
-        found = "unknown" if value is None else repr(value)
-        raise ValueError(f"{column} of {self.name} is {found}, and a number is needed")
-
-    def as_dict(self) -> dict[str, Value]:
-        """Name and values, as JSON values."""
-        return {"name": self.name, **self.values}
 
 
 @dataclass(frozen=True)

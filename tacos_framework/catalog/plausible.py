@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from tacos_framework.catalog.parts import Value
+from tacos_framework.values.catalog_part import Value
 
 PLAUSIBLE: Mapping[str, tuple[float, float]] = {
     "pixel_um": (0.4, 60.0),

@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tacos_framework.catalog.checks import CatalogCell, PartChecker, RawPart, checked_value, unit_of
-from tacos_framework.catalog.parts import Catalog, CatalogColumn, Grade
+from tacos_framework.catalog.parts import Catalog, CatalogColumn
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.files import read_csv
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.settings.yaml_document import Document
 from tacos_framework.settings.yaml_reader import read_yaml
+from tacos_framework.values.catalog_part import Grade
 
 SIZES = ("width_mm", "height_mm", "pixel_um")
 """What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""

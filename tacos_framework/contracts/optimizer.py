@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, Protocol
 
 from tacos_framework.settings import Settings
+from tacos_framework.values import Candidate
 
 ScoreScale = Literal["real", "count", "share"]
 """What kind of number a score is: any, 0 or more, or between 0 and 1."""
@@ -41,8 +42,8 @@ class DesignProblem:
 
     fitness: Any
     episodes: int
-    coordinates: Callable[[Any], Mapping[str, float]]
-    broken: Callable[[Any], Mapping[str, float]]
+    coordinates: Callable[[Candidate], Mapping[str, float]]
+    broken: Callable[[Candidate], Mapping[str, float]]
     scales: Mapping[str, ScoreScale] = field(default_factory=dict)
     depends_on: Mapping[str, Sequence[str]] = field(default_factory=dict)
     weights_learn: bool = False
@@ -55,13 +56,11 @@ class Asked:
 
     Parameters
     ----------
-    candidate
-        A `tacos_framework.variables.design_space.Candidate`.
     episodes
         The episodes to score it on, counted from 0, each once; None for all there are.
     """
 
-    candidate: Any
+    candidate: Candidate
     episodes: tuple[int, ...] | None = None
 
 
@@ -89,7 +88,7 @@ class Evaluated:
         How many images were rendered for it; none where it was known from before.
     """
 
-    candidate: Any
+    candidate: Candidate
     fitness: float | None
     failed: str | None = None
     episodes: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
@@ -112,7 +111,7 @@ class Optimizer(Protocol):
         """How many candidates it will ask for in all, for progress bars; None when it cannot tell."""
         ...
 
-    def ask(self) -> list[Any]:
+    def ask(self) -> list[Candidate] | list[Asked]:
         """The next candidates, snapped to the space, or `Asked`; never empty before `stop` gives a reason."""
         ...
 
@@ -136,7 +135,7 @@ class Optimizer(Protocol):
 class OptimizerBase:
     """Optional members of an `Optimizer`, with their defaults."""
 
-    recommend: Callable[[int], list[Any]] | None = None
+    recommend: Callable[[int], list[Candidate]] | None = None
     """``recommend(count)``: the candidates it thinks best, the best first; the study scores them once more
     on fresh episodes. Without it, those of highest mean fitness are."""
     choose: Callable[[Sequence[Evaluated]], int] | None = None

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from tacos_framework.values.camera import Camera, Electrons, Exposure, Rig
+from tacos_framework.values.candidate import Candidate
+from tacos_framework.values.catalog_part import CatalogPart
 from tacos_framework.values.episode import Crossing, Episode, Mover, Trajectory
 from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.values.images import Capture, FrameBatch, View
@@ -10,7 +12,9 @@ from tacos_framework.values.world import Light, Material, MeshPart, Object, Worl
 
 __all__ = [
     "Camera",
+    "Candidate",
     "Capture",
+    "CatalogPart",
     "ContextMissing",
     "Crossing",
     "Electrons",

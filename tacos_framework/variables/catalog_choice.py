@@ -10,8 +10,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.catalog.parts import Catalog, CatalogPart
+from tacos_framework.catalog.parts import Catalog
 from tacos_framework.errors import did_you_mean
+from tacos_framework.values.catalog_part import CatalogPart
 from tacos_framework.variables.gene import Gene
 
 

@@ -10,17 +10,14 @@ rows, and ``quantized``, one gene per numeric column and the nearest row afterwa
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from hashlib import blake2b
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.catalog.parts import CatalogPart
 from tacos_framework.errors import did_you_mean
+from tacos_framework.values.candidate import Candidate
 from tacos_framework.variables import CatalogChoice, Categorical, Continuous, Gene, Integer, Variable
 
 __all__ = [
@@ -33,42 +30,6 @@ __all__ = [
     "Integer",
     "Variable",
 ]
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """One point of a design space, snapped to what can be manufactured.
-
-    Parameters
-    ----------
-    values
-        For each variable its value; a `CatalogPart` for catalog variables.
-    genes
-        The genes of exactly these values.
-    key
-        Content hash of the values: equal keys mean equal candidates, in every process.
-    """
-
-    values: Mapping[str, Any]
-    genes: tuple[float, ...]
-    key: str = field(init=False)
-
-    def __post_init__(self) -> None:
-        content = json.dumps(self.as_dict(), sort_keys=True, allow_nan=False)
-        object.__setattr__(self, "key", blake2b(content.encode(), digest_size=16).hexdigest())
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Candidate) and self.key == other.key
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def as_dict(self) -> dict[str, Any]:
-        """The values as JSON values; a part is its name and columns."""
-        return {
-            name: value.as_dict() if isinstance(value, CatalogPart) else value
-            for name, value in self.values.items()
-        }
 
 
 class DesignSpace:
