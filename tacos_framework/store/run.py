@@ -163,8 +163,7 @@ class Results(RunFolder):
         kinds, database = self._kinds(), self.folder / DATABASE
         if not names and kinds is None:  # whoever was killed as it made the database has left one page of it
             return not database.exists() or database.stat().st_size <= PAGE_BYTES
-        known = not names or {RECIPE, LOG} <= names <= {RECIPE, LOG, MANIFEST}
-        return known and kinds is not None and kinds <= {FILES}
+        return names <= {RECIPE, LOG, MANIFEST} and kinds is not None and kinds <= {FILES}
 
     def _kinds(self) -> set[str] | None:
         """Kinds of entries in the database; None where it is not there, or cannot be read."""

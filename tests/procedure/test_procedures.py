@@ -16,6 +16,7 @@ from tacos_framework.hookspecs import hookimpl
 from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
+from tacos_framework.store import Results
 from tacos_report.verifying import verify
 
 
@@ -130,6 +131,7 @@ def test_the_files_of_a_procedure_are_verified(tmp_path, plugins):
         "manifest.json": None,
         "result.json": None,
         "log.txt": None,
+        "run.sqlite": None,
     }
     result = tmp_path / "out" / "result.json"
     result.write_bytes(result.read_bytes().replace(b"squares, ", b"sqares, "))
@@ -139,10 +141,9 @@ def test_the_files_of_a_procedure_are_verified(tmp_path, plugins):
 
 def test_a_start_that_failed_refuses_no_other(tmp_path, plugins):
     out = tmp_path / "out"
-    for left in ("recipe.yaml", "log.txt"):  # as a run leaves them that ends before it has computed anything
-        run(ProcedureRecipe("procedure.count", {"limit": 2}), out=tmp_path / left, plugins=plugins)
-        out.mkdir(exist_ok=True)
-        (out / left).write_bytes((tmp_path / left / left).read_bytes())
+    with Results.create(out, ProcedureRecipe("procedure.count", {"limit": 2}).as_data()):
+        pass  # as a run leaves it that ends before it has computed anything
+    assert {"recipe.yaml", "run.sqlite"} <= {path.name for path in out.iterdir()}
     result = run(ProcedureRecipe("procedure.count", {"limit": 3}), out=out, plugins=plugins)
     assert result["squares"] == [0, 1, 4]
 
