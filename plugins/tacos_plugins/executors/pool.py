@@ -70,8 +70,7 @@ class Pool(JobPool[WorkerProcess]):
         self._threads = threads
         self._environment = environment
         self._context = multiprocessing.get_context("spawn")
-        self._worker_end, self._lifeline = self._context.Pipe(duplex=False)
-        atexit.register(self._lifeline.close)  # ahead of multiprocessing's own, which would wait for workers
+        atexit.register(self.close)  # ahead of multiprocessing's own, which would wait for workers
         self._started = 0
         self._failed_starts = 0
         self._closed = False
@@ -79,21 +78,19 @@ class Pool(JobPool[WorkerProcess]):
     def close(self) -> None:
         """End all workers at once."""
         self._closed = True
-        self._lifeline.close()
-        atexit.unregister(self._lifeline.close)
+        atexit.unregister(self.close)
         for each in self._workers:
             each.process.kill()
         for each in self._workers:
             each.process.join()
             each.log.close()
-        self._worker_end.close()
 
     # ------------------------------------------------------------------------------------------------------
 
     def _start(self) -> WorkerProcess:
         self._started += 1
         with _environment(self._environment):
-            return WorkerProcess(self._started, self._context, self.payload, self._worker_end, self._threads)
+            return WorkerProcess(self._started, self._context, self.payload, self._threads)
 
     def _send(self, each: WorkerProcess, job: Any) -> bool:
         return each.send(job)

@@ -9,6 +9,7 @@ import threading
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from multiprocessing import parent_process
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
@@ -62,7 +63,6 @@ class WorkerState:
 def serve(
     payload: bytes,
     channel: Connection,
-    lifeline: Connection,
     threads: int,
     logs: Connection,
     levels: Mapping[str, int],
@@ -75,9 +75,6 @@ def serve(
         The pickled function this worker evaluates, from the parent process.
     channel
         Brings pickled jobs, takes pickled answers.
-    lifeline
-        Reading end of a pipe of which the parent holds the other end: it breaks when the parent closes its
-        pool, or dies in whatever way.
     threads
         Threads OpenCV may use here.
     logs
@@ -86,7 +83,7 @@ def serve(
         The levels of loggers in the parent process.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the parent decides
-    threading.Thread(target=_die_with, args=(lifeline,), daemon=True).start()
+    threading.Thread(target=_die_with_parent, daemon=True).start()
     send_logs(logs, levels)
     import cv2
 
@@ -125,6 +122,8 @@ def resident_mib() -> float:
     return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
-def _die_with(lifeline: Connection) -> None:
-    lifeline.poll(None)  # nothing is ever written: it returns when the other end is closed
-    os._exit(0)
+def _die_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext, SpawnProcess
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
@@ -22,21 +21,17 @@ class WorkerProcess(PoolWorker):
         Counts the workers of a pool from 1; their log lines bear it.
     context
         How processes are started.
-    lifeline
-        Reading end of a pipe that breaks when the pool is closed.
     threads
         Threads it may compute with.
     """
 
-    def __init__(
-        self, number: int, context: SpawnContext, payload: bytes, lifeline: Connection, threads: int
-    ) -> None:
+    def __init__(self, number: int, context: SpawnContext, payload: bytes, threads: int) -> None:
         super().__init__()
         self.channel, theirs = context.Pipe()
         logs, their_logs = context.Pipe(duplex=False)
         self.process: SpawnProcess = context.Process(
             target=worker.serve,
-            args=(payload, theirs, lifeline, threads, their_logs, explicit_levels()),
+            args=(payload, theirs, threads, their_logs, explicit_levels()),
             name=f"tacos-worker-{number}",
         )
         self.process.start()
