@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from multiprocessing.reduction import ForkingPickler
-from typing import Any, TypeVar
 
 from tacos_framework import Settings, setting
-from tacos_plugins.executors.outcomes import results
 from tacos_plugins.executors.pool import Limits, Pool
-
-Job = TypeVar("Job")
-Result = TypeVar("Result")
+from tacos_plugins.executors.pool_executor import PoolExecutor
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS")
 """Environment variables that numerical libraries and the llvmpipe rasterizer read once, when they start."""
@@ -22,7 +16,7 @@ MEMORY_IS_KEPT = {"MALLOC_MMAP_MAX_": "0", "MALLOC_TRIM_THRESHOLD_": str(2**31)}
 twelve megapixels anew from the system takes about as long as to fill it several times."""
 
 
-class ProcessExecutor:
+class ProcessExecutor(PoolExecutor):
     """Evaluates jobs in processes that live until `close`, with the same results as in this process.
 
     Workers are *spawned*: a process that owns a GL context must not fork. Each receives the pickled
@@ -72,42 +66,12 @@ class ProcessExecutor:
         )
 
     def __init__(self, config: Config) -> None:
+        super().__init__()
         self.config = config
         self.workers = config.workers or len(os.sched_getaffinity(0))
-        self._pool: Pool | None = None
 
-    def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
-        """The results in the order of the jobs; those not begun are dropped when the iterator is left early.
-
-        Raises
-        ------
-        JobLost
-            When the worker of a job died or hung twice and ``evaluate`` has no answer to that.
-        RuntimeError
-            When the executor is closed meanwhile, or a worker cannot start.
-        """
-        if not jobs:
-            return
-        try:
-            yield from results(evaluate, jobs, self._pool_for(evaluate).outcomes(jobs))
-        except KeyboardInterrupt:
-            self.close()
-            raise
-
-    def close(self) -> None:
-        """End all workers at once."""
-        pool, self._pool = self._pool, None  # first let go, so that two threads may close at a time
-        if pool is not None:
-            pool.close()
-
-    def _pool_for(self, evaluate: Callable[[Any], Any]) -> Pool:
-        """The pool whose workers hold this very function, as told by its pickled bytes."""
-        payload = bytes(ForkingPickler.dumps(evaluate))
-        if self._pool is not None and self._pool.payload != payload:
-            self.close()
-        if self._pool is None:
-            config = self.config
-            limits = Limits(config.timeout_s, config.max_memory_mib, config.tasks_per_worker)
-            threads = dict.fromkeys(THREAD_LIMITS, str(config.threads))
-            self._pool = Pool(payload, self.workers, limits, config.threads, {**MEMORY_IS_KEPT, **threads})
-        return self._pool
+    def _new_pool(self, payload: bytes) -> Pool:
+        config = self.config
+        limits = Limits(config.timeout_s, config.max_memory_mib, config.tasks_per_worker)
+        threads = dict.fromkeys(THREAD_LIMITS, str(config.threads))
+        return Pool(payload, self.workers, limits, config.threads, {**MEMORY_IS_KEPT, **threads})

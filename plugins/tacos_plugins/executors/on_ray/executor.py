@@ -5,21 +5,15 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from multiprocessing.reduction import ForkingPickler
-from typing import TypeVar
 
 from tacos_framework import Settings, setting
 from tacos_plugins.executors.on_ray.actor_pool import ActorPool
 from tacos_plugins.executors.on_ray.cluster import LOCAL, Cluster, Needs
-from tacos_plugins.executors.outcomes import results
+from tacos_plugins.executors.pool_executor import PoolExecutor
 from tacos_plugins.executors.process import THREAD_LIMITS
 
-Job = TypeVar("Job")
-Result = TypeVar("Result")
 
-
-class RayExecutor:
+class RayExecutor(PoolExecutor):
     """Evaluates jobs in Ray actors, with the same results as in this process.
 
     Each worker is an actor: a process of its own (so one GL context each, and none is forked), on whichever
@@ -78,10 +72,10 @@ class RayExecutor:
         )
 
     def __init__(self, config: Config) -> None:
+        super().__init__()
         self.config = config
         self._needs = Needs(config.cpus_per_worker, config.gpus_per_worker)
         self._cluster: Cluster | None = None
-        self._pool: ActorPool | None = None
         self._workers = config.workers or 0
 
     @property
@@ -96,32 +90,10 @@ class RayExecutor:
         self._joined()
         return self._workers
 
-    def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
-        """The results in the order of the jobs; those not begun are dropped when the iterator is left early.
-
-        Raises
-        ------
-        UserError
-            When no cluster answers, or it has no room for a worker.
-        JobLost
-            When the worker of a job was lost each time and ``evaluate`` has no answer to that.
-        RuntimeError
-            When the executor is closed meanwhile, or workers cannot start.
-        """
-        if not jobs:
-            return
-        try:
-            yield from results(evaluate, jobs, self._pool_for(evaluate).outcomes(jobs))
-        except KeyboardInterrupt:
-            self.close()
-            raise
-
     def close(self) -> None:
         """End all workers at once, and the cluster if it is our own."""
-        pool, self._pool = self._pool, None
+        super().close()
         cluster, self._cluster = self._cluster, None
-        if pool is not None:
-            pool.close()
         if cluster is not None:
             cluster.leave()
 
@@ -138,26 +110,19 @@ class RayExecutor:
             self._cluster, self._workers = cluster, self.config.workers or room
         return self._cluster
 
-    def _pool_for(self, evaluate: Callable[[Job], Result]) -> ActorPool:
-        """The pool that holds this very function, as told by its pickled bytes."""
-        payload = bytes(ForkingPickler.dumps(evaluate))
-        if self._pool is not None and self._pool.payload != payload:
-            self._pool.close()
-            self._pool = None
-        if self._pool is None:
-            config = self.config
-            threads = config.threads or math.ceil(config.cpus_per_worker)
-            self._pool = ActorPool(
-                self._joined(),
-                payload,
-                workers=self.workers,
-                needs=self._needs,
-                threads=threads,
-                attempts=config.attempts,
-                job_s=config.timeout_s,
-                environment={**dict.fromkeys(THREAD_LIMITS, str(threads)), **self._import_paths()},
-            )
-        return self._pool
+    def _new_pool(self, payload: bytes) -> ActorPool:
+        config = self.config
+        threads = config.threads or math.ceil(config.cpus_per_worker)
+        return ActorPool(
+            self._joined(),
+            payload,
+            workers=self.workers,
+            needs=self._needs,
+            threads=threads,
+            attempts=config.attempts,
+            job_s=config.timeout_s,
+            environment={**dict.fromkeys(THREAD_LIMITS, str(threads)), **self._import_paths()},
+        )
 
     def _import_paths(self) -> dict[str, str]:
         """Workers of our own cluster import from where this process does; other nodes have theirs."""
