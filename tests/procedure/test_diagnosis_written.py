@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tacos_framework.store import writing
+from tacos_framework.store import writers
 from tacos_gap.procedures.diagnose import _write
 
 
@@ -17,7 +17,7 @@ def test_a_full_disk_leaves_the_earlier_diagnosis(tmp_path: Path, monkeypatch: p
     def full(_: int) -> None:
         raise OSError("no space left on the device")
 
-    monkeypatch.setattr(writing, "to_disk", full)
+    monkeypatch.setattr(writers, "to_disk", full)
     with pytest.raises(OSError, match="no space"):
         _write(tmp_path, {"causes": []}, "effects: [{use: effect.jpeg}]\n")
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == before

@@ -6,7 +6,7 @@ import logging
 
 import pytest
 
-from tacos_worlds.imported import telling
+from tacos_worlds.imported import progress
 from tacos_worlds.imported.progress import SHARES, Telling
 
 
@@ -19,8 +19,8 @@ def file(tmp_path):
 def told(file, triangles, monkeypatch, caplog):
     """With two seconds from each look at the clock to the next."""
     seconds = iter(range(0, 100, 2))
-    monkeypatch.setattr(telling.time, "monotonic", lambda: float(next(seconds)))
-    with caplog.at_level(logging.INFO, logger=telling.__name__):
+    monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(seconds)))
+    with caplog.at_level(logging.INFO, logger=progress.__name__):
         telling_of = Telling(file)
         telling_of.read(triangles)
         for stage in SHARES:
