@@ -81,8 +81,6 @@ def read_run_file(path: Path, parse: Callable[[bytes], Content], recorded: str |
 
     Parameters
     ----------
-    path
-        The file.
     parse
         Turns its bytes into what they mean; raises DamagedError where they do not.
     recorded

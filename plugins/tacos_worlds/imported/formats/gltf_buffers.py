@@ -44,8 +44,6 @@ class Buffers:
 
     Attributes
     ----------
-    file
-        The file.
     header
         The JSON object.
 
