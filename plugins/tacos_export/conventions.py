@@ -15,6 +15,8 @@ Pixels
 Depth
     The distance along the optical axis (z), not along the ray; where nothing is, or beyond what 16 bits
     hold, 0 in integer files and infinity in EXR. ``point = depth * K^-1 (x, y, 1)``.
+Stamps
+    Episodes begin at 1.4e9 s after 1970, so that all stamps have as many digits and names sort by time.
 Images
     Linear digital numbers, proportional to light above the black level; ``srgb`` encodes them for eyes, and
     for programs that expect photographs.
@@ -27,7 +29,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Camera
+from tacos_framework import Camera, World
+
+EPOCH_S = 1_400_000_000
+"""When episodes begin, in seconds since 1970: stamps of equal length, as recordings have them [s]."""
 
 UNKNOWN_DEPTH = 0
 """What integer depth files hold where nothing is, or what does not fit."""
@@ -89,6 +94,31 @@ def at_full_resolution(camera: Camera) -> Camera:
     )
 
 
-def time_ns(time_s: float) -> int:
-    """A time stamp in whole nanoseconds, as ROS and EuRoC count."""
-    return round(time_s * 1e9)
+def stamp_ns(time_s: float) -> int:
+    """A time of an episode as a stamp in whole nanoseconds, as ROS and EuRoC count [s to ns].
+
+    Examples
+    --------
+    >>> stamp_ns(0.05)
+    1400000000050000000
+    """
+    return EPOCH_S * 10**9 + round(time_s * 1e9)
+
+
+def stamp_s(time_s: float) -> str:
+    """The same stamp in seconds, with six decimals.
+
+    Examples
+    --------
+    >>> stamp_s(10.05)
+    '1400000010.050000'
+    """
+    microseconds = EPOCH_S * 10**6 + round(time_s * 1e6)
+    return f"{microseconds // 10**6}.{microseconds % 10**6:06d}"
+
+
+def in_file_world(pose: NDArray[np.float64], world: World) -> NDArray[np.float64]:
+    """A (4, 4) pose in a world as one in the coordinates of the file that the world was read from [m]."""
+    moved = np.array(pose, np.float64)
+    moved[:3, 3] += world.origin_m
+    return moved

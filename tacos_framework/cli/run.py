@@ -13,10 +13,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tacos_framework import __version__
 from tacos_framework.cli.exits import DONE, FAILED, INTERRUPTED, ended_by_sigterm, exit_status
 from tacos_framework.cli.summary import summary
 from tacos_framework.environment import DEVICE_VARIABLE
 from tacos_framework.errors import Fault, UserError
+from tacos_framework.recipe.run_folder import RUN_RECIPE
 
 if TYPE_CHECKING:
     from tacos_framework.plan import Plan
@@ -33,7 +35,13 @@ def parser() -> argparse.ArgumentParser:
         description="Run a recipe: design a camera in simulation, or calibrate, validate, diagnose.",
         epilog="Exit status: 0 done, 2 wrong input, 130 interrupted, 1 anything else.",
     )
-    parser.add_argument("recipe", metavar="RECIPE", help="path of a YAML file, or name of a shipped recipe")
+    parser.add_argument("--version", action="version", version=f"tacos-framework {__version__}")
+    parser.add_argument(
+        "recipe",
+        metavar="RECIPE",
+        help="path of a YAML file, or name of a shipped recipe; with --resume or --extend also the folder "
+        "of a run",
+    )
     parser.add_argument(
         "--set",
         action="append",
@@ -58,7 +66,7 @@ def parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="KEY=N",
-        help="go on with the run in --out for longer, as in generations=10; a setting of its optimizer",
+        help="go on with the run in --out for N more, as in generations=10; a setting of its optimizer",
     )
     parser.add_argument(
         "--accept-changes",
@@ -107,12 +115,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``tacos-run``."""
     taking = parser()
     arguments, unknown = taking.parse_known_args(argv)
+    _take_run_folder(arguments)
     if unknown:
         taking.error(f"unrecognized arguments: {shlex.join(unknown)}; {_as_a_setting(unknown)}")
     if arguments.device:
         os.environ[DEVICE_VARIABLE] = arguments.device
     command = shlex.join(["tacos-run", *(sys.argv[1:] if argv is None else argv)])
     return exit_status(lambda: _run(arguments, command))
+
+
+def _take_run_folder(arguments: argparse.Namespace) -> None:
+    """Read `--resume DIR` as the run in that folder, with the recipe that it keeps."""
+    folder = Path(arguments.recipe)
+    if (arguments.resume or arguments.extend) and arguments.out is None and (folder / RUN_RECIPE).is_file():
+        arguments.out, arguments.recipe = folder, str(folder / RUN_RECIPE)
 
 
 def _run(arguments: argparse.Namespace, command: str) -> int:
@@ -157,6 +173,9 @@ def _to_go_on_with(
         from tacos_framework.study.extension import for_resuming
 
         recipe = for_resuming(recipe, arguments.out, plugins, extend)
+        for key, more in extend.items():
+            total = recipe.optimizer.settings.get(key)
+            print(f"{key}: {more} more" + (f", {total} in all." if total else "."))
     return recipe, extend
 
 

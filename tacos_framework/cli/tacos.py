@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from tacos_framework import __version__
 from tacos_framework.cli.exits import DONE, exit_status
+from tacos_framework.errors import Fault, UserError
 
 if TYPE_CHECKING:
     from tacos_framework.environment import EnvironmentFinding
@@ -16,8 +19,13 @@ if TYPE_CHECKING:
 
 def parser(plugins: Plugins) -> argparse.ArgumentParser:
     """The command line of ``tacos``."""
-    parser = argparse.ArgumentParser(prog="tacos", description="Look around tacos-framework.")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    parser = argparse.ArgumentParser(
+        prog="tacos",
+        description="Look around tacos-framework.",
+        epilog="Recipes are run by tacos-run.",
+    )
+    parser.add_argument("--version", action="version", version=f"tacos-framework {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     listed = commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
     listed.add_argument(
         "--members", action="store_true", help="load them, and list members that no contract knows"
@@ -41,7 +49,15 @@ def _main(argv: Sequence[str] | None) -> int:
     from tacos_framework.plugins import Plugins
 
     plugins = Plugins.discover()
-    arguments = parser(plugins).parse_args(argv)
+    given = sys.argv[1:] if argv is None else argv
+    taking = parser(plugins)
+    if given[:1] == ["run"] and "run" not in {command.name for command in plugins.offers.commands()}:
+        command = shlex.join(["tacos-run", *(given[1:] or ["RECIPE"])])
+        raise UserError(Fault("tacos run", "is another command", "tacos-run RECIPE", f"Try: {command}"))
+    arguments = taking.parse_args(given)
+    if arguments.command is None:
+        taking.print_help()
+        return DONE
     own: dict[str, Callable[[argparse.Namespace], int]] = {
         "plugins": lambda arguments: _plugins(plugins, members=arguments.members),
         "doctor": lambda arguments: _doctor(plugins),
@@ -67,7 +83,6 @@ def _plugins(plugins: Plugins, *, members: bool) -> int:
 
 def _unread_members(plugins: Plugins) -> None:
     """List what the framework never reads of a component: helpers of its author, or names meant otherwise."""
-    from tacos_framework.errors import UserError
     from tacos_framework.plugins.contract_check import unread_members
 
     print("\nPublic members that no contract knows (helpers, or misspelt names):")
@@ -94,7 +109,6 @@ def _findings(plugins: Plugins) -> Iterator[EnvironmentFinding]:
     """What is found out about this machine, the quick things first."""
     import platform
 
-    from tacos_framework import __version__
     from tacos_framework.environment import EnvironmentFinding, usable_cores
 
     yield EnvironmentFinding("tacos-framework", __version__)

@@ -7,6 +7,7 @@
 ``procedure``     a recipe that is no study
 ``written``       where the keys of a recipe stand in its text
 ``loading``       finding recipes by path or name
+``run_folder``    what the folder of a run is known by
 ``overrides``     values put in from outside the file: ``--set`` and ``--with``
 ``fixing``        a design variable that ``--set`` fixes
 ``effect_names``  what design variables call the effects

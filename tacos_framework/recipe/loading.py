@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from tacos_framework.errors import Fault, UserError, did_you_mean
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.packaged_resources import package_offering, shipped_recipes
 from tacos_framework.recipe.parsing import recipe_from
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure, procedure_from
 from tacos_framework.recipe.recipe import Recipe
+from tacos_framework.recipe.run_folder import RUN_RECIPE
 from tacos_framework.settings.yaml_reader import read_yaml_draft
 
 
@@ -29,12 +31,28 @@ def find_recipe(name: str | Path) -> Path:
     shipped = shipped_recipes()
     if str(name) in shipped:
         return shipped[str(name)]
-    remedy = did_you_mean(str(name), shipped) if str(name) == path.name else "Check the path."
+    if path.is_dir():
+        raise UserError(_folder_fault(path))
+    remedy = _near(str(name), shipped) if str(name) == path.name else "Check the path."
     if (package := package_offering(str(name))) is not None:
         remedy = f"pip install '{package}'"
     raise UserError(
         Fault(str(name), "there is no such recipe", "a YAML file, or the name of a shipped recipe", remedy)
     )
+
+
+def _near(name: str, shipped: Iterable[str]) -> str:
+    """A shipped name much like the given one, or where all of them stand."""
+    near = get_close_matches(name, shipped, n=1)
+    return f"Did you mean {near[0]!r}?" if near else "Check the path; `tacos recipes` lists those shipped."
+
+
+def _folder_fault(folder: Path) -> Fault:
+    """What to say of a folder in the place of a recipe."""
+    if not (folder / RUN_RECIPE).is_file():
+        return Fault(str(folder), "is a folder, and no run is in it", "the YAML file of a recipe")
+    remedy = f"To go on with the run: tacos-run --resume {folder}. To look at it: tacos report {folder}."
+    return Fault(str(folder), "is the folder of a run", "the YAML file of a recipe", remedy)
 
 
 def read_any_recipe(

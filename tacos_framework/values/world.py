@@ -163,6 +163,9 @@ class World:
         (H, 2 H, 3) float32 what is seen beyond the geometry, where it is not `ambient_cd_m2` all around:
         rows from the zenith down to the nadir, columns from +x by way of +y. Its mean, weighted by the cosine
         from the zenith, should be `ambient_cd_m2`, which lights surfaces [cd/m2]. None for even surroundings.
+    origin_m
+        (3,) float64 where its origin lies in the coordinates of the file it was read from, of which single
+        precision would keep too little; zero for most worlds [m].
     """
 
     key: str
@@ -174,8 +177,10 @@ class World:
     indirect_lux: tuple[NDArray[np.float32], ...] | None = None
     ambient_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
     sky_cd_m2: NDArray[np.float32] | None = None
+    origin_m: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
+        read_only(self, "origin_m", np.float64, (3,))
         read_only(self, "ambient_cd_m2", np.float32, (3,))
         if self.sky_cd_m2 is not None:
             rows = len(self.sky_cd_m2)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from tacos_framework import __version__
 from tacos_framework.cli import run_main, tacos_main
 
 SMALL = """\
@@ -204,3 +205,31 @@ def test_plugins_doctor_and_catalogs_speak(capsys):
     assert "7.18~" in capsys.readouterr().out  # derived
     assert tacos_main(["catalog", "mirrors"]) == 2
     assert tacos_main(["report", "nowhere"]) == 2
+
+
+def test_both_commands_say_their_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
+    for command in (tacos_main, run_main):
+        with pytest.raises(SystemExit) as ended:
+            command(["--version"])
+        assert ended.value.code == 0
+        assert capsys.readouterr().out == f"tacos-framework {__version__}\n"
+    assert tacos_main([]) == 0
+    assert "Recipes are run by tacos-run" in capsys.readouterr().out
+
+
+def test_tacos_run_names_the_command_that_was_meant(capsys: pytest.CaptureFixture[str]) -> None:
+    assert tacos_main(["run", "my recipe.yaml", "--seed", "1"]) == 2
+    assert "tacos-run 'my recipe.yaml' --seed 1" in capsys.readouterr().err
+
+
+def test_a_folder_in_the_place_of_a_recipe_is_told_apart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "run").mkdir()
+    assert run_main([str(tmp_path / "run")]) == 2
+    assert "no run is in it" in capsys.readouterr().err
+    (tmp_path / "run" / "recipe.yaml").write_text("{}")
+    assert run_main([str(tmp_path / "run")]) == 2
+    assert f"tacos-run --resume {tmp_path / 'run'}" in capsys.readouterr().err
+    assert run_main(["run9"]) == 2
+    assert "`tacos recipes` lists" in capsys.readouterr().err

@@ -254,3 +254,13 @@ def test_no_worker_outlives_the_parent(tmp_path, how):
         assert parent.returncode == 0
     for worker in pids.iterdir():
         wait_until(lambda worker=worker: gone(int(worker.name)), f"worker {worker.name} ends")
+
+
+@pytest.mark.parametrize("way", ["-", "/dev/fd/0"])
+def test_a_script_that_cannot_be_read_twice_is_told_to_be_saved(way: str) -> None:
+    script = (
+        "from tacos_plugins.executors.pool import _script_that_is_no_file\n"
+        "if __name__ == '__main__':\n    print(_script_that_is_no_file())\n"
+    )
+    said = subprocess.run([sys.executable, way], input=script, capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == ("standard input" if way == "-" else way)

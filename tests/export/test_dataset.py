@@ -11,8 +11,11 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from tacos_export.conventions import EPOCH_S, stamp_ns, stamp_s
 from tacos_export.dataset import FORMATS, export_dataset
 from tacos_export.dataset.frame import Dataset
 from tacos_export.dataset.raster import Png16Writer
@@ -106,7 +109,7 @@ def test_kitti_poses_are_read_by_evo(exported: Any, frames: list[FrameBatch]) ->
 def test_tum_path_is_read_by_evo(exported: Any, frames: list[FrameBatch]) -> None:
     evo = pytest.importorskip("evo.tools.file_interface", reason="the extra crosscheck brings evo")
     path = evo.read_tum_trajectory_file(exported("tum") / "walk_000" / "groundtruth.txt")
-    assert path.timestamps.tolist() == [0.25, 0.5, 0.75]
+    assert (path.timestamps - EPOCH_S).tolist() == pytest.approx([0.25, 0.5, 0.75], abs=1e-6)
     truth = np.stack([frame.capture.views[0].world_from_camera[0] for frame in frames])
     assert np.stack(path.poses_se3) == pytest.approx(truth, abs=1e-7)
 
@@ -116,7 +119,7 @@ def test_euroc_path_is_read_by_evo_and_moves_as_it_says(exported: Any, frames: l
     folder = exported("euroc") / "walk_000" / "mav0"
     table = folder / "state_groundtruth_estimate0" / "data.csv"
     path = evo.read_euroc_csv_trajectory(table)
-    assert path.timestamps.tolist() == [0.25, 0.5, 0.75]
+    assert (path.timestamps - EPOCH_S).tolist() == pytest.approx([0.25, 0.5, 0.75], abs=1e-6)
     for i, camera in enumerate(("cam0", "cam1")):
         sensor = yaml.safe_load((folder / camera / "sensor.yaml").read_text())
         body_from_camera = np.array(sensor["T_BS"]["data"]).reshape(4, 4)
@@ -124,7 +127,7 @@ def test_euroc_path_is_read_by_evo_and_moves_as_it_says(exported: Any, frames: l
             truth = frame.capture.views[i].world_from_camera[0]
             assert body @ body_from_camera == pytest.approx(truth, abs=1e-7)
         assert sensor["rate_hz"] == 4.0
-        assert read(folder / camera / "data" / "500000000.png").shape == (48, 64, 3)
+        assert read(folder / camera / "data" / "1400000000500000000.png").shape == (48, 64, 3)
     rows = np.loadtxt(table, delimiter=",")
     steps = np.diff(rows[:, 1:4], axis=0) / 0.25
     assert rows[:2, 8:11] == pytest.approx(steps, abs=1e-6)  # the agent of this scene moves steadily
@@ -301,3 +304,13 @@ def test_the_command_offers_all_formats() -> None:
     from tacos_export import commands
 
     assert tuple(FORMATS) == commands.FORMATS
+
+
+@given(st.lists(st.floats(0, 1e6), min_size=2, max_size=20))
+def test_names_by_stamps_are_of_one_length_and_sort_by_time(times_s: list[float]) -> None:
+    rising = sorted(times_s)
+    for name in (lambda time_s: str(stamp_ns(time_s)), stamp_s):
+        names = [name(time_s) for time_s in rising]
+        assert names == sorted(names)
+        assert len(set(map(len, names))) == 1
+        assert int(names[0].replace(".", "")[:-9]) > 0

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_export.conventions import quaternion_xyzw, time_ns
+from tacos_export.conventions import in_file_world, quaternion_xyzw, stamp_ns
 from tacos_export.dataset.frame import Dataset, photograph, write_image
 from tacos_export.dataset.tum import walk_folder, write_lines
 from tacos_framework import Camera, Fault, FrameBatch, Trajectory, UserError, to_yaml
@@ -46,13 +46,13 @@ class EurocWriter:
         """Write the images of a frame; keep its lines."""
         walk = walk_folder(frame)
         time_s = float(frame.episode.time_s[0])
-        stamp = str(time_ns(time_s))
+        stamp = str(stamp_ns(time_s))
         listed = self._images.setdefault(walk, [[] for _ in frame.images])
         for i in range(len(frame.images)):
             path = self._dataset.out / walk / "mav0" / f"cam{i}" / "data" / f"{stamp}.png"
             write_image(path, photograph(frame, i, self._dataset.encoding))
             listed[i].append(f"{stamp},{stamp}.png")
-        pose = frame.episode.trajectory.at(np.array([time_s]))[0]
+        pose = in_file_world(frame.episode.trajectory.at(np.array([time_s]))[0], frame.episode.world)
         x, y, z, w = quaternion_xyzw(pose)
         speed = velocity_m_s(frame.episode.trajectory, time_s)
         numbers = ",".join(f"{value:.9f}" for value in (*pose[:3, 3], w, x, y, z, *speed, *np.zeros(6)))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_export.camera.description import lens_of
+from tacos_export.conventions import in_file_world, stamp_ns
 from tacos_export.dataset.frame import Dataset, DatasetCamera, DatasetWriter, Encoding
 from tacos_framework import Fault, FrameBatch, UserError, World, __version__, did_you_mean
 from tacos_framework.files import made_folder
@@ -145,9 +146,11 @@ class Manifest:
         self._data["frames"].append(
             {
                 "time_s": float(frame.episode.time_s[0]),
+                "stamp_ns": stamp_ns(float(frame.episode.time_s[0])),
                 "walk": int(frame.episode.walk[0]),
                 "world_from_camera": {
-                    view.camera.name: view.world_from_camera[0].tolist() for view in frame.capture.views
+                    view.camera.name: in_file_world(view.world_from_camera[0], self._world).tolist()
+                    for view in frame.capture.views
                 },
             }
         )

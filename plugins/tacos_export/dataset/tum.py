@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import ClassVar
 
-from tacos_export.conventions import depth_codes, quaternion_xyzw
+from tacos_export.conventions import depth_codes, in_file_world, quaternion_xyzw, stamp_s
 from tacos_export.dataset.frame import Dataset, photograph, write_image
 from tacos_framework import FrameBatch
 
@@ -36,10 +36,10 @@ class TumWriter:
         walk = walk_folder(frame)
         folder = self._dataset.out / walk
         lines = self._lines.setdefault(walk, {"rgb": [], "depth": [], "groundtruth": []})
-        stamp = f"{frame.episode.time_s[0]:.6f}"
+        stamp = stamp_s(float(frame.episode.time_s[0]))
         write_image(folder / "rgb" / f"{stamp}.png", photograph(frame, 0, self._dataset.encoding))
         write_image(folder / "depth" / f"{stamp}.png", depth_codes(view.depth_m[0], DEPTH_CODES_PER_M))
-        pose = view.world_from_camera[0]
+        pose = in_file_world(view.world_from_camera[0], frame.episode.world)
         numbers = " ".join(f"{value:.9f}" for value in (*pose[:3, 3], *quaternion_xyzw(pose)))
         lines["rgb"].append(f"{stamp} rgb/{stamp}.png")
         lines["depth"].append(f"{stamp} depth/{stamp}.png")

@@ -29,6 +29,14 @@ _TIME_IN_NAME = re.compile(
 )
 """A decimal point or comma; the micro sign, or the Greek letter."""
 
+_FRACTION_IN_NAME = re.compile(
+    r"(?<![a-z0-9.,-])(?<!\d[ _])(\d+)([-_ ])(\d+(?:[.,]\d+)?)\s?(s|sec)?(?![a-z0-9])", re.IGNORECASE
+)
+"""1-250s, 1_250s, 1-250: a slash cannot stand in a name."""
+
+_LEAST_BARE_DENOMINATOR, _LEAST_LOOSE_DENOMINATOR = 25, 60
+"""Less after ``1-`` may number files; less than the other, after ``1_``, may be whole seconds [1]."""
+
 _MS = {"us": 1e-3, "\u00b5s": 1e-3, "\u03bcs": 1e-3, "ms": 1.0, "msec": 1.0, "s": 1e3, "sec": 1e3}
 
 _MAKE, _MODEL, _SOFTWARE, _ORIENTATION, _EXIF = 0x010F, 0x0110, 0x0131, 0x0112, 0x8769
@@ -92,12 +100,32 @@ def read_facts(path: Path) -> Facts:
     said, size_px = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else ({}, None)
     if path.suffix.lower() != ".npy":
         said = {**_of_exif(path, size_px), **said}
-    if said.get("exposure_ms") is None and (found := _TIME_IN_NAME.search(path.stem.replace("_", " "))):
-        said |= {
-            "exposure_ms": float(found[1].replace(",", ".")) * _MS[found[2].lower()],
-            "time_from_name": True,
-        }
+    if said.get("exposure_ms") is None and (time_ms := time_in_name_ms(path.stem)) is not None:
+        said |= {"exposure_ms": time_ms, "time_from_name": True}
     return Facts(**said, lossy=path.suffix.lower() in LOSSY_SUFFIXES)
+
+
+def time_in_name_ms(stem: str) -> float | None:
+    """The shutter time that the name of a file says; None where it says none, or may mean two [ms].
+
+    Examples
+    --------
+    >>> time_in_name_ms("dark_20ms"), time_in_name_ms("shelf_1-250s_0"), time_in_name_ms("dark_1_30s")
+    (20.0, 4.0, None)
+    """
+    for found in _FRACTION_IN_NAME.finditer(stem):
+        above, joint, below, unit = found.groups()
+        parts = float(below.replace(",", "."))
+        if unit is None and (joint != "-" or parts < _LEAST_BARE_DENOMINATOR or above != "1"):
+            continue  # numbers of files
+        if above != "1" and joint != "-":
+            continue  # the number of a file, then a time
+        if above != "1" or not parts or (joint != "-" and parts < _LEAST_LOOSE_DENOMINATOR):
+            return None
+        return 1e3 / parts
+    if (whole := _TIME_IN_NAME.search(stem.replace("_", " "))) is None:
+        return None
+    return float(whole[1].replace(",", ".")) * _MS[whole[2].lower()]
 
 
 def _of_exif(path: Path, raw_size_px: tuple[int, int] | None) -> dict[str, Any]:

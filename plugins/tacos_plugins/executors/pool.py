@@ -6,14 +6,17 @@ import atexit
 import logging
 import multiprocessing
 import os
+import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import wait
 from multiprocessing.reduction import ForkingPickler
+from pathlib import Path
 from typing import Any
 
+from tacos_framework import Fault, UserError
 from tacos_plugins.executors import worker
 from tacos_plugins.executors.job_pool import JobPool
 from tacos_plugins.executors.worker_process import WorkerProcess
@@ -88,6 +91,15 @@ class Pool(JobPool[WorkerProcess]):
     # ------------------------------------------------------------------------------------------------------
 
     def _start(self) -> WorkerProcess:
+        if self._started == 0 and (script := _script_that_is_no_file()) is not None:
+            raise UserError(
+                Fault(
+                    "executor",
+                    f"worker processes import the script that starts them, and {script} cannot be read twice",
+                    "a script in a file",
+                    "Save the script as a file and run that, or set executor: {use: executor.local}.",
+                )
+            )
         self._started += 1
         with _environment(self._environment):
             return WorkerProcess(self._started, self._context, self.payload, self._threads)
@@ -158,6 +170,15 @@ class Pool(JobPool[WorkerProcess]):
             )
             raise error
         self._try_again(each.task, how)
+
+
+def _script_that_is_no_file() -> str | None:
+    """What this process runs, where a new process could not run it again: standard input, or a pipe."""
+    main = sys.modules.get("__main__")
+    script = getattr(main, "__file__", None)
+    if script is None or getattr(main, "__spec__", None) is not None or Path(script).is_file():
+        return None
+    return "standard input" if script == "<stdin>" else str(script)
 
 
 @contextmanager

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, get_index_dtype
 
 from tacos_framework import World
+from tacos_plugins.lighting.coincidence import corners_behind, other_sides
 from tacos_plugins.lighting.direct import SURFACE_OFFSET_M, direct_irradiance
-from tacos_plugins.lighting.occlusion import Occlusion
+from tacos_plugins.lighting.occlusion import Occlusion, WorldHits
 from tacos_plugins.lighting.refinement import refined
 from tacos_plugins.lighting.reflectance import mean_reflectances
 from tacos_plugins.lighting.sites import Sites, merge_vertices
@@ -102,7 +103,7 @@ class LightTransport:
         directions = aligned_with(self._fan, normals)
         starts = np.repeat(points_m + SURFACE_OFFSET_M * normals, rays, axis=0)
         hits = self.occlusion.first_hits(starts, directions.reshape(-1, 3))
-        corners = self._sites.of_vertex[self.occlusion.triangles[np.maximum(hits.triangle, 0)]]
+        corners = self._sites.of_vertex[self._seen_corners(hits, directions.reshape(-1, 3))]
         # Indices of 32 bits where they will do: half the memory to go through in each product.
         row_starts = np.arange(0, corners.size + 1, 3 * rays, dtype=get_index_dtype(maxval=corners.size))
         gather = csr_array(
@@ -111,6 +112,26 @@ class LightTransport:
         )
         escaped = (hits.triangle < 0).reshape(-1, rays).mean(axis=1)
         return gather, escaped
+
+    @cached_property
+    def _behind(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Of each triangle its other side, and that side's vertices at its corners."""
+        vertices, triangles = self.occlusion.vertices_m, self.occlusion.triangles
+        other = other_sides(vertices[triangles])
+        return other, corners_behind(vertices, triangles, other)
+
+    def _seen_corners(self, hits: WorldHits, directions: NDArray[np.float32]) -> NDArray[np.integer]:
+        """(N, 3) vertices at the corners of what rays meet: of a sheet, those of the side they come from."""
+        met = np.maximum(hits.triangle, 0)
+        corners = self.occlusion.triangles[met]
+        other, behind = self._behind
+        unsure = np.flatnonzero((hits.triangle >= 0) & (other[met] >= 0))
+        if not len(unsure):
+            return corners
+        a, b, c = (self.occlusion.vertices_m[corners[unsure, corner]] for corner in range(3))
+        from_behind = np.einsum("ij,ij->i", np.cross(b - a, c - a), directions[unsure]) > 0
+        corners[unsure[from_behind]] = behind[met[unsure[from_behind]]]
+        return corners
 
     def direct_lux(self, points_m: NDArray[np.float32], normals: NDArray[np.float32]) -> NDArray[np.float64]:
         """(N, 3) irradiance straight from the lights on surface elements at (N, 3) points [lux]."""

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_plugins.lighting.coincidence import other_sides
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_worlds.imported.patch import Patch
 
@@ -58,9 +59,11 @@ def _looks(
     corners = occlusion.vertices_m[occlusion.triangles[hits.triangle[met]]].astype(np.float64)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     from_front = np.einsum("ij,ij->i", normal, directions[met]) < 0
-    owner = np.repeat(np.arange(len(patches)), [len(patch.triangles) for patch in patches])[
-        hits.triangle[met]
-    ]
+    # Of two that share a place, whichever the ray reports, the one that faces the eye is seen.
+    other = other_sides(occlusion.vertices_m[occlusion.triangles])[hits.triangle[met]]
+    seen = np.where(from_front | (other < 0), hits.triangle[met], other)
+    from_front |= other >= 0
+    owner = np.repeat(np.arange(len(patches)), [len(patch.triangles) for patch in patches])[seen]
     count = len(patches)
     return np.bincount(owner[from_front], minlength=count), np.bincount(owner[~from_front], minlength=count)
 

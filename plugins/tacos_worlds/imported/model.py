@@ -118,12 +118,15 @@ class Model:
         What is in it.
     up
         The axis that points upwards where the format says so: x, y or z; else None.
+    notes
+        What the file uses and the reader does not carry out, each with its effect.
     """
 
     surfaces: tuple[Surface, ...]
     skins: tuple[Skin, ...]
     lights: tuple[PunctualLight, ...] = ()
     up: Literal["x", "y", "z"] | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def triangle_count(self) -> int:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_framework import Fault, Light, Object, Trajectory, UserError, World, did_you_mean
 from tacos_plugins.lighting import photopic
 from tacos_plugins.lighting.occlusion import Occlusion
+from tacos_worlds.imported.doubts import doubt_of_size
 from tacos_worlds.imported.floor import Agent, Floor, find_floor, walkable
 from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.formats.gltf_buffers import Damaged
@@ -24,6 +27,8 @@ from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.settings import ImportedSettings
 from tacos_worlds.imported.sky import Surroundings, read_surroundings
 from tacos_worlds.imported.walkable_place import Place
+
+log = logging.getLogger(__name__)
 
 _LARGEST_TEXTURE_PX = 8192
 _LAMPS = {"auto": None, "file": False, "lamps": True, "both": True}
@@ -50,7 +55,7 @@ def prepare(config: ImportedSettings) -> Place:
         )
     except UserError as error:
         raise UserError([*error.faults, *faults, *of_sky]) from error
-    recorded, of_path = _recorded(config, read)
+    recorded, remarks, of_path = _recorded(config, read)
     faults = [*faults, *of_sky, *of_path, *_idle(config, read, rules)]
     if faults:
         raise UserError(faults)
@@ -61,7 +66,12 @@ def prepare(config: ImportedSettings) -> Place:
     patches = [patch for patch in patches if len(patch.triangles)]
     occlusion, object_of_triangle = geometry(patches)
     agent = Agent(config.radius_m, config.height_m, config.step_m)
-    floor = _floor(config, occlusion, agent)
+    floor = _floor(config, occlusion, agent, read.origin_m)
+    if doubt := doubt_of_size(occlusion, floor.points_m, config.metres_per_unit):
+        remarks.append(f"{Path(config.file).name}: {doubt}")
+    remarks += [f"{Path(config.file).name}: {note}" for note in read.model.notes]
+    for remark in remarks:
+        log.warning("%s", remark)
     telling.done("geometry and floor")
     world = _lit(config, read, patches, occlusion, objects, classes, floor, sky)
     telling.done("light")
@@ -79,6 +89,7 @@ def prepare(config: ImportedSettings) -> Place:
         obstacles=obstacles,
         names=", ".join(names[:12]) + (", ..." if len(names) > 12 else ""),
         recorded=recorded,
+        remarks=tuple(remarks),
     )
 
 
@@ -107,18 +118,23 @@ def _level_lux(star: Light) -> float:
     return float(photopic(star.flux_lm)) / (4 * np.pi * SUN_DISTANCE_M**2) * height
 
 
-def _recorded(config: ImportedSettings, read: Read) -> tuple[Trajectory | None, list[Fault]]:
+def _recorded(config: ImportedSettings, read: Read) -> tuple[Trajectory | None, list[str], list[Fault]]:
+    """The recorded path, what is doubtful of it, and what is wrong with it."""
     if not config.path:
-        return None, []
+        return None, [], []
     turn = read.turn if config.path_axes == "file" else np.eye(3)
+    of_camera = config.path_of == "camera"
     try:
-        return read_recorded(Path(config.path).expanduser(), turn, of_camera=config.path_of == "camera"), []
+        path, doubts = read_recorded(Path(config.path).expanduser(), turn, read.origin_m, of_camera=of_camera)
+        return path, doubts, []
     except UserError as error:
-        return None, list(error.faults)
+        return None, [], list(error.faults)
     except (Damaged, Unreadable) as error:
-        return None, [
-            Fault(config.path, f"cannot be used: {error}", "poses as TUM, EuRoC or KITTI write them")
-        ]
+        return (
+            None,
+            [],
+            [Fault(config.path, f"cannot be used: {error}", "poses as TUM, EuRoC or KITTI write them")],
+        )
 
 
 def _idle(config: ImportedSettings, read: Read, rules: Sequence[Rule]) -> Iterator[Fault]:
@@ -146,12 +162,14 @@ def _objects(
     return objects, [ids.get(label.thing, 0) for label in labels], classes
 
 
-def _floor(config: ImportedSettings, occlusion: Occlusion, agent: Agent) -> Floor:
+def _floor(
+    config: ImportedSettings, occlusion: Occlusion, agent: Agent, origin_m: NDArray[np.float64]
+) -> Floor:
     inside = {"auto": None, "inside": True, "outside": False}[config.ground]
     everything = find_floor(occlusion, agent)
     start = None
     if config.start_m is not None:
-        start = np.array((*config.start_m, np.nan)[:3])
+        start = np.array((*config.start_m, np.nan)[:3]) - origin_m
         if np.isnan(start[2]) and len(everything.points_m):
             away = np.linalg.norm(everything.points_m[:, :2] - start[:2], axis=1)
             start[2] = everything.points_m[int(np.argmin(away)), 2]
@@ -192,7 +210,8 @@ def _lit(
     eye_m = float(np.mean(config.camera_height_m))
     budget = Budget(config.triangles, config.texture_memory_mb)
     try:
-        return lit_world(patches, occlusion, skins, objects, classes, floor, eye_m, sources, budget)
+        lit = lit_world(patches, occlusion, skins, objects, classes, floor, eye_m, sources, budget)
+        return replace(lit, origin_m=read.origin_m)
     except ValueError as error:
         raise UserError(
             Fault(

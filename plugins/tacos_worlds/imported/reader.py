@@ -19,6 +19,8 @@ from tacos_worlds.kit.mesh_files.read import UNREADABLE
 SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 _LEAST_OPACITY = 0.5
 """Clearer surfaces are left out: a pane of glass, drawn as a wall, would shut the light out [1]."""
+_FAR_M = 1000.0
+"""Single precision holds positions to 0.06 mm up to here [m]."""
 _LOWEST_M, _WIDEST_M = 1.5, 20_000.0
 
 _Z_UP_FROM: dict[str, NDArray[np.float64]] = {
@@ -40,11 +42,14 @@ class Read:
         (3, 3) from the file's coordinates to metres with z up.
     up
         The axis that was taken as up.
+    origin_m
+        (3,) what was taken off positions, in metres with z up, so that single precision holds them [m].
     """
 
     model: Model
     turn: NDArray[np.float64]
     up: str
+    origin_m: NDArray[np.float64]
 
 
 def read_world(
@@ -79,7 +84,37 @@ def read_world(
     turn = metres_per_unit * _Z_UP_FROM[axis]
     if faults := list(_of_size(file, model, turn)):
         raise UserError(faults)
-    return Read(model, turn, axis)
+    origin_m = far_origin_m(model, turn)
+    return Read(_moved(model, np.asarray(np.linalg.solve(turn, origin_m), np.float64)), turn, axis, origin_m)
+
+
+def far_origin_m(model: Model, turn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3,) the middle of a world in whole metres, where it lies so far off that positions would be rounded.
+
+    Georeferenced files (UTM, ECEF) have coordinates of 10^6 m, of which single precision keeps half a metre.
+    """
+    lower, upper = _bounds(model, turn)
+    middle = np.round((lower + upper) / 2)
+    return middle if np.abs(middle).max() > _FAR_M else np.zeros(3)
+
+
+def _moved(model: Model, origin: NDArray[np.float64]) -> Model:
+    """The model with an origin taken off all positions, in the axes and unit of the file."""
+    if not origin.any():
+        return model
+    return replace(
+        model,
+        surfaces=tuple(replace(s, vertices=s.vertices - origin) for s in model.surfaces),
+        lights=tuple(replace(light, position=light.position - origin) for light in model.lights),
+    )
+
+
+def _bounds(model: Model, turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner of all surfaces, in metres with z up [m]."""
+    corners = [s.vertices @ turn.T for s in model.surfaces if len(s.vertices)]
+    lower = np.min([each.min(axis=0) for each in corners], axis=0)
+    upper = np.max([each.max(axis=0) for each in corners], axis=0)
+    return lower, upper
 
 
 def likely_up(model: Model) -> Literal["y", "z"]:
@@ -129,8 +164,7 @@ def _of_content(file: Path, model: Model) -> Iterator[Fault]:
 
 def _of_size(file: Path, model: Model, turn: NDArray[np.float64]) -> Iterator[Fault]:
     """Worlds nobody can walk in: the unit is another one."""
-    lower = np.min([(s.vertices @ turn.T).min(axis=0) for s in model.surfaces if len(s.vertices)], axis=0)
-    upper = np.max([(s.vertices @ turn.T).max(axis=0) for s in model.surfaces if len(s.vertices)], axis=0)
+    lower, upper = _bounds(model, turn)
     extent = upper - lower
     widest = float(extent[:2].max())
     said = " x ".join(f"{length:.3g}" for length in extent)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Crossing, Episode, Trajectory, World
-from tacos_worlds.imported.formats.poses import AGENT_FROM_OPTICAL, read_poses
+from tacos_worlds.imported.formats.poses import AGENT_FROM_OPTICAL, doubt_of_time, read_poses
 from tacos_worlds.imported.tour import stepped_on
 from tacos_worlds.imported.walkable_place import Place
 
@@ -16,13 +17,17 @@ _DEEPEST_M = 4.0
 """An eye is no higher above what the agent steps on [m]."""
 
 
-def read_recorded(file: Path, turn: NDArray[np.float64], *, of_camera: bool) -> Trajectory:
-    """Poses of the agent from a file, in metres with z up.
+def read_recorded(
+    file: Path, turn: NDArray[np.float64], origin_m: NDArray[np.float64], *, of_camera: bool
+) -> tuple[Trajectory, list[str]]:
+    """Poses of the agent from a file, in metres with z up, and what is doubtful of them.
 
     Parameters
     ----------
     turn
         (3, 3) from its axes and unit to metres with z up.
+    origin_m
+        (3,) where the origin of the world lies, in metres with z up [m].
     of_camera
         Whether its poses are of an optical frame; else of an agent.
     """
@@ -31,8 +36,14 @@ def read_recorded(file: Path, turn: NDArray[np.float64], *, of_camera: bool) -> 
     poses = np.tile(np.eye(4), (len(found.poses), 1, 1))
     own = found.poses[:, :3, :3]
     poses[:, :3, :3] = rotation @ (own @ AGENT_FROM_OPTICAL[:3, :3].T if of_camera else own)
-    poses[:, :3, 3] = found.poses[:, :3, 3] @ turn.T
-    return Trajectory(found.time_s, poses)
+    poses[:, :3, 3] = found.poses[:, :3, 3] @ turn.T - origin_m
+    doubts = []
+    if found.unit != {"tum": "s", "euroc": "ns", "kitti": "s"}[found.form]:
+        layout = {"tum": "TUM", "euroc": "EuRoC"}[found.form]
+        doubts.append(f"{file.name}: stamps are read as {found.unit}, in the layout of {layout}")
+    if doubt := doubt_of_time(replace(found, poses=poses)):
+        doubts.append(f"{file.name}: {doubt}")
+    return Trajectory(found.time_s, poses), doubts
 
 
 def recorded_episode(

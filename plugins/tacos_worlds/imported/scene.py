@@ -88,7 +88,7 @@ class ImportedScene:
         from tacos_worlds.kit.walk.trip import along_walks, approaches
 
         config = self.config
-        waypoints = padded(config.waypoints_m)
+        waypoints = padded(config.waypoints_m) - place.world.origin_m
         if config.sampling == "walk":
             walks = draw_walks(rng, place, waypoints, config.size_m, config.speed_m_s, config.camera_height_m)
             return along_walks(rng, walks, frames=config.frames, frame_rate_hz=config.frame_rate_hz)

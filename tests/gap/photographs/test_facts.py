@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from tacos_framework.errors import UserError
-from tacos_gap.photographs.facts import read_facts
+from tacos_gap.photographs.facts import read_facts, time_in_name_ms
 from tests.gap.captures.dng import BYTE, LONG, RATIONAL, SHORT, dng
 
 EXPOSURE, SHUTTER, PIXELS, PLANE, UNIT = 0x829A, 0x9201, 0xA002, 0xA20E, 0xA210
@@ -60,3 +60,26 @@ def test_a_tiff_of_samples_that_pillow_does_not_know_keeps_its_exif(tmp_path):
     tifffile.imwrite(path, MOSAIC, photometric="cfa", extratags=tags)
     facts = read_facts(path)
     assert (facts.camera, facts.exposure_ms) == ("Maker", 20.0)
+
+
+@pytest.mark.parametrize("joint", ["1-{}s", "1_{}s", "1 {} s", "shelf_1-{}s_03", "wall 1-{}sec"])
+@pytest.mark.parametrize("denominator", [60, 125, 250, 500, 4000])
+def test_fractions_of_a_second_in_names_are_fractions(joint: str, denominator: int) -> None:
+    assert time_in_name_ms(joint.format(denominator)) == pytest.approx(1000 / denominator)
+
+
+@pytest.mark.parametrize(
+    ("stem", "time_ms"),
+    [
+        ("wall_1-250_2", 4.0),  # without a unit
+        ("dark_3_2s", 2000.0),  # file 3 of 2 s
+        ("dark_2_30ms", 30.0),
+        ("dark_1_30s", None),  # file 1 of 30 s, or a thirtieth
+        ("shelf_2-5s", None),
+        ("page_1-10", None),
+        ("2024-11-27_dark_1s", 1000.0),
+        ("IMG_1-500s(2)", 2.0),
+    ],
+)
+def test_what_a_name_may_mean_twice_is_no_time(stem: str, time_ms: float | None) -> None:
+    assert time_in_name_ms(stem) == (None if time_ms is None else pytest.approx(time_ms))

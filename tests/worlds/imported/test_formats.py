@@ -180,7 +180,9 @@ def test_a_camera_that_looks_level_is_an_agent_that_looks_level(tmp_path: Path) 
     file = tmp_path / "poses.txt"
     file.write_text("0 0 1.6 0 1 0 0 0\n1 0 1.6 -1 1 0 0 0\n", encoding="utf-8")
     turn = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-    pose = read_recorded(file, turn, of_camera=True).at(np.array([1.0]))[0]
+    path, doubts = read_recorded(file, turn, np.zeros(3), of_camera=True)
+    pose = path.at(np.array([1.0]))[0]
+    assert not doubts
     assert pose[:3, 3] == pytest.approx([0, 1, 1.6])
     assert pose[:3, 0] == pytest.approx([0, 1, 0], abs=1e-9)  # ahead is +y, the way it goes
     assert pose[:3, 2] == pytest.approx([0, 0, 1], abs=1e-9)

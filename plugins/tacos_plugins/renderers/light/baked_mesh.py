@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import World
+from tacos_plugins.lighting.coincidence import other_sides
 from tacos_plugins.renderers.light.ambient_visibility import near_ambient_visibility
 from tacos_plugins.renderers.light.charts import Charts, find_charts
 from tacos_plugins.renderers.light.direct_light import LightAtPoints, direct_light
@@ -114,7 +115,8 @@ def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], tex
     charts = find_charts(mesh, texel_m)
     kind = np.array([kind_of(m) for m in world.materials], np.int32)[mesh.material[mesh.triangles[:, 0]]]
     kind |= np.where(charts.of_triangle >= 0, SurfaceKind.MAPPED, 0).astype(np.int32)
-    kind |= np.where(closed_parts(mesh)[mesh.part], SurfaceKind.CLOSED, 0).astype(np.int32)
+    one_sided = closed_parts(mesh)[mesh.part] | (other_sides(mesh.corners_m) >= 0)
+    kind |= np.where(one_sided, SurfaceKind.CLOSED, 0).astype(np.int32)
     mover = movers(world, mesh)
     order, chunks = cut_into_chunks(mesh, kind, mover)
     mover = mover[order]
@@ -221,12 +223,14 @@ def _light_texels(
 
     # The surface right below tells whether the texel lies on it, and its indirect light.
     below = RayTracer(mesh.corners_m).first_hits(point, -normal, 2 * LIFT_M)
-    on_surface = (below.triangle >= 0) & (charts.of_triangle[below.triangle] == chart)
+    other = other_sides(mesh.corners_m)
+    behind = below.from_behind & (below.triangle >= 0) & (other[below.triangle] >= 0)
+    met = np.where(behind, other[below.triangle], below.triangle)
+    on_surface = (met >= 0) & (charts.of_triangle[met] == chart)
     ambient_visibility, buried = near_ambient_visibility(point, normal, on_surface, tracer)
     keep = np.flatnonzero(on_surface & ~buried)
-    corners = mesh.triangles[below.triangle[keep]]
-    u, v = below.barycentric[keep].T
-    weights = np.stack([1 - u - v, u, v], axis=1)
+    corners = mesh.triangles[met[keep]]
+    weights = _barycentric(mesh.position_m[corners], point[keep])
     indirect = np.einsum("nc,ncj->nj", weights, mesh.indirect_lux[corners]) * ambient_visibility[keep, None]
     light = _reflect(
         world,
@@ -244,6 +248,17 @@ def _light_texels(
     image = grow(image, known, _GROWTH_TEXELS)
     image[0, 0] = 0.0  # padding of the layout: serves the vertices that are lit themselves
     return image[..., :4], image[..., 4:]
+
+
+def _barycentric(corners_m: NDArray[np.float32], point_m: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(N, 3) weights of the corners of (N, 3, 3) triangles at (N, 3) points above them [1]."""
+    corners = corners_m.astype(np.float64)
+    u, v, p = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], point_m - corners[:, 0]
+    normal = np.cross(u, v)
+    square = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
+    second = np.einsum("ij,ij->i", np.cross(p, v), normal) / square
+    third = np.einsum("ij,ij->i", np.cross(u, p), normal) / square
+    return np.stack([1 - second - third, second, third], axis=1)
 
 
 def _reflect(

@@ -95,7 +95,7 @@ class SurfaceKind(IntFlag):
     TEXTURED = 2
     BUMPY = 4  # with a normal map
     GLOSSY = 8  # reflects specularly, or emits
-    CLOSED = 16  # encloses a volume, so that its back is never seen
+    CLOSED = 16  # its back is never seen: it encloses a volume, or is one side of a sheet
 
 
 def kind_of(material: Material) -> SurfaceKind:

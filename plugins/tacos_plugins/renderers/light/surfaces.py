@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_plugins.lighting.coincidence import numbered
 from tacos_plugins.renderers.light.flatten import FlatMesh
 
 _SAME_PLACE_M = 1e-4
 _SAME_NORMAL = 1 / 16
+_LEAST_VOLUME = 1e-9
+"""Of the sum over all triangles regardless of sign: less is rounding [1]."""
 
 
 def smooth_surfaces(mesh: FlatMesh) -> NDArray[np.int32]:
@@ -26,7 +29,7 @@ def smooth_surfaces(mesh: FlatMesh) -> NDArray[np.int32]:
     facing = np.round(mesh.normal / _SAME_NORMAL).astype(np.int64)
     part = np.zeros(len(place), np.int64)
     part[mesh.triangles] = mesh.part[:, None]
-    merged = _numbered(np.column_stack([part, place, facing]))
+    merged = numbered(np.column_stack([part, place, facing]))
     a, b, c = merged[mesh.triangles].T
     edges = np.concatenate([a, b]), np.concatenate([b, c])
     size = int(merged.max()) + 1
@@ -39,12 +42,13 @@ def closed_parts(mesh: FlatMesh) -> NDArray[np.bool_]:
     """(parts,) whether each part encloses a volume, so that its back is never seen from outside.
 
     True where every edge is run along as often in one direction as in the other, and the enclosed volume is
-    positive: a room that faces inwards is not closed in this sense.
+    positive: a room that faces inwards is not closed in this sense. Sheets that enclose nothing but rounding
+    are not, either.
     """
     parts = int(mesh.part.max(initial=-1)) + 1
     if parts == 0:
         return np.zeros(0, dtype=bool)
-    place = _numbered(np.round(mesh.position_m / _SAME_PLACE_M).astype(np.int64))[mesh.triangles]
+    place = numbered(np.round(mesh.position_m / _SAME_PLACE_M).astype(np.int64))[mesh.triangles]
     size = int(place.max()) + 1
     start, end = place.reshape(-1), np.roll(place, -1, axis=1).reshape(-1)
     part = np.repeat(mesh.part.astype(np.int64), 3)
@@ -57,14 +61,6 @@ def closed_parts(mesh: FlatMesh) -> NDArray[np.bool_]:
     corners = mesh.corners_m.astype(np.float64)
     corners -= mesh.position_m.mean(axis=0)
     six_volumes = np.einsum("tj,tj->t", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    return ~lonely & (np.bincount(mesh.part, six_volumes, minlength=parts) > 0)
-
-
-def _numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(N,) a number for each row of (N, K), equal for equal rows."""
-    order = np.lexsort(rows.T)
-    ordered = rows[order]
-    starts = np.concatenate([[False], (ordered[1:] != ordered[:-1]).any(axis=1)])
-    number = np.empty(len(rows), np.int64)
-    number[order] = np.cumsum(starts)
-    return number
+    volume = np.bincount(mesh.part, six_volumes, minlength=parts)
+    least = _LEAST_VOLUME * np.bincount(mesh.part, np.abs(six_volumes), minlength=parts)
+    return ~lonely & (volume > least)

@@ -26,6 +26,16 @@ KITTI_RATE_HZ = 10.0
 AGENT_FROM_OPTICAL = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """Axes of an optical frame (x right, y down, z ahead) in those of an agent (x ahead, y left, z up)."""
 
+StampUnit = Literal["s", "ns", "us", "ms"]
+"""Of time stamps; ORB-SLAM3 and others write nanoseconds in TUM's layout."""
+_SECONDS: dict[StampUnit, float] = {"s": 1.0, "ns": 1e-9, "us": 1e-6, "ms": 1e-3}
+_SINCE_1970: dict[StampUnit, float] = {"ns": 1e17, "us": 1e14, "ms": 1e11}
+"""Least stamps that count from 1970: such a number of the next larger unit lies 3000 years ahead."""
+_SHORTEST_STEP_S, _LONG_STEP_S, _ABSURD_STEP_S = 1e-3, 5.0, 1000.0
+"""Poses of one recording follow each other within the first two; beyond the last, the unit is another [s]."""
+_LONGEST_S = 86_400.0
+_SLOW_M_S, _FAST_M_S = 0.05, 60.0
+
 _ROTATION_TOLERANCE = 0.01
 """Files have six digits or more; what is further from a rotation than this is damaged, or mirrored [1]."""
 
@@ -40,11 +50,14 @@ class RecordedPath:
         (K,) rising, from 0 [s].
     poses
         (K, 4, 4) of a body in the world of the recording [m].
+    form, unit
+        The layout of the file, and the unit its stamps were taken to have.
     """
 
     time_s: NDArray[np.float64]
     poses: NDArray[np.float64]
     form: Literal["tum", "euroc", "kitti"]
+    unit: StampUnit = "s"
 
 
 def read_poses(file: Path) -> RecordedPath:
@@ -79,7 +92,7 @@ def read_poses(file: Path) -> RecordedPath:
         _check_rotations(poses[:, :3, :3])
         return RecordedPath(np.arange(len(table)) / KITTI_RATE_HZ, poses, "kitti")
     if table.shape[1] >= 8 and commas:
-        return _timed(table[:, 0] * 1e-9, table[:, 1:4], table[:, [5, 6, 7, 4]], "euroc")
+        return _timed(table[:, 0], table[:, 1:4], table[:, [5, 6, 7, 4]], "euroc")
     if table.shape[1] == 8:
         return _timed(table[:, 0], table[:, 1:4], table[:, 4:8], "tum")
     raise Damaged(
@@ -95,11 +108,13 @@ def _check_rotations(matrices: NDArray[np.float64]) -> None:
 
 
 def _timed(
-    time_s: NDArray[np.float64],
+    stamp: NDArray[np.float64],
     position_m: NDArray[np.float64],
     quaternion: NDArray[np.float64],
     form: Literal["tum", "euroc"],
 ) -> RecordedPath:
+    unit = stamp_unit(stamp, form)
+    time_s = (stamp - stamp[0]) * _SECONDS[unit]
     if np.any(np.diff(time_s) <= 0):
         raise Damaged("its times do not rise from line to line")
     if np.any(np.linalg.norm(quaternion, axis=1) < 0.5):
@@ -107,4 +122,45 @@ def _timed(
     poses = np.tile(np.eye(4), (len(time_s), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
     poses[:, :3, 3] = position_m
-    return RecordedPath(time_s - time_s[0], poses, form)
+    if time_s[-1] > _LONGEST_S:
+        far_m = float(np.linalg.norm(np.diff(position_m, axis=0), axis=1).sum())
+        raise Damaged(
+            f"it spans {time_s[-1]:.3g} s and walks {far_m:.3g} m in them, with stamps taken as {unit}: "
+            f"give stamps in seconds, over no more than {_LONGEST_S:.0f} s"
+        )
+    return RecordedPath(time_s, poses, form, unit)
+
+
+def stamp_unit(stamp: NDArray[np.float64], form: Literal["tum", "euroc"]) -> StampUnit:
+    """The unit of stamps: that of the layout, unless their size says that it can be none of it.
+
+    Examples
+    --------
+    >>> stamp_unit(np.array([1.4e18, 1.40000000005e18]), "tum"), stamp_unit(np.array([0.0, 0.05]), "tum")
+    ('ns', 's')
+    """
+    for unit, since_1970 in _SINCE_1970.items():
+        if since_1970 <= stamp[0] < 1000 * since_1970:
+            return unit
+    usual: StampUnit = "s" if form == "tum" else "ns"
+    step = float(np.median(np.diff(stamp))) if len(stamp) > 1 else 1 / _SECONDS[usual]
+    if _SHORTEST_STEP_S <= step * _SECONDS[usual] < _ABSURD_STEP_S:
+        return usual
+    for unit, seconds in _SECONDS.items():
+        if _SHORTEST_STEP_S <= step * seconds < _LONG_STEP_S:
+            return unit
+    return usual
+
+
+def doubt_of_time(path: RecordedPath) -> str | None:
+    """Why the times of a path are hardly in seconds; None where they may be."""
+    if len(path.time_s) < 3:
+        return None
+    step_s, far_m = float(np.median(np.diff(path.time_s))), path.poses[1:, :3, 3] - path.poses[:-1, :3, 3]
+    speed_m_s = float(np.linalg.norm(far_m, axis=1).sum()) / float(path.time_s[-1])
+    said = f"it walks {speed_m_s:.3g} m/s, with a pose each {step_s:.3g} s"
+    if step_s >= _LONG_STEP_S and speed_m_s < _SLOW_M_S:
+        return f"{said}: stamps in milliseconds? TUM has seconds"
+    if speed_m_s > _FAST_M_S:
+        return f"{said}: positions in centimetres or millimetres, or stamps in another unit?"
+    return None

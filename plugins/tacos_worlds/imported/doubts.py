@@ -1,0 +1,49 @@
+"""Worlds whose size is that of no building: most likely their unit is another."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_plugins.lighting.occlusion import Occlusion
+
+_HIGH_M, _LOW_M = 30.0, 1.6
+"""Clear heights of rooms lie between: above is a hangar, below nobody stands upright [m]."""
+_USUAL_M = (2.2, 4.5)
+_UNITS_M = {"inches": 0.0254, "centimetres": 0.01, "millimetres": 0.001, "feet": 0.3048}
+_LIFT_M = 0.05
+
+
+def doubt_of_size(occlusion: Occlusion, floor_m: NDArray[np.float64], metres_per_unit: float) -> str | None:
+    """Why the unit is most likely another; None where rooms are as high as rooms are.
+
+    Parameters
+    ----------
+    floor_m
+        (N, 3) places to stand [m].
+    metres_per_unit
+        What the file was read with.
+    """
+    clear_m = clear_height_m(occlusion, floor_m)
+    if clear_m is None or _LOW_M <= clear_m <= _HIGH_M:
+        return None
+    likely = [
+        f"{name}: metres_per_unit {metres_per_unit * unit:g}"
+        for name, unit in _UNITS_M.items()
+        if _USUAL_M[0] <= clear_m * unit <= _USUAL_M[1]
+    ]
+    guess = f"; is the file in {likely[0]}?" if likely else ": check metres_per_unit"
+    return f"the ceiling is {clear_m:.3g} m above the floor{guess}"
+
+
+def clear_height_m(occlusion: Occlusion, floor_m: NDArray[np.float64]) -> float | None:
+    """Median height of ceilings above places to stand; None where most lie under the sky [m]."""
+    if not len(floor_m):
+        return None
+    chosen = floor_m[np.linspace(0, len(floor_m) - 1, min(len(floor_m), 500)).astype(int)]
+    start = (chosen + np.array([0, 0, _LIFT_M])).astype(np.float32)
+    hits = occlusion.first_hits(start, np.tile(np.array([0, 0, 1], np.float32), (len(start), 1)))
+    roofed = hits.triangle >= 0
+    if roofed.mean() < 0.5:
+        return None
+    return float(np.median(hits.distance_m[roofed])) + _LIFT_M

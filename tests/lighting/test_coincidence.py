@@ -1,0 +1,66 @@
+"""The two sides of a sheet, found and lit apart."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from tacos_framework import Material, MeshPart, Object, World
+from tacos_plugins.lighting import bake_indirect
+from tacos_plugins.lighting.coincidence import corners_behind, other_sides
+from tacos_plugins.renderers.light.baked_mesh import light_world
+from tacos_plugins.renderers.light.flatten import SurfaceKind
+
+QUAD = np.array([[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 0]], float)
+TWO = np.array([[0, 1, 2], [0, 2, 3]])
+
+places = st.tuples(*[st.floats(-50, 50)] * 3)
+turns = st.tuples(*[st.floats(-3, 3)] * 3)
+
+
+def sheet(place: tuple[float, ...], turn: tuple[float, ...]) -> np.ndarray:
+    return (QUAD @ Rotation.from_rotvec(turn).as_matrix().T + place).astype(np.float32)
+
+
+@given(place=places, turn=turns, shuffle=st.integers(0, 2))
+def test_the_other_side_of_a_turned_sheet_is_found(place, turn, shuffle) -> None:
+    points = sheet(place, turn)
+    back = np.roll(TWO[:, ::-1], shuffle, axis=1)
+    lonely = points[TWO] + np.float32(9)
+    corners = np.concatenate([points[TWO], points[back], lonely])
+    assert other_sides(corners).tolist() == [2, 3, 0, 1, -1, -1]
+
+
+def test_corners_of_the_other_side_lie_at_the_same_places() -> None:
+    points = np.concatenate([sheet((1, 2, 3), (0.3, 0, 1))] * 2)
+    triangles = np.concatenate([TWO, 4 + np.roll(TWO[:, ::-1], 1, axis=1)])
+    behind = corners_behind(points, triangles, other_sides(points[triangles]))
+    np.testing.assert_array_equal(points[behind], points[triangles])
+    assert (behind // 4 != triangles // 4).all()
+
+
+def test_triangles_of_no_extent_and_equal_ones_are_no_sides() -> None:
+    flat = np.array([[[0, 0, 0], [1, 0, 0], [1, 0, 0]]], np.float32)
+    assert other_sides(np.concatenate([flat, flat])).tolist() == [-1, -1]
+    assert other_sides(np.zeros((0, 3, 3))).tolist() == []
+
+
+@settings(max_examples=20, deadline=None)
+@given(place=places, turn=turns)
+def test_every_side_of_a_random_double_sheet_is_drawn_from_its_own_side_alone(place, turn) -> None:
+    points = sheet(place, turn)
+    normal = np.cross(points[1] - points[0], points[2] - points[0])
+    normals = np.tile(normal / np.linalg.norm(normal), (4, 1))
+    part = MeshPart(
+        np.concatenate([points, points]),
+        np.concatenate([normals, -normals]).astype(np.float32),
+        np.zeros((8, 2), np.float32),
+        np.concatenate([TWO, TWO[:, ::-1] + 4]).astype(np.int32),
+        material=0,
+        object_id=0,
+    )
+    world = World("w", (part,), (Material("m", np.ones(3, np.float32)),), (Object("b", "b"),), ("b",))
+    baked = light_world(world, bake_indirect(world), 0.1)
+    assert (baked.chunks.kind & SurfaceKind.CLOSED).all()

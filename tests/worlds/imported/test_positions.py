@@ -1,0 +1,107 @@
+"""Where a file lies, in which unit, and when its recorded poses were taken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tacos_worlds.imported.doubts import doubt_of_size
+from tacos_worlds.imported.formats.gltf_buffers import Damaged
+from tacos_worlds.imported.formats.poses import doubt_of_time, read_poses, stamp_unit
+from tacos_worlds.imported.patch import sound
+from tacos_worlds.imported.place import geometry
+from tacos_worlds.imported.reader import read_world
+
+CORNERS = np.array([[x, y, z] for z in (0, 2.7) for y in (0, 5) for x in (0, 7.3)], float)
+QUADS = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+
+
+def room(file: Path, offset: np.ndarray, scale: float = 1.0) -> Path:
+    lines = ["v " + " ".join(f"{value:.6f}" for value in scale * corner + offset) for corner in CORNERS]
+    faces = ["f " + " ".join(map(str, quad)) for quad in QUADS]
+    file.write_text("\n".join([*lines, *faces]) + "\n")
+    return file
+
+
+def hits_in(file: Path, from_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances of rays from a place in the coordinates of the file, and its origin [m]."""
+    read = read_world(file, up="z", metres_per_unit=1.0, leave_out=(), most_px=64)
+    patches = [sound(surface, read.turn, 0) for surface in read.model.surfaces]
+    occlusion, _ = geometry(patches)
+    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    rays = np.column_stack([np.cos(angle), np.sin(angle), np.sin(3 * angle)]).astype(np.float32)
+    start = np.tile((from_m - read.origin_m).astype(np.float32), (len(rays), 1))
+    return occlusion.first_hits(start, rays).distance_m, read.origin_m
+
+
+@settings(max_examples=25, deadline=None)
+@given(offset=st.tuples(*[st.floats(-1e7, 1e7)] * 3))
+def test_a_building_ten_thousand_kilometres_off_is_as_exact_as_one_at_the_origin(
+    tmp_path_factory: pytest.TempPathFactory, offset: tuple[float, float, float]
+) -> None:
+    folder, eye = tmp_path_factory.mktemp("far"), np.array([2.0, 1.5, 1.2])
+    away = np.round(offset, 3)
+    near, origin = hits_in(room(folder / "near.obj", np.zeros(3)), eye)
+    assert not origin.any()
+    far, _ = hits_in(room(folder / "far.obj", away), eye + away)
+    np.testing.assert_allclose(far, near, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("scale", "likely"), [(100.0, "centimetres: metres_per_unit 0.01"), (39.37, "inches"), (1.0, None)]
+)
+def test_a_room_in_another_unit_is_doubted_with_that_unit(
+    tmp_path: Path, scale: float, likely: str | None
+) -> None:
+    file = room(tmp_path / "room.obj", np.zeros(3), scale)
+    read = read_world(file, up="z", metres_per_unit=1.0, leave_out=(), most_px=64)
+    occlusion, _ = geometry([sound(surface, read.turn, 0) for surface in read.model.surfaces])
+    floor_m = scale * np.array([[1.0, 1, 0], [3, 2, 0], [6, 4, 0]])
+    doubt = doubt_of_size(occlusion, floor_m, 1.0)
+    assert doubt is None if likely is None else likely in str(doubt)
+
+
+def write_poses(file: Path, stamps: list[str], speed_m: float = 0.04) -> Path:
+    lines = [f"{stamp} {speed_m * i:.6f} 0 1.6 0 0 0 1" for i, stamp in enumerate(stamps)]
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+@given(
+    begin=st.integers(1_000_000_000, 2_000_000_000),
+    step_ms=st.integers(2, 2000),
+    unit=st.sampled_from(["s", "ms", "us", "ns"]),
+)
+def test_stamps_since_1970_tell_their_unit(begin: int, step_ms: int, unit: str) -> None:
+    per_second = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}[unit]
+    stamps = np.array([begin * per_second + i * step_ms * per_second / 1000 for i in range(5)])
+    assert stamp_unit(stamps, "tum") == unit
+
+
+@given(begin=st.integers(0, 10**9), step_ms=st.integers(5, 2000), form=st.sampled_from(["tum", "euroc"]))
+def test_stamps_from_zero_in_nanoseconds_are_never_taken_for_seconds(
+    begin: int, step_ms: int, form: str
+) -> None:
+    assert stamp_unit(np.array([begin + i * step_ms * 1e6 for i in range(4)]), form) == "ns"
+
+
+def test_nanoseconds_in_the_layout_of_tum_are_the_same_path(tmp_path: Path) -> None:
+    ns = read_poses(write_poses(tmp_path / "ns.txt", [str(14 * 10**17 + 50_000_000 * i) for i in range(60)]))
+    s = read_poses(write_poses(tmp_path / "s.txt", [f"{0.05 * i:.6f}" for i in range(60)]))
+    assert ns.unit == "ns"
+    np.testing.assert_allclose(ns.time_s, s.time_s, atol=1e-6)
+    assert doubt_of_time(ns) is None
+
+
+def test_milliseconds_from_zero_are_doubted(tmp_path: Path) -> None:
+    path = read_poses(write_poses(tmp_path / "ms.txt", [str(50 * i) for i in range(60)]))
+    assert "milliseconds?" in str(doubt_of_time(path))
+
+
+def test_a_path_longer_than_a_day_is_refused_before_memory_is_taken(tmp_path: Path) -> None:
+    with pytest.raises(Damaged, match="give stamps in seconds"):
+        read_poses(write_poses(tmp_path / "long.txt", ["0", "100", "200", "2e9"]))
