@@ -14,16 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import LIGHT_STAGES, generator
-from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_framework.formation import EffectChain, EpisodeDraws, PlacedEffect
 from tacos_gap.captures import RealCapture
 from tacos_gap.nuisances import expectation_noise, with_noise_of_expectation
 from tacos_gap.simulation.formation import lit_by, simulate
+from tacos_gap.simulation.kept_light import KeptLight
 from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tacos_gap.statistics.taken_statistics import TakenStatistics
 from tacos_plugins.sensors.kept_numbers import KeptNumbers
 
 _NUMBERS_BYTES = 1 << 25
 """Noise of a capture that is remembered at most, of the draw that hundreds of hypotheses share."""
+
+_LIGHT_BYTES = 1 << 25
+"""Light of a capture that is remembered at most."""
 
 _GLIMPSE = 997  # every so manieth value is compared before all of them are
 
@@ -55,6 +59,8 @@ class SimulatedStatistics:
         self.expectation = expectation
         self._seed = seed
         self._numbers = numbers or KeptNumbers(_NUMBERS_BYTES)
+        self._light = KeptLight(_LIGHT_BYTES)
+        self._bears: dict[str, bool] = {}
         self._kept: dict[tuple[str, int], NDArray[np.float64]] = {}
         self._plain: tuple[NDArray[np.uint16], NDArray[np.float64]] | None = None
         self.taken = taken or TakenStatistics.of(self.real_blocks())
@@ -80,6 +86,7 @@ class SimulatedStatistics:
 
     def of(self, effects: Sequence[PlacedEffect], draw: int) -> NDArray[np.float64]:
         """(K,) statistics of a draw with these effects, simulated once for residuals and replicates alike."""
+        effects = self._bearing(effects)
         key = repr([(effect.use, effect.config) for effect in effects]), draw
         if key not in self._kept:
             self._kept[key] = self.simulated(self.expectation, effects, draw, self.noise_share)
@@ -100,7 +107,8 @@ class SimulatedStatistics:
             Variance of the noise in the expectation, over that of a frame.
         """
         draws = EpisodeDraws(self._seed, ("gap", self.capture.id, draw))
-        frames = simulate(of, effects, draws, kept=None if draw else self._numbers)
+        light = self._light if of is self.expectation else None
+        frames = simulate(of, effects, draws, kept=None if draw else self._numbers, light=light)
         known = draw == 0 and of is self.expectation and noise_share == self.noise_share
         if known and effects and self._plain is not None and _are_equal(frames, self._plain[0]):
             return self._plain[1]
@@ -113,13 +121,36 @@ class SimulatedStatistics:
             self._plain = frames.astype(np.uint16), values
         return values
 
+    def _bearing(self, effects: Sequence[PlacedEffect]) -> list[PlacedEffect]:
+        """Effects without those on light that leave this capture as it is.
+
+        All do in the dark. An even field nothing moves or blurs until another effect makes it uneven.
+        """
+        idle = []
+        placed = {(effect.use, effect.name): effect for effect in effects}
+        chain = EffectChain.of(effects, self.capture.geometry, self.capture.context)
+        for acting in chain.light:
+            effect = placed[acting.use, acting.name]
+            key = repr((effect.use, effect.config))
+            if key not in self._bears:
+                self._bears[key] = not self.leaves_untouched([effect])
+            if self._bears[key]:
+                break
+            idle.append(effect)
+        return [effect for effect in effects if effect not in idle]
+
+    @property
+    def _is_dark(self) -> bool:
+        low, high = self._range_dn
+        return low == high == self.capture.context.black_level_dn
+
     def leaves_untouched(self, effects: Sequence[PlacedEffect]) -> bool:
         """Whether effects on light leave this capture as it is: all of them do in the dark."""
         if any(effect.cls.stage not in LIGHT_STAGES for effect in effects):
             return False
-        low, high = self._range_dn
-        if low == high == self.capture.context.black_level_dn:
+        if self._is_dark:
             return True
+        low, high = self._range_dn
         if low != high:
             return False
         assert self.capture.expected_dn is not None

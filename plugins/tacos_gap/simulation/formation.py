@@ -19,6 +19,7 @@ from tacos_framework.camera import Places, composed, resample
 from tacos_framework.formation import ActingEffect, EffectChain, EpisodeDraws, PlacedEffect, form_files
 from tacos_gap.captures import RealCapture
 from tacos_gap.nuisances.mosaic import resampled_mosaic
+from tacos_gap.simulation.kept_light import KeptLight
 from tacos_gap.simulation.sensors import dark_signal, sensor_at
 from tacos_plugins.effects.mosaic import bilinear, mosaic
 from tacos_plugins.sensors.kept_numbers import KeptNumbers
@@ -34,6 +35,7 @@ def simulate(
     draws: EpisodeDraws,
     frames: int | None = None,
     kept: KeptNumbers | None = None,
+    light: KeptLight | None = None,
 ) -> Samples:
     """Frames the simulator would have given instead of the real ones.
 
@@ -50,6 +52,8 @@ def simulate(
         How many; as many as are real by default.
     kept
         Remembers the noise of these draws, where it is asked for again and again.
+    light
+        Remembers the light of this very capture, where it is simulated again and again.
 
     Returns
     -------
@@ -62,6 +66,7 @@ def simulate(
     sensor = sensor_at(capture, kept)
     context = replace(capture.context, dn_per_electron=sensor.context.dn_per_electron)
     chain = _where_known(EffectChain.of(effects, capture.geometry, context))
+    told = {(each.use, each.name): f"{each.use} {each.config!r}" for each in effects}
     pedestal = np.float32(context.black_level_dn) - dark_signal(sensor, expected.shape[-1])
     pedestal = np.tile(pedestal, (expected.shape[2], 1))  # numpy is several times slower along three channels
 
@@ -72,23 +77,28 @@ def simulate(
     def acting(effect: ActingEffect) -> Step:
         return _step_of(effect, capture.geometry, context)
 
+    def words(acting: Iterable[ActingEffect]) -> str:
+        return "; ".join(told[each.use, each.name] for each in acting)
+
     moving = list(takewhile(lambda each: moves_pixels(type(each.effect)), chain.light))
     further = chain.light[len(moving) :]
-    steps: list[Step] = [
-        *([_moved_at_once(moving, capture, context)] if moving else []),
-        *_on_light(map(acting, further), context.cfa),
-        lambda samples, draws, frame: samples + pedestal,
-        *map(acting, chain.pixel),
+    on_light = _on_light(map(acting, further), context.cfa)
+    named = [words([each]) for each in further] if len(on_light) == len(further) else [words(further)]
+    steps: list[tuple[str, Step]] = [
+        *([(words(moving), _moved_at_once(moving, capture, context))] if moving else []),
+        *zip(named, on_light, strict=True),
+        ("pedestal", lambda samples, draws, frame: samples + pedestal),
+        *((words([each]), acting(each)) for each in chain.pixel),
     ]
     shared, done = None, 0
     if len(expected) == 1 and _is_still(context):
-        shared, done = _shared(light_of(0), steps, draws)
+        shared, done = _shared(light_of(0), steps, draws, light or KeptLight(0))
     after_pixel = replace(chain, light=(), pixel=())
     count = frames or capture.frames
     files = np.empty((count, *expected.shape[1:]), np.float32)
     for frame in range(count):
         signal = light_of(frame) if shared is None else shared
-        for step in steps[done:]:
+        for _, step in steps[done:]:
             signal = step(signal, draws, frame)
         files[frame] = form_files(
             signal,
@@ -199,12 +209,20 @@ def _state(rng: np.random.Generator) -> Any:
     return rng.bit_generator.state, seeds.n_children_spawned
 
 
-def _shared(light: Samples, steps: Sequence[Step], draws: EpisodeDraws) -> tuple[Samples, int]:
+def _shared(
+    light: Samples, steps: Sequence[tuple[str, Step]], draws: EpisodeDraws, known: KeptLight
+) -> tuple[Samples, int]:
     """What all frames of a still have in common, and by how many steps."""
-    for done, step in enumerate(steps):
-        watched = _Watched(draws.seed, draws.names)
-        after = step(light, watched, 0)
-        if watched.used:
+    names = [name for name, _ in steps]
+    for done, (_, step) in enumerate(steps):
+        before = light
+
+        def made(step: Step = step, before: Samples = before) -> Samples | None:
+            watched = _Watched(draws.seed, draws.names)
+            after = step(before, watched, 0)
+            return None if watched.used else after
+
+        if (after := known.after(names[: done + 1], made)) is None:
             return light, done
         light = after
     return light, len(steps)

@@ -21,6 +21,7 @@ Transfer = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float
 """Takes frequencies along x and y [cycles/px] to the contrast that is left [1]."""
 
 _TAPER_PX = 6
+_REACH_SIGMAS = 4.0
 
 
 def gaussian_transfer(sigma_px: float) -> Transfer:
@@ -92,6 +93,15 @@ def kernel_of(transfer: Transfer, reach_px: float) -> NDArray[np.float64]:
     return kernel / kernel.sum()
 
 
+def gaussian_kernel(sigma_px: float) -> NDArray[np.float64]:
+    """(K,) the kernel of a Gaussian along either axis, true to its variance and transfer however narrow.
+
+    A Gaussian is a product of two, and so is the way `kernel_of` fades: their outer product is its kernel.
+    """
+    kernel = kernel_of(gaussian_transfer(sigma_px), reach_px=_REACH_SIGMAS * sigma_px)
+    return np.asarray(kernel.sum(axis=0))
+
+
 def blur(frames: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDArray[np.floating]:
     """Frames convolved with a symmetric kernel; the image's edge is continued outwards.
 
@@ -100,7 +110,7 @@ def blur(frames: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDArray[n
     frames
         (N, H, W, C) float32 or float64.
     kernel
-        (K, K), K odd.
+        (K, K), K odd; or (K,), along either axis in turn, of a spread that is a product of two.
 
     Returns
     -------
@@ -113,6 +123,15 @@ def blur(frames: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDArray[n
         if least == most:  # an even frame stays as it is, to the bit
             out[...] = frame
             continue
-        filtered = cv2.filter2D(np.ascontiguousarray(frame), -1, kernel, borderType=cv2.BORDER_REPLICATE)
+        filtered = _filtered(np.ascontiguousarray(frame), kernel)
         np.clip(filtered.reshape(frame.shape), least, most, out=out)
     return blurred
+
+
+def _filtered(frame: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDArray[np.floating]:
+    """(H, W, C) a frame convolved with a kernel of one axis or of both; float32 or float64."""
+    if kernel.ndim == 1:
+        filtered = cv2.sepFilter2D(frame, -1, kernel, kernel, borderType=cv2.BORDER_REPLICATE)
+    else:
+        filtered = cv2.filter2D(frame, -1, kernel, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(filtered)

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, physical, setting
-from tacos_plugins.effects.blur import airy_transfer, blur, gaussian_transfer, kernel_of
+from tacos_plugins.effects.blur import airy_transfer, blur, gaussian_kernel, kernel_of
 from tacos_plugins.effects.shown_by import EDGES
 
 _STEP = 1.15  # from each blur to the next
-_REACH_SIGMAS = 4.0
 _REACH_RINGS = 8.0
 
 
@@ -81,13 +80,8 @@ class LensBlur:
         if c.sigma_px == 0.0:
             return signal
         if c.growth == 0.0:
-            return blur(signal, gaussian(c.sigma_px))
+            return blur(signal, gaussian_kernel(c.sigma_px))
         return blur_over_field(signal, c.sigma_px * (1 + c.growth * geometry.radius**2))
-
-
-def gaussian(sigma_px: float) -> NDArray[np.float64]:
-    """The kernel of a Gaussian, true to its variance and transfer however narrow it is."""
-    return kernel_of(gaussian_transfer(sigma_px), reach_px=_REACH_SIGMAS * sigma_px)
 
 
 def blur_over_field(light: NDArray[np.floating], sigma_px: NDArray[np.float64]) -> NDArray[np.floating]:
@@ -117,7 +111,7 @@ def blur_over_field(light: NDArray[np.floating], sigma_px: NDArray[np.float64]) 
     blurred = np.zeros_like(light)
     for i, step in enumerate(steps):
         share = _share(variance, steps, i).astype(light.dtype)[..., None]
-        blurred += share * (light if step == 0 else blur(light, gaussian(math.sqrt(step))))
+        blurred += share * (light if step == 0 else blur(light, gaussian_kernel(math.sqrt(step))))
     return blurred
 
 
