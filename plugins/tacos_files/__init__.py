@@ -3,6 +3,7 @@
 ``image_headers``  what an image file says of its size, and whether it is whole
 ``images``         samples of an image file
 ``arrays``         arrays of numbers (.npy, .npz)
+``camera_images``  files of cameras, RAW among them: images of captures, frames for measurements of noise
 
 No plugin of its own: what the packages of plugins have in common here, the core has no need of.
 """

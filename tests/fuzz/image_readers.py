@@ -66,7 +66,7 @@ def _facts(path: Path) -> object:
 
 def _raw(path: Path) -> object:
     """The mosaic as captures take it, and the facts as the import of photographs does."""
-    from tacos_gap.captures.images import read_image
+    from tacos_files.camera_images import read_image
 
     return read_image(path, path.name), _facts(path)
 

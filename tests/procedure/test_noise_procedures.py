@@ -93,6 +93,26 @@ def test_a_bayer_mosaic_is_taken_apart(folder, tmp_path, mosaic):
     assert_found(result)
 
 
+@pytest.mark.parametrize("dtype", ["<u2", ">u2", "<i4", ">f8"])
+def test_the_byte_order_and_type_of_whole_numbers_do_not_matter(folder, tmp_path, dtype):
+    write(folder, colour_bars(scale=16).astype(dtype), "npy")
+    assert_found(calibrate(tmp_path, frames=str(folder), camera={**CAMERA, "bit_depth": 12}), 16)
+
+
+def test_jpeg_frames_are_refused_with_the_reason(folder, tmp_path):
+    write(folder, colour_bars(3).astype(np.uint8), "jpg")
+    with pytest.raises(UserError) as raised:
+        calibrate(tmp_path, frames=str(folder), camera=CAMERA)
+    assert len(raised.value.faults) == 3
+    assert "000.jpg is JPEG, whose coding smooths noise and follows a tone curve" in str(raised.value)
+
+
+def test_averaged_frames_are_refused(folder, tmp_path):
+    write(folder, colour_bars(2) + 0.5, "npy")
+    with pytest.raises(UserError, match=r"000.npy holds numbers that are not whole \(float64\)"):
+        calibrate(tmp_path, frames=str(folder), camera=CAMERA)
+
+
 def test_mono_frames_make_a_mono_calibration(folder, tmp_path):
     write(folder, colour_bars().astype(np.uint8)[..., 1], "png")
     calibrate(tmp_path, frames=str(folder), camera=CAMERA)

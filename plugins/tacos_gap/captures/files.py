@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.camera_images import read_array, read_image
 from tacos_files.jpeg_coding import jpeg_coding
 from tacos_framework import Document, Fault, FileCoding, UserError
 from tacos_framework.files import limits, read_csv, too_large
-from tacos_gap.captures.images import read_array, read_image
 
 MAX_FRAMES = 6
 """Frames of one capture that are used; more add little and cost time."""

@@ -6,8 +6,8 @@ import shlex
 from itertools import islice
 from pathlib import Path
 
+from tacos_files.camera_images import PICTURE_SUFFIXES
 from tacos_framework import Fault
-from tacos_gap.captures.images import PICTURE_SUFFIXES
 
 FILE = "captures.yaml"
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.captures.images import read_image
+from tacos_files.camera_images import read_image
 from tacos_gap.photographs.picture import Picture
 
 USUAL_SQUARE_MM = 25.0

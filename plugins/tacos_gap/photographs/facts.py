@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from tacos_files.camera_images import RAW_SUFFIXES, opened_raw
 from tacos_files.image_headers import UNREADABLE
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
-from tacos_gap.captures.images import RAW_SUFFIXES, opened_raw
 
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.camera_images import read_image
 from tacos_framework import Fault, UserError
 from tacos_gap.captures.alignment import REMEDY, is_share_of_full_scale, used_bits
-from tacos_gap.captures.images import read_image
 from tacos_gap.photographs.facts import Facts, read_facts
 from tacos_gap.photographs.shown import Shown, shown_in
 

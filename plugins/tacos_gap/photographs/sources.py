@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from tacos_files.camera_images import PICTURE_SUFFIXES, RAW_SUFFIXES
 from tacos_framework import Fault, UserError
 from tacos_gap.captures.files import by_number
-from tacos_gap.captures.images import PICTURE_SUFFIXES, RAW_SUFFIXES
 
 _OF_SYSTEMS = frozenset({"__macosx", "@eadir", "thumbs.db", "desktop.ini"})
 """Files and folders that systems leave beside photographs, in small letters; others begin with a dot."""

@@ -1,4 +1,4 @@
-"""Frames of one static scene from files: 8/16-bit PNG and TIFF, npy; grey, colour, or a Bayer mosaic."""
+"""Frames of one static scene from files of a camera: grey, colour, or a Bayer mosaic."""
 
 from __future__ import annotations
 
@@ -11,14 +11,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.arrays import read_npy
-from tacos_files.images import read_samples
+from tacos_files.camera_images import PICTURE_SUFFIXES, read_frame
 from tacos_framework import Fault, UserError
 
 Mosaic = Literal["none", "RGGB", "BGGR", "GRBG", "GBRG"]
 """The colours of the 2 x 2 photosites at the top left of a file, row by row; none where it is no mosaic."""
 
-SUFFIXES = (".png", ".tif", ".tiff", ".npy")
 _COLOURS = {1: ("mono",), 3: ("R", "G", "B")}
 
 
@@ -86,44 +84,32 @@ def read_stack(pattern: str, mosaic: Mosaic = "none") -> FrameStack:
     """
     folder = Path(pattern)
     found = sorted(folder.iterdir()) if folder.is_dir() else sorted(map(Path, glob.glob(pattern)))
-    paths = [path for path in found if path.suffix.lower() in SUFFIXES]
+    paths = [path for path in found if path.suffix.lower() in PICTURE_SUFFIXES]
     if not paths:
         raise UserError(
             Fault(
                 pattern,
                 "there are no frames here",
-                f"a folder or a glob of files that end in {', '.join(SUFFIXES)}",
+                "a folder or a glob of PNG, TIFF, npy, PGM or RAW files",
             )
         )
     images: list[NDArray[Any]] = []
     faults: list[Fault] = []
     for path in paths:
-        image = _read(path)
-        if isinstance(image, Fault):
-            faults.append(image)
-        elif images and (image.shape, image.dtype) != (images[0].shape, images[0].dtype):
+        try:
+            image = read_frame(path, str(path))
+        except UserError as error:
+            faults += error.faults
+            continue
+        if images and (image.shape, image.dtype) != (images[0].shape, images[0].dtype):
             what = f"this frame is {_form(image)}"
             faults.append(Fault(str(path), what, f"{_form(images[0])}, as {paths[0].name}"))
         else:
             images.append(image)
     if faults:
         raise UserError(faults)
-    return stack_of(np.stack(images), pattern, mosaic)
-
-
-def _read(path: Path) -> NDArray[Any] | Fault:
-    try:
-        image = read_npy(path) if path.suffix.lower() == ".npy" else read_samples(path)
-    except UserError as error:
-        return error.faults[0]
-    if image.dtype not in (np.uint8, np.uint16) or image.ndim not in (2, 3):
-        return Fault(
-            str(path),
-            f"this frame is {_form(image)}",
-            "uint8 or uint16 of shape (height, width) or (height, width, channels)",
-            "Save digital numbers as the camera gave them.",
-        )
-    return image
+    frames = np.stack(images)
+    return stack_of(frames[..., 0] if frames.shape[-1] == 1 else frames, pattern, mosaic)
 
 
 def _form(image: NDArray[Any]) -> str:

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tacos_files.camera_images import read_image
 from tacos_framework.errors import UserError
-from tacos_gap.captures.images import read_image
 from tests.gap.captures.dng import dng
 
 

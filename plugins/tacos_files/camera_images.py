@@ -1,4 +1,4 @@
-"""Image files of captures: PNG, TIFF and others OpenCV reads, NumPy arrays, camera RAW."""
+"""Image files of cameras: PNG, TIFF and others OpenCV reads, NumPy arrays, camera RAW."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from tacos_framework.files import limits, read_bytes, too_large
 
 _LARGEST_DN = 1e9
 """Beyond any file or expectation; what is larger overflows somewhere, not here."""
+
+_MOST_DN = 65535
 
 _RAW_BYTES = 2
 """Bytes of a sample of a mosaic, as LibRaw unpacks it."""
@@ -46,7 +48,47 @@ PICTURE_SUFFIXES = (
 """Of photographs, as the import looks for them."""
 
 
-def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[Any]:
+_LOSSY = {b"\xff\xd8\xff": "JPEG", b"RIFF": "WebP"}
+"""What stands at the beginning of files whose coding changes noise, and what they are called."""
+
+_LOSSY_REMEDY = "Have the camera save raw frames: PNG, TIFF, npy, PGM or its RAW format."
+
+
+def read_frame(path: Path, where: str, within: Path | None = None) -> NDArray[Any]:
+    """A frame in the digital numbers of a camera: (H, W, C) uint8 or uint16 in this machine's byte order.
+
+    Parameters are those of `read_image`. Whole numbers of other types are taken where 16 bits hold them.
+
+    Raises
+    ------
+    UserError
+        As for `read_image`, and for files whose coding changes noise, or that hold other numbers.
+    """
+    image = read_image(path, where, within, lossless=True)
+    if image.dtype == np.uint8:
+        return image
+    if image.dtype.kind not in "iuf" or (image != np.rint(image)).any():
+        raise UserError(
+            Fault(
+                where,
+                f"{path.name} holds numbers that are not whole ({image.dtype})",
+                "whole digital numbers from 0 to 65535",
+                "Save digital numbers as the camera gave them, not averaged or scaled.",
+            )
+        )
+    if image.min() < 0 or image.max() > _MOST_DN:
+        raise UserError(
+            Fault(
+                where,
+                f"{path.name} holds numbers from {image.min():g} to {image.max():g}",
+                "whole digital numbers from 0 to 65535",
+                "Save digital numbers as the camera gave them.",
+            )
+        )
+    return image.astype(np.uint16)
+
+
+def read_image(path: Path, where: str, within: Path | None = None, *, lossless: bool = False) -> NDArray[Any]:
     """An image as stored: (H, W, C) with C = 1 or 3 in the order R, G, B.
 
     Parameters
@@ -57,6 +99,8 @@ def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[An
         What names the file, for messages.
     within
         The folder it must lie in, links followed; None for any.
+    lossless
+        Refuse JPEG and WebP, for what is measured of noise.
 
     Raises
     ------
@@ -71,6 +115,10 @@ def read_image(path: Path, where: str, within: Path | None = None) -> NDArray[An
         content = read_bytes(path, "image_mb", where=where, within=within)
         if content[4:12] in _HEIF:
             raise UserError(Fault(where, f"{path.name} is HEIF, which cannot be read", FORMATS, _NO_HEIF))
+        coding = next((name for start, name in _LOSSY.items() if content.startswith(start)), None)
+        if lossless and coding:
+            what = f"{path.name} is {coding}, whose coding smooths noise and follows a tone curve"
+            raise UserError(Fault(where, what, "frames as the sensor gave them", _LOSSY_REMEDY))
         image = decode_samples(content, where, path.name)
     if image.ndim == 2:
         image = image[..., None]
