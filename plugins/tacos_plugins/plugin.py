@@ -232,6 +232,10 @@ PROCEDURES = {
         "noise_calibration.calibrate:CalibrateNoise",
         "From frames of grey bars to an affine noise calibration with confidence intervals.",
     ),
+    "calibrate-camera": (
+        "emva_calibration.calibrate:CalibrateCamera",
+        "A camera's data sheet by EMVA 1288 from frames of even light and of darkness.",
+    ),
 }
 
 FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {

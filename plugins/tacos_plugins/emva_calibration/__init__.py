@@ -1,0 +1,1 @@
+"""Measuring a camera by EMVA Standard 1288 from frames of even light and of darkness."""

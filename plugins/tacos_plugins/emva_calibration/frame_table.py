@@ -1,0 +1,149 @@
+"""``frames.csv``: which frame was taken of what, with every fault at once."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from tacos_framework import Fault, UserError
+from tacos_framework.files import read_csv
+
+TABLE = "frames.csv"
+_EXPOSURES_S = {"exposure_ns": 1e-9, "exposure_us": 1e-6, "exposure_ms": 1e-3, "exposure_s": 1.0}
+_COLUMNS = "kind,exposure_ns,photons_per_pixel,file (photons_per_pixel may be empty)"
+_KINDS = ("bright", "dark")
+
+
+@dataclass(frozen=True)
+class FrameGroup:
+    """Frames of one light and one exposure.
+
+    Parameters
+    ----------
+    kind
+        ``bright`` or ``dark``.
+    exposure_s
+        Exposure time [s].
+    photons
+        Mean number of photons that hit a pixel [1]; None where that is not known.
+    level
+        Name of the light, where the table has a column ``level``.
+    files
+        In the order of the table.
+    """
+
+    kind: str
+    exposure_s: float
+    photons: float | None
+    level: str
+    files: tuple[Path, ...]
+
+    def __str__(self) -> str:
+        of_light = f", {self.photons:g} photons" if self.photons else ""
+        return (
+            f"{self.kind} at {self.exposure_s * 1e3:g} ms{of_light}{self.level and f', level {self.level}'}"
+        )
+
+
+def read_frame_table(folder: Path) -> tuple[FrameGroup, ...]:
+    """The groups of frames that a folder's table lists, by kind and exposure.
+
+    Raises
+    ------
+    UserError
+        With every fault of the table, and every file that is not there.
+    """
+    path = folder / TABLE
+    if not path.is_file():
+        what = f"there is no {TABLE} in this folder" if folder.is_dir() else "there is no such folder"
+        remedy = "Write a line for each frame; docs/how-to/calibrate_a_camera.md has an example."
+        raise UserError(Fault(str(folder), what, f"a folder of frames with {TABLE}: {_COLUMNS}", remedy))
+    (_, heading), *lines = read_csv(path) or [(1, [])]
+    exposures = [name for name in heading if name in _EXPOSURES_S]
+    missing = [name for name in ("kind", "file") if name not in heading]
+    if len(exposures) != 1:
+        missing.append("exposure_ns (or exposure_us, exposure_ms, exposure_s; one of them)")
+    if missing:
+        raise UserError(Fault(f"{path}:1", f"there is no column {', '.join(missing)}", _COLUMNS))
+    reader = _Reader(folder, exposures[0])
+    for number, cells in lines:
+        if any(cells):
+            reader.take(f"{path}:{number}", dict(zip(heading, cells, strict=False)))
+    reader.finish(path)
+    if reader.faults:
+        raise UserError(reader.faults)
+    return reader.groups()
+
+
+class _Reader:
+    """Takes line after line, keeping faults."""
+
+    def __init__(self, folder: Path, exposure: str):
+        self.folder = folder
+        self.exposure = exposure
+        self.faults: list[Fault] = []
+        self._found: dict[tuple[str, float, float | None, str], list[Path]] = {}
+        self._seen: dict[str, str] = {}
+        self._photons: list[tuple[str, bool]] = []
+
+    def take(self, where: str, row: Mapping[str, str]) -> None:
+        before = len(self.faults)
+        kind, name = row.get("kind", "").lower(), row.get("file", "")
+        if kind not in _KINDS:
+            self.faults.append(Fault(where, f"kind is {kind or 'empty'!r}", "bright or dark"))
+        exposure = self._number(where, row, self.exposure)
+        photons = self._number(where, row, "photons_per_pixel") if row.get("photons_per_pixel") else None
+        if kind == "dark":
+            if photons:
+                self.faults.append(Fault(where, f"a dark frame has {photons:g} photons", "0, or nothing"))
+            photons = None
+        elif kind == "bright":
+            self._photons.append((where, photons is not None))
+            if photons == 0:
+                self.faults.append(Fault(where, "a bright frame has 0 photons", "kind: dark, or its photons"))
+        self._file(where, name)
+        if len(self.faults) == before and exposure is not None:
+            key = (kind, exposure * _EXPOSURES_S[self.exposure], photons, row.get("level", ""))
+            self._found.setdefault(key, []).append(self.folder / name)
+
+    def _number(self, where: str, row: Mapping[str, str], column: str) -> float | None:
+        text = row.get(column, "")
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if math.isfinite(value) and value >= 0:
+            return value
+        self.faults.append(Fault(where, f"{column} is {text or 'empty'!r}", "a number, 0 or above"))
+        return None
+
+    def _file(self, where: str, name: str) -> None:
+        if not name:
+            self.faults.append(Fault(where, "file is empty", "the name of a frame in this folder"))
+        elif name in self._seen:
+            self.faults.append(Fault(where, f"{name!r} stands twice, as in {self._seen[name]}", "each once"))
+        elif not (self.folder / name).is_file():
+            self.faults.append(Fault(where, f"there is no file {name!r}", f"a frame in {self.folder}"))
+        self._seen.setdefault(name, where.rpartition(":")[2])
+
+    def finish(self, path: Path) -> None:
+        """Look for what only the whole table shows."""
+        known = [is_known for _, is_known in self._photons]
+        if any(known) and not all(known):
+            lacking = [where.rpartition(":")[2] for where, is_known in self._photons if not is_known]
+            what = f"photons_per_pixel is empty in {len(lacking)} bright lines ({', '.join(lacking[:5])})"
+            self.faults.append(Fault(str(path), what, "photons of all bright frames, or of none"))
+        kinds = Counter(kind for kind, *_ in self._found)
+        for kind in _KINDS:
+            if not kinds[kind] and not self.faults:
+                remedy = (
+                    "Cover the lens, and take two frames." if kind == "dark" else "Take two frames a level."
+                )
+                self.faults.append(Fault(str(path), f"there are no {kind} frames", f"kind: {kind}", remedy))
+
+    def groups(self) -> tuple[FrameGroup, ...]:
+        ordered = sorted(self._found.items(), key=lambda item: (item[0][0], item[0][1], item[0][2] or 0.0))
+        return tuple(FrameGroup(*key, tuple(files)) for key, files in ordered)

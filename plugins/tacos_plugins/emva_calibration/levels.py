@@ -1,0 +1,175 @@
+"""Levels of a channel as arrays, and which of them each figure rests on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework import Fault, UserError
+from tacos_plugins.emva_calibration.measurement import Channel
+
+Array = NDArray[np.float64]
+
+FIT_SHARE = 0.7
+"""Of saturation, up to which responsivity and gain are fitted (EMVA 1288, Release 4.0 Linear, Sec. 6.6)."""
+
+LINEAR_SHARES = (0.05, 0.95)
+"""Of saturation, between which linearity is judged (Sec. 7.2)."""
+
+FINEST_DN2 = 0.24
+"""Variance below which rounding hides the noise (Sec. 6.5) [DN^2]."""
+
+CENSORED_SHARE = 1e-3
+"""Share of samples at either end from which a level counts as cut off [1]."""
+
+_COLLAPSED = 0.8
+_LEAST_LEVELS = 3
+
+
+@dataclass(frozen=True)
+class Darks:
+    """Dark levels by exposure; (D,) each. Variance is that within rows; bands are shared by whole rows."""
+
+    exposure_s: Array
+    mean_dn: Array
+    mean_error_dn: Array
+    variance_dn2: Array
+    variance_error_dn2: Array
+    bands_dn2: Array
+    bands_error_dn2: Array
+
+
+@dataclass(frozen=True)
+class Brights:
+    """Bright levels from dim to bright; (L,) each. Photons are NaN where they are not known."""
+
+    exposure_s: Array
+    photons: Array
+    mean_dn: Array
+    variance_dn2: Array
+    variance_error_dn2: Array
+    censored: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What each figure rests on, decided once from what was measured.
+
+    Parameters
+    ----------
+    fitted, linear
+        (L,) levels of the fits of responsivity and gain, and of linearity.
+    saturation
+        Index of the saturated level; None where no level saturates.
+    darks_censored
+        Whether darkness is cut off at 0.
+    darks_fine
+        Whether darkness varies by less than rounding shows.
+    """
+
+    fitted: NDArray[np.bool_]
+    linear: NDArray[np.bool_]
+    saturation: int | None
+    darks_censored: bool
+    darks_fine: bool
+
+    @property
+    def free_offset(self) -> bool:
+        """Whether darkness cannot be subtracted, and lines have an offset of their own."""
+        return self.darks_censored or self.darks_fine
+
+
+def arrays_of(channel: Channel) -> tuple[Brights, Darks]:
+    """Levels of a channel, by exposure and by light."""
+    darks = channel.of("dark")
+    moments = [each for _, each in darks]
+    errors = [
+        max(np.sqrt(m.variance_dn2 / (m.pixels * m.frames)), m.drift_dn / np.sqrt(2 * m.frames))
+        for m in moments
+    ]
+    of_darks = Darks(
+        np.array([group.exposure_s for group, _ in darks]),
+        np.array([m.mean_dn for m in moments]),
+        np.array(errors),
+        np.array([m.variance_dn2 for m in moments]),
+        np.array([m.variance_error_dn2 for m in moments]),
+        np.array([m.bands_dn2 for m in moments]),
+        np.array([m.bands_error_dn2 for m in moments]),
+    )
+    white = 2**channel.bit_depth - 1
+    key = {True: lambda each: (each[0].photons, each[1].mean_dn), False: lambda each: each[1].mean_dn}
+    brights = channel.of("bright")
+    known = all(group.photons is not None for group, _ in brights)
+    brights = sorted(brights, key=key[known])
+    lit = [each for _, each in brights]
+    return Brights(
+        np.array([group.exposure_s for group, _ in brights]),
+        np.array([np.nan if group.photons is None else group.photons for group, _ in brights], float),
+        np.array([m.mean_dn for m in lit]),
+        np.array([m.variance_dn2 for m in lit]),
+        np.array([m.variance_error_dn2 for m in lit]),
+        np.array(
+            [
+                m.at_zero > CENSORED_SHARE or (m.highest_dn >= white and m.at_highest > CENSORED_SHARE)
+                for m in lit
+            ]
+        ),
+    ), of_darks
+
+
+def at_exposure(darks: Darks, values: Array, exposure_s: Array) -> Array:
+    """Values of darkness at other exposures: those of the same one, or on the line between two neighbours."""
+    times = np.unique(darks.exposure_s)
+    means = np.array([values[darks.exposure_s == time].mean() for time in times])
+    return np.interp(exposure_s, times, means)
+
+
+def select(channel: Channel, brights: Brights, darks: Darks, where: str) -> Selection:
+    """Decide on what each figure rests.
+
+    Raises
+    ------
+    UserError
+        When fewer than three levels are left for the gain.
+    """
+    signal = brights.mean_dn - at_exposure(darks, darks.mean_dn, brights.exposure_s)
+    saturation = _saturation(brights)
+    top = float(signal[saturation] if saturation is not None else signal.max())
+    upto = np.arange(len(signal)) <= (len(signal) - 1 if saturation is None else saturation)
+    censored = any(m.at_zero > CENSORED_SHARE for _, m in channel.of("dark"))
+    fine = float(np.mean(darks.variance_dn2 + darks.bands_dn2)) < FINEST_DN2
+    usable = upto & ~brights.censored & (signal > 0)
+    fitted = usable & (signal <= FIT_SHARE * top)
+    if censored or fine:
+        fitted &= brights.variance_dn2 >= FINEST_DN2 + 1 / 12
+    if fitted.sum() < _LEAST_LEVELS:
+        cut = int(brights.censored.sum())
+        raise UserError(
+            Fault(
+                f"{where}, channel {channel.name}",
+                f"{fitted.sum()} of {len(signal)} bright levels serve for the gain: {cut} are cut "
+                "off at 0 or at "
+                f"full scale, the others lie above {FIT_SHARE:.0%} of saturation or below what "
+                "rounding shows",
+                f"{_LEAST_LEVELS} levels or more from darkness to {FIT_SHARE:.0%} of saturation, better 50",
+                "Take shorter exposures, or less light. Set bit_depth where files have fewer bits "
+                "than it says.",
+            )
+        )
+    low, high = LINEAR_SHARES
+    linear = usable & (signal >= low * top) & (signal <= high * top)
+    return Selection(fitted, linear, saturation, censored, fine)
+
+
+def _saturation(brights: Brights) -> int | None:
+    """The brightest level before variance falls: the maximum of the photon transfer (Sec. 6.6)."""
+    variance, error = brights.variance_dn2, brights.variance_error_dn2
+    top = int(np.argmax(variance))
+    fallen = np.flatnonzero(variance[top:] < _COLLAPSED * variance[top])
+    if not len(fallen):
+        return None
+    plateau = np.arange(top, top + int(fallen[0]))
+    high = plateau[variance[plateau] >= variance[top] - 3 * error[top]]
+    return int(high[-1])
