@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from tacos_gap.captures.capture import Noise
+from tacos_gap.captures.rounding import are_whole, before_rounding
 
 BINS = 12
 ENOUGH_PIXELS = 1_500_000
@@ -18,6 +19,7 @@ _CENSORED = 0.6
 """Share of zeros above which the lower half of the noise is taken to be cut off."""
 
 _NOISE_DN = 3.0
+_LEAST_DN2 = 0.01
 _LAPLACIAN_GAIN = 36.0
 """Sum of squares of the kernel [[1, -2, 1], [-2, 4, -2], [1, -2, 1]] (Immerkaer 1996)."""
 
@@ -73,6 +75,9 @@ def estimate_noise(
         inside = ~clipped[..., channel]
         signal = level[..., channel][inside] - black_level_dn
         slope, intercept = _line(signal, variance[..., channel][inside], robust=not static)
+        if static and signal.size and are_whole(plane):
+            level_dn = float(signal.mean()) + black_level_dn if not slope else 0.0
+            intercept = max(before_rounding(intercept, level_dn), _LEAST_DN2)
         photon.append(slope)
         thermal.append(intercept)
     return Noise(tuple(photon), tuple(thermal), known=False)
@@ -113,7 +118,7 @@ def _line(signal: NDArray[np.float32], variance: NDArray[np.float32], robust: bo
     middle = (lambda v: np.median(v) / 0.455) if robust else np.mean
     y = np.array([middle(variance[which == b]) for b in filled])
     if len(x) < 2 or np.ptp(x) < 5:
-        return 0.0, float(max(y.mean(), 0.01)) if len(y) else 1.0
+        return 0.0, float(max(middle(variance), 0.01))
     weight = 1 / np.maximum(y, 0.01)
     line = np.stack([x, np.ones_like(x)], axis=1) * weight[:, None]
     (slope, intercept), *_ = np.linalg.lstsq(line, y * weight, rcond=None)

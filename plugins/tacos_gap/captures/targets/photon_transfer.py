@@ -9,12 +9,17 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.noise_estimate import thinned
+from tacos_gap.captures.rounding import are_whole, before_rounding
 
 LEAST_SPAN = 0.1
 """Range of levels over full scale below which a slope is not told from its intercept."""
 
 _BINS = 16
 _LEAST_PIXELS = 200
+_LEAST_WIDTH_DN = 2.0
+"""Of a bin: frames whose mean is one whole number differ by even numbers alone."""
+
+_ROUNDS = 4
 _CLIPPED = 0.95
 
 
@@ -65,16 +70,35 @@ def _points(capture: RealCapture, channel: int) -> list[tuple[float, float, floa
     if level.size < _LEAST_PIXELS:
         return []
     difference = difference - np.median(difference)  # a lamp that wavered between the two
-    edges = np.quantile(level, np.linspace(0, 1, _BINS + 1))
-    which = np.clip(np.searchsorted(edges, level, side="right") - 1, 0, _BINS - 1)
+    edges = _bin_edges(level)
+    which = np.searchsorted(edges[1:-1], level, side="right")
+    rounded = are_whole(pair)
+
+    def variance(inside: NDArray[np.bool_]) -> float:
+        found = _robust_variance(difference[inside]) / 2
+        return before_rounding(found, level[inside].mean() + context.black_level_dn) if rounded else found
+
     return [
-        (float(level[inside].mean()), _robust_variance(difference[inside]) / 2, float(inside.sum()))
-        for bin_ in range(_BINS)
+        (float(level[inside].mean()), variance(inside), float(inside.sum()))
+        for bin_ in range(len(edges) - 1)
         if (inside := which == bin_).sum() >= _LEAST_PIXELS
     ]
 
 
+def _bin_edges(level: NDArray[np.float64]) -> list[float]:
+    """Borders of bins that hold about as many pixels each, and several codes."""
+    borders = np.quantile(level, np.linspace(0, 1, _BINS + 1)).tolist()
+    edges = borders[:1]
+    for border in borders[1:-1]:
+        if border - edges[-1] >= _LEAST_WIDTH_DN and borders[-1] - border >= _LEAST_WIDTH_DN:
+            edges.append(border)
+    return [*edges, borders[-1]]
+
+
 def _robust_variance(values: NDArray[np.float64]) -> float:
-    """Variance of what is within four robust spreads: moving leaves and hot pixels stay out."""
-    spread = max(1.4826 * float(np.median(np.abs(values))), 0.5)
-    return float(np.mean(values[np.abs(values) < 4 * spread] ** 2))
+    """Variance of what is within four spreads: moving leaves and hot pixels stay out."""
+    spread = max(1.4826 * float(np.median(np.abs(values))), 1.0)
+    for _ in range(_ROUNDS):  # half of the codes of a dark are alike: their median deviation is no spread
+        variance = float(np.mean(values[np.abs(values) <= 4 * spread] ** 2))
+        spread = max(variance**0.5, 1.0)
+    return variance

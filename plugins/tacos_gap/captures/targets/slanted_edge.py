@@ -70,6 +70,16 @@ def find_edge(plane: NDArray[np.floating]) -> SlantedEdge | None:
     points = _crossings(smooth if upright else smooth.T, (float(low) + float(high)) / 2)
     if points is None:
         return None
+    if (line := _line(points, upright)) is None:
+        return None
+    levelled = _levelled(smooth, line)
+    if (points := _crossings(levelled if upright else levelled.T, 0.5)) is not None:
+        line = _line(points, upright) or line  # uneven light moves where one level is passed
+    return _with_even_sides(image, line)
+
+
+def _line(points: NDArray[np.float64], upright: bool) -> SlantedEdge | None:
+    """The line through (K, 2) crossings, its normal either way; None where they lie on no line."""
     line, places = points[:, 0], points[:, 1]
     direction = cv2.fitLine(points.astype(np.float32), cv2.DIST_HUBER, 0, 1e-3, 1e-3).ravel()
     slope = float(direction[1] / direction[0]) if abs(direction[0]) > 1e-6 else np.inf
@@ -80,7 +90,26 @@ def find_edge(plane: NDArray[np.floating]) -> SlantedEdge | None:
         return None
     size = float(np.hypot(1.0, slope))
     normal = (1 / size, -slope / size) if upright else (-slope / size, 1 / size)
-    edge = SlantedEdge(normal, start / size, float(np.degrees(np.arctan(slope))))
+    return SlantedEdge(normal, start / size, float(np.degrees(np.arctan(slope))))
+
+
+def _levelled(image: NDArray[np.float32], edge: SlantedEdge) -> NDArray[np.float32]:
+    """(H, W) values from 0 on one side of an edge to 1 on the other, whatever the light on either."""
+    distance = edge.distance_px(image.shape)
+    near = np.abs(distance) < 3 * _REACH_PX
+    if any((near & (sign * distance > PLATEAU_PX)).sum() < 50 for sign in (1, -1)):
+        return image
+    values = image.astype(np.float64)
+    one, other = (_side(values, sign * distance > PLATEAU_PX, near) for sign in (-1, 1))
+    apart = other - one
+    levelled = (image - one) / np.where(np.abs(apart) < 1e-6, 1e-6, apart)
+    beyond = np.clip(distance, 0.0, 1.0)  # far off, sides that are no smooth ones say nothing
+    return np.asarray(np.where(near, levelled, beyond), np.float32)
+
+
+def _with_even_sides(image: NDArray[np.float32], edge: SlantedEdge) -> SlantedEdge | None:
+    """The edge from its dark to its bright side; None where the picture shows more than an edge."""
+    normal = edge.normal
     distance = edge.distance_px(image.shape)
     if image[distance > 0].mean() < image[distance < 0].mean():
         edge = SlantedEdge((-normal[0], -normal[1]), -edge.offset_px, edge.angle_deg)
@@ -96,7 +125,7 @@ def find_edge(plane: NDArray[np.floating]) -> SlantedEdge | None:
 def sharp_edge(
     plane: NDArray[np.floating], edge: SlantedEdge
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """(H, W) the edge without any blur between planes through its two sides, and (H, W) where it says so.
+    """(H, W) the edge without any blur between its two smooth sides, and (H, W) where it says so.
 
     A pixel on the edge has the share of either side that covers it.
     """
@@ -183,9 +212,11 @@ def _crossings(image: NDArray[np.float32], level: float) -> NDArray[np.float64] 
 def _side(
     image: NDArray[np.float64], side: NDArray[np.bool_], near: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    """(H, W) the plane through one side of an edge."""
-    y, x = np.mgrid[: image.shape[0], : image.shape[1]]
+    """(H, W) one side of an edge as smooth as lenses and lamps make it, of second order."""
+    height, width = image.shape
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
     used = side & near
-    terms = np.column_stack([np.ones(used.sum()), x[used], y[used]])
-    level, gx, gy = np.linalg.lstsq(terms, image[used], rcond=None)[0]
-    return np.asarray(level + gx * x + gy * y)
+    of_side = terms[:, used]
+    factors = np.linalg.solve(of_side @ of_side.T + 1e-6 * used.sum() * np.eye(6), of_side @ image[used])
+    return np.asarray(np.tensordot(factors, terms, axes=1))

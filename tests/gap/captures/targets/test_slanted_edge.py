@@ -78,3 +78,14 @@ def test_the_edge_of_a_real_scan():
     image = cv2.imread(str(DATA / "slanted_edge/Test_edge1_mono.tif"), cv2.IMREAD_UNCHANGED)
     found = find_edge(image)
     assert mtf50_cycles_px(image, found) == pytest.approx(0.293, abs=0.006)  # by its publisher
+
+
+@pytest.mark.parametrize("fall_off", [0.0, 0.35])
+def test_light_that_falls_off_moves_no_edge(fall_off):
+    y, x = np.mgrid[:240, :320]
+    radius2 = ((x - 159.5) ** 2 + (y - 119.5) ** 2) / (159.5**2 + 119.5**2)
+    distance = (x - 190) * np.cos(np.radians(6)) + (y - 119.5) * np.sin(np.radians(6))
+    sharp = 20 + 150 * 0.5 * (1 + erf(distance / np.sqrt(2) / 1.3))
+    edge = find_edge(sharp * (1 - fall_off * radius2))
+    assert edge is not None
+    assert np.abs(edge.distance_px(sharp.shape) - distance).max() < 0.06

@@ -1,0 +1,72 @@
+"""Noise by pairs of frames, against cameras of numpy's own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tacos_gap.captures.capture import Noise
+from tacos_gap.captures.noise_estimate import estimate_noise
+from tacos_gap.captures.rounding import before_rounding
+from tacos_gap.captures.targets.photon_transfer import pooled_noise
+from tests.gap.small_captures import capture
+
+
+def _flat(files, black_dn):
+    """A wall of these files."""
+    made = capture("wall", "flat", 100.0)
+    context = replace(made.context, black_level_dn=black_dn)
+    valid = np.ones(files.shape[1:3], bool)
+    return replace(made, real_dn=files, expected_dn=None, valid=valid, context=context)
+
+
+def _files(rng, light_e, *, dn_per_electron, read_e, black_dn, frames=2):
+    """(N, H, W, 1) whole numbers of a camera."""
+    electrons = rng.poisson(light_e, (frames, *light_e.shape)) + rng.normal(
+        0, read_e, (frames, *light_e.shape)
+    )
+    return np.clip(np.rint(electrons * dn_per_electron + black_dn), 0, 255).astype(np.float32)[..., None]
+
+
+@pytest.mark.parametrize(("black_dn", "read_e"), [(8.0, 6.0), (8.3, 24.0)])
+@pytest.mark.parametrize("dark_side", [0.07, 0.1])
+def test_the_line_of_a_camera_is_found_by_a_dark_a_wall_and_an_edge(black_dn, read_e, dark_side):
+    """The even side of an edge lies at few codes, whose pairs differ by even numbers alone."""
+    rng = np.random.default_rng(1)
+    dark, wall = np.zeros((200, 200)), np.full((200, 200), 0.5)
+    edge = np.where(np.arange(200)[None] > 100, 0.7, dark_side) * np.ones((200, 1))
+    captures = []
+    for light in (dark, wall, edge):
+        files = _files(rng, 6000 * light, dn_per_electron=0.0425, read_e=read_e, black_dn=black_dn)
+        captures.append(_flat(files, black_dn))
+    found = pooled_noise(captures)
+    assert found is not None
+    assert found.photon_dn[0] == pytest.approx(0.0425, rel=0.02)
+    assert found.thermal_dn2[0] == pytest.approx((read_e * 0.0425) ** 2, rel=0.1)
+
+
+@pytest.mark.parametrize("sigma_dn", [0.26, 0.4, 1.0, 3.0])
+@pytest.mark.parametrize("level_dn", [16.0, 16.3, 16.5])
+def test_what_rounding_does_is_undone(sigma_dn, level_dn):
+    numbers = np.rint(np.random.default_rng(2).normal(level_dn, sigma_dn, 400_000))
+    assert before_rounding(numbers.var(), level_dn) == pytest.approx(sigma_dn**2, rel=0.03)
+
+
+def test_darks_of_few_codes_say_how_they_scatter():
+    rng = np.random.default_rng(3)
+    files = _files(rng, np.zeros((200, 200)), dn_per_electron=0.0425, read_e=6.0, black_dn=8.0, frames=3)
+    found = estimate_noise(files, None, np.ones((200, 200), bool), 8.0, 255.0)
+    assert isinstance(found, Noise)
+    assert found.thermal_dn2[0] == pytest.approx((6 * 0.0425) ** 2, rel=0.1)
+
+
+def test_a_leaf_that_moves_is_no_noise():
+    rng = np.random.default_rng(4)
+    light = np.linspace(0.1, 0.8, 200)[None] * np.ones((200, 1))
+    files = _files(rng, 6000 * light, dn_per_electron=0.0425, read_e=6.0, black_dn=8.0)
+    files[1, :10, :10] += 60
+    found = pooled_noise([_flat(files, 8.0)])
+    assert found is not None
+    assert found.photon_dn[0] == pytest.approx(0.0425, rel=0.03)
