@@ -95,6 +95,8 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
         else []
     )
     world = rendering.world
+    if world.remarks:
+        notes.append(PageWarnings("The file", world.remarks))
     if len(world.objects) == 1:
         what_to_do = "nothing in this world is labelled, so tasks about things find none"
         notes.append(PageWarnings("Labels", (what_to_do,)))

@@ -12,6 +12,7 @@ from tacos_framework.plan.notes import (
     notes_on_catalogs,
     notes_on_constraints,
     notes_on_search,
+    notes_on_worlds,
 )
 
 SHOWN = 5
@@ -32,7 +33,12 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
     verbose
         All doubts about parts in full, in place of a short list.
     """
-    for note in (*notes_on_search(plan), *notes_on_catalogs(plan), *notes_on_constraints(plan)):
+    for note in (
+        *notes_on_search(plan),
+        *notes_on_catalogs(plan),
+        *notes_on_constraints(plan),
+        *notes_on_worlds(plan),
+    ):
         yield f"note: {note}"
     for doubted in doubted_parts(plan):
         yield from _all_of(doubted) if verbose else _first_of(doubted)

@@ -144,12 +144,10 @@ def _run(arguments: argparse.Namespace, command: str) -> int:
     if arguments.explain:
         print(explanation())
     if arguments.check:
-        print(f"{arguments.recipe}: no faults.")
-        if isinstance(plan, Plan):
-            from tacos_framework.cli.remarks import remarks
+        from tacos_framework.cli.remarks import remarks
 
-            for line in remarks(plan, verbose=arguments.verbose):
-                print(line)
+        lines = [*remarks(plan, verbose=arguments.verbose)] if isinstance(plan, Plan) else []
+        print("\n".join([f"{arguments.recipe}: no faults.", *lines]))
     if arguments.check or arguments.explain:
         return DONE
     return _run_it(arguments, plan if longer is recipe else recipe, plugins, extend, command)

@@ -33,6 +33,9 @@ class SceneBase:
     carrier: ClassVar[str] = ""
     """What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it."""
 
+    remarks: tuple[str, ...] = ()
+    """What is doubtful of the files of its world, and what of them is not carried out. May open them."""
+
 
 @runtime_checkable
 class EpisodeStore(Protocol):

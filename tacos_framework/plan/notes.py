@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tacos_framework.catalog import CatalogPart, Grade
-from tacos_framework.contracts import OptimizerBase, RigBase, optional
+from tacos_framework.contracts import OptimizerBase, RigBase, SceneBase, optional
 from tacos_framework.plan.feasibility import derived_of, infeasible
 from tacos_framework.plan.plan import Plan
 from tacos_framework.variables.design_space import CatalogChoice
@@ -156,3 +156,18 @@ def _rules_out_parts(quantity: str, variable: CatalogChoice) -> bool:
     owner, _, column = quantity.partition(".")
     ruled_out = [row for row in variable.catalog.rows if row.name in variable.excluded]
     return owner == variable.name and any(row.as_dict().get(column) is not None for row in ruled_out)
+
+
+def notes_on_worlds(plan: Plan) -> Iterator[str]:
+    """What is doubtful of the files of scenes, and what of them is not carried out; they are opened for it.
+
+    Raises
+    ------
+    UserError
+        With what is wrong with such a file.
+    """
+    for name in plan.graph.of_kind("scene"):
+        scene = plan.nodes[name]
+        with scene.calling("as it looks through its files"):
+            told: tuple[str, ...] = optional(scene.instance, SceneBase, "remarks")
+        yield from told

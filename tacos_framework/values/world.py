@@ -166,6 +166,8 @@ class World:
     origin_m
         (3,) float64 where its origin lies in the coordinates of the file it was read from, of which single
         precision would keep too little; zero for most worlds [m].
+    remarks
+        What is doubtful of its files, and what of them is not carried out, with the effect.
     """
 
     key: str
@@ -178,6 +180,7 @@ class World:
     ambient_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
     sky_cd_m2: NDArray[np.float32] | None = None
     origin_m: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         read_only(self, "origin_m", np.float64, (3,))

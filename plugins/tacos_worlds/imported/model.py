@@ -30,6 +30,10 @@ class Skin:
         (3,) light sent out, in the file's unit (cd/m2 in glTF).
     two_sided
         Whether both sides are to be seen.
+    mask, cutoff
+        (H, W) opacity, row 0 at the bottom: the surface is not there where it is below the cutoff [codes, 1].
+    clamped
+        Whether the texture ends at its edges along u and v, in place of repeating.
     """
 
     name: str
@@ -41,6 +45,9 @@ class Skin:
     metallic: float = 0.0
     emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     two_sided: bool = True
+    mask: NDArray[np.uint8] | None = None
+    cutoff: float = 0.5
+    clamped: tuple[bool, bool] = (False, False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,6 @@ from tacos_framework import Light, Material, MeshPart, Object, World
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.lighting.refinement import refined
-from tacos_worlds.imported.atlas import painted
 from tacos_worlds.imported.detail import simplified
 from tacos_worlds.imported.finishes import materials_of
 from tacos_worlds.imported.floor import Floor
@@ -22,6 +21,7 @@ from tacos_worlds.imported.model import Skin
 from tacos_worlds.imported.normals import with_normals
 from tacos_worlds.imported.patch import Patch
 from tacos_worlds.imported.sky import Surroundings, even
+from tacos_worlds.imported.tints import tinted
 from tacos_worlds.kit.world_key import world_key
 
 PLANE_HEIGHT_M = 1.0
@@ -127,14 +127,7 @@ def lit_world(
         all_skins.append(Skin("placed lamp", np.full(3, 0.8), emission=glow))
         if not lamps and surroundings is None and not lit:
             surroundings = even(1.0)
-    coloured = [index for index, patch in enumerate(fewer) if patch.colours is not None]
-    atlases: dict[int, NDArray[np.uint8]] = {}
-    if coloured:
-        textured, atlas = painted([fewer[index] for index in coloured])
-        for index, patch in zip(coloured, textured, strict=True):
-            fewer[index] = replace(patch, skin=len(all_skins))
-        atlases[len(all_skins)] = atlas
-        all_skins.append(Skin("vertex colours", np.ones(3), roughness=0.9))
+    fewer, all_skins, atlases = tinted(fewer, all_skins)
     parts = tuple(_part(with_normals(patch)) for patch in [*fewer, *panels])
     world = World(
         key="unlit",

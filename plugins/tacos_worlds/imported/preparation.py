@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -34,20 +34,47 @@ _LARGEST_TEXTURE_PX = 8192
 _LAMPS = {"auto": None, "file": False, "lamps": True, "both": True}
 
 
-def prepare(config: ImportedSettings) -> Place:
-    """Read, label, look for the floor, and light.
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """A file that was read, labelled and found to have a floor, before it is lit.
+
+    Parameters
+    ----------
+    objects, class_names
+        What things are.
+    recorded
+        Poses of the agent from a file, or None.
+    remarks
+        What is doubtful of the files, and what of them is not carried out, with its effect.
+    """
+
+    read: Read
+    sky: Surroundings | None
+    patches: tuple[Patch, ...]
+    occlusion: Occlusion
+    object_of_triangle: NDArray[np.int32]
+    objects: tuple[Object, ...]
+    class_names: tuple[str, ...]
+    agent: Agent
+    floor: Floor
+    recorded: Trajectory | None
+    remarks: tuple[str, ...]
+
+
+def survey(config: ImportedSettings, telling: Telling | None = None) -> Survey:
+    """Read, label, and look for the floor.
 
     Raises
     ------
     UserError
         With a fault for each thing that is wrong.
     """
+    file = Path(config.file).expanduser()
     rules, faults = read_table(Path(config.labels).expanduser()) if config.labels else ([], [])
     sky, of_sky = _sky(config)
-    telling = Telling(Path(config.file).expanduser())
     try:
         read = read_world(
-            Path(config.file).expanduser(),
+            file,
             up=config.up,
             metres_per_unit=config.metres_per_unit,
             leave_out=config.leave_out,
@@ -59,7 +86,8 @@ def prepare(config: ImportedSettings) -> Place:
     faults = [*faults, *of_sky, *of_path, *_idle(config, read, rules)]
     if faults:
         raise UserError(faults)
-    telling.read(read.model.triangle_count)
+    if telling is not None:
+        telling.read(read.model.triangle_count)
     labels = [label_of(surface, rules) for surface in read.model.surfaces]
     objects, ids, classes = _objects(labels, config.obstacles)
     patches = [sound(s, read.turn, i) for s, i in zip(read.model.surfaces, ids, strict=True)]
@@ -67,29 +95,55 @@ def prepare(config: ImportedSettings) -> Place:
     occlusion, object_of_triangle = geometry(patches)
     agent = Agent(config.radius_m, config.height_m, config.step_m)
     floor = _floor(config, occlusion, agent, read.origin_m)
+    remarks += [f"{file.name}: {note}" for note in read.model.notes]
     if doubt := doubt_of_size(occlusion, floor.points_m, config.metres_per_unit):
-        remarks.append(f"{Path(config.file).name}: {doubt}")
-    remarks += [f"{Path(config.file).name}: {note}" for note in read.model.notes]
-    for remark in remarks:
+        remarks.append(f"{file.name}: {doubt}")
+    return Survey(
+        read=read,
+        sky=sky,
+        patches=tuple(patches),
+        occlusion=occlusion,
+        object_of_triangle=object_of_triangle,
+        objects=objects,
+        class_names=classes,
+        agent=agent,
+        floor=floor,
+        recorded=recorded,
+        remarks=tuple(dict.fromkeys(remarks)),
+    )
+
+
+def prepare(config: ImportedSettings) -> Place:
+    """Read, label, look for the floor, and light.
+
+    Raises
+    ------
+    UserError
+        With a fault for each thing that is wrong.
+    """
+    telling = Telling(Path(config.file).expanduser())
+    found = survey(config, telling)
+    for remark in found.remarks:
         log.warning("%s", remark)
     telling.done("geometry and floor")
-    world = _lit(config, read, patches, occlusion, objects, classes, floor, sky)
+    world = _lit(config, found)
     telling.done("light")
-    lux = illuminance_lux(world, floor)
+    lux = illuminance_lux(world, found.floor)
     telling.done("brightness")
-    obstacles = tuple(i for i, thing in enumerate(objects) if i and thing.class_name in config.obstacles)
-    names = sorted({surface.path[-1] for surface in read.model.surfaces})
+    obstacles = tuple(
+        i for i, thing in enumerate(found.objects) if i and thing.class_name in config.obstacles
+    )
+    names = sorted({surface.path[-1] for surface in found.read.model.surfaces})
     return Place(
         world=world,
         lux=lux,
-        floor=floor,
-        agent=agent,
-        occlusion=occlusion,
-        object_of_triangle=object_of_triangle,
+        floor=found.floor,
+        agent=found.agent,
+        occlusion=found.occlusion,
+        object_of_triangle=found.object_of_triangle,
         obstacles=obstacles,
         names=", ".join(names[:12]) + (", ..." if len(names) > 12 else ""),
-        recorded=recorded,
-        remarks=tuple(remarks),
+        recorded=found.recorded,
     )
 
 
@@ -190,28 +244,29 @@ def _floor(
     )
 
 
-def _lit(
-    config: ImportedSettings,
-    read: Read,
-    patches: Sequence[Patch],
-    occlusion: Occlusion,
-    objects: tuple[Object, ...],
-    classes: tuple[str, ...],
-    floor: Floor,
-    sky: Surroundings | None,
-) -> World:
-    own = () if config.light == "lamps" else tuple(of_file(read.model.lights, read.turn))
+def _lit(config: ImportedSettings, found: Survey) -> World:
+    model, sky = found.read.model, found.sky
+    own = () if config.light == "lamps" else tuple(of_file(model.lights, found.read.turn))
     if sky is not None and sky.sun is not None:
         own = (*own, sky.sun)
-    skins = read.model.skins
+    skins = model.skins
     if config.light == "lamps":
         skins = tuple(replace(skin, emission=np.zeros(3)) for skin in skins)
     sources = Sources(own, config.emission_cd_m2, sky, _LAMPS[config.light])
     eye_m = float(np.mean(config.camera_height_m))
     budget = Budget(config.triangles, config.texture_memory_mb)
     try:
-        lit = lit_world(patches, occlusion, skins, objects, classes, floor, eye_m, sources, budget)
-        return replace(lit, origin_m=read.origin_m)
+        lit = lit_world(
+            found.patches,
+            found.occlusion,
+            skins,
+            found.objects,
+            found.class_names,
+            found.floor,
+            eye_m,
+            sources,
+            budget,
+        )
     except ValueError as error:
         raise UserError(
             Fault(
@@ -220,3 +275,4 @@ def _lit(
                 remedy="Give a sky, or light: both for lamps under the ceilings.",
             )
         ) from error
+    return replace(lit, origin_m=found.read.origin_m, remarks=found.remarks)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
+from tacos_worlds.imported.cutouts import cut_out
 from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.labels import Rule
 from tacos_worlds.imported.model import Model, Surface
@@ -75,8 +76,15 @@ def read_world(
         for rule in rules
         if all(rule.matches(s.path) is None for s in model.surfaces)
     ]
+    clear = sorted({model.skins[s.skin].name for s in kept if model.skins[s.skin].opacity < _LEAST_OPACITY})
     kept = [s for s in kept if model.skins[s.skin].opacity >= _LEAST_OPACITY]
-    model = replace(model, surfaces=tuple(kept))
+    notes = model.notes
+    if clear:
+        notes = (
+            *notes,
+            f"{', '.join(clear[:5])}: clear surfaces are left out: light, image and depth pass them",
+        )
+    model = replace(model, surfaces=tuple(kept), notes=notes)
     faults += _of_content(file, model)
     if faults:
         raise UserError(faults)
@@ -84,6 +92,9 @@ def read_world(
     turn = metres_per_unit * _Z_UP_FROM[axis]
     if faults := list(_of_size(file, model, turn)):
         raise UserError(faults)
+    model = cut_out(model)
+    if not model.triangle_count:
+        raise UserError(Fault(str(file), "holds no triangles that hide anything", "surfaces that are opaque"))
     origin_m = far_origin_m(model, turn)
     return Read(_moved(model, np.asarray(np.linalg.solve(turn, origin_m), np.float64)), turn, axis, origin_m)
 

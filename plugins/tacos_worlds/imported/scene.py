@@ -61,6 +61,19 @@ class ImportedScene:
             self._place = prepare(self.config)
         return self._place
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is doubtful of the files, and what of them is not carried out, with its effect.
+
+        Raises
+        ------
+        UserError
+            With a fault for each thing that is wrong with the files.
+        """
+        from tacos_worlds.imported.preparation import survey
+
+        return survey(self.config).remarks if self._place is None else self._place.world.remarks
+
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A trip through the world.
 

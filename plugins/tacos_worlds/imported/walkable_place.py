@@ -30,8 +30,6 @@ class Place:
         Some names of nodes, for messages.
     recorded
         Poses of the agent from a file, or None.
-    remarks
-        What is doubtful of the files, and what of them is not carried out, with its effect.
     """
 
     world: World
@@ -43,4 +41,3 @@ class Place:
     obstacles: tuple[int, ...]
     names: str
     recorded: Trajectory | None
-    remarks: tuple[str, ...] = ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +15,12 @@ from scipy.spatial.transform import Rotation
 from tacos_framework import Fault, UserError
 from tacos_framework.files import limits
 from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
+from tacos_worlds.imported.formats.gltf_notes import UNDERSTOOD, notes_on, remedy_for
 from tacos_worlds.imported.formats.gltf_skins import Skins
 from tacos_worlds.imported.model import Model, PunctualLight, Surface
 
 _DEEPEST = 200
 """Levels of nodes; no program nests them so deep."""
-_UNDERSTOOD = {
-    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
-    "KHR_materials_transmission", "KHR_mesh_quantization", "EXT_texture_webp", "KHR_materials_specular",
-    "KHR_materials_ior", "KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_volume",
-    "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion",
-    "KHR_materials_variants",
-}  # fmt: skip
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 
@@ -46,11 +41,9 @@ def read_gltf(file: Path, most_px: int) -> Model:
     """
     buffers = Buffers(file)
     required = set(map(str, buffers.header.get("extensionsRequired", [])))
-    if unknown := sorted(required - _UNDERSTOOD):
-        raise Damaged(
-            f"it needs {', '.join(unknown)}: export it without compression and without that extension"
-        )
-    return _Reader(buffers, most_px).model()
+    if unknown := sorted(required - UNDERSTOOD):
+        raise Damaged("; ".join(f"it needs {name}: {remedy_for(name)}" for name in unknown))
+    return replace(_Reader(buffers, most_px).model(), notes=tuple(notes_on(buffers)))
 
 
 class _Reader:
@@ -108,8 +101,9 @@ class _Reader:
         mode, attributes = primitive.get("mode", _TRIANGLES), primitive.get("attributes", {})
         if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:
             return None
-        if "KHR_draco_mesh_compression" in primitive.get("extensions", {}):
-            raise Damaged("it is compressed by Draco: export it without compression")
+        draco = "KHR_draco_mesh_compression"
+        if draco in primitive.get("extensions", {}) and not self._buffers.has_data(attributes["POSITION"]):
+            raise Damaged(f"it is compressed by {draco}: {remedy_for(draco)}")
         self._count(primitive.get("indices", attributes["POSITION"]), mode)
         read = self._buffers.accessor
         vertices = _wide(read(attributes["POSITION"]), 3, path)

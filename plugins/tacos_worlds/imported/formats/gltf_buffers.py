@@ -85,13 +85,17 @@ class Buffers:
         """The bytes of a buffer view."""
         entry = self.entry("bufferViews", index)
         if "EXT_meshopt_compression" in entry.get("extensions", {}):
-            raise Damaged("it is compressed by EXT_meshopt_compression: export it without compression")
+            raise Damaged("it is compressed by EXT_meshopt_compression: run gltfpack without -c and -cc")
         return _cut(self._buffer(entry.get("buffer")), entry, f"bufferViews[{index}]")
 
     def image(self, index: object) -> bytes:
         """The encoded bytes of an image."""
         entry = self.entry("images", index)
         return self._at(str(entry["uri"])) if "uri" in entry else bytes(self.view(entry.get("bufferView")))
+
+    def has_data(self, index: object) -> bool:
+        """Whether an accessor has bytes of its own."""
+        return "bufferView" in self.entry("accessors", index)
 
     def count(self, index: object) -> int:
         """How many items an accessor has, as it says, before any is read."""

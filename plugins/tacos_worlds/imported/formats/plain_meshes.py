@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.imported.model import Model, Skin, Surface
 from tacos_worlds.kit.mesh_files import read_mesh_file
+from tacos_worlds.kit.mesh_files.mtl import MtlMaterial
 
 
 def read_plain_mesh(file: Path, most_px: int) -> Model:
@@ -29,14 +31,22 @@ def read_plain_mesh(file: Path, most_px: int) -> Model:
     """
     is_obj = file.suffix.lower() == ".obj"
     options: dict[str, Any] = {"split_objects": True, "group_material": True} if is_obj else {}
-    scene = read_mesh_file(file, process=False, **options).scene
+    read = read_mesh_file(file, process=False, **options)
     surfaces: list[Surface] = []
     skins: list[Skin] = []
-    for name, mesh in scene.geometry.items():
+    for name, mesh in read.scene.geometry.items():
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            surfaces.append(_surface(str(mesh.metadata.get("name", name)), mesh, len(skins)))
-            skins.append(_skin(mesh, most_px))
-    return Model(tuple(surfaces), tuple(skins))
+            more = read.materials.get(_material_name(mesh), MtlMaterial())
+            surface = _surface(str(mesh.metadata.get("name", name)), mesh, len(skins))
+            if surface.uv is not None:
+                surface = replace(surface, uv=surface.uv * more.scale + more.offset)
+            surfaces.append(surface)
+            skins.append(_skin(mesh, most_px, more))
+    return Model(tuple(surfaces), tuple(skins), notes=read.notes)
+
+
+def _material_name(mesh: trimesh.Trimesh) -> str:
+    return str(getattr(getattr(mesh.visual, "material", None), "name", ""))
 
 
 def _surface(name: str, mesh: trimesh.Trimesh, skin: int) -> Surface:
@@ -69,7 +79,7 @@ def _of_faces(mesh: trimesh.Trimesh, colours: NDArray[np.uint8]) -> NDArray[np.f
     return np.asarray(total / np.maximum(count, 1))
 
 
-def _skin(mesh: trimesh.Trimesh, most_px: int) -> Skin:
+def _skin(mesh: trimesh.Trimesh, most_px: int, more: MtlMaterial) -> Skin:
     material = getattr(mesh.visual, "material", None)
     if isinstance(material, trimesh.visual.material.SimpleMaterial):
         material = material.to_pbr()
@@ -78,17 +88,22 @@ def _skin(mesh: trimesh.Trimesh, most_px: int) -> Skin:
             "colours", np.ones(3) if mesh.visual is not None and mesh.visual.defined else np.full(3, 0.5)
         )
     factor = np.ones(4) if material.baseColorFactor is None else np.asarray(material.baseColorFactor) / 255
-    image = None
+    image = mask = None
     if material.baseColorTexture is not None:
-        loaded = material.baseColorTexture.convert("RGB")
+        loaded = material.baseColorTexture.convert("RGBA")
         loaded.thumbnail((most_px, most_px))
-        image = np.ascontiguousarray(np.asarray(loaded)[::-1])
+        pixels = np.ascontiguousarray(np.asarray(loaded)[::-1])
+        image = pixels[..., :3]
+        mask = pixels[..., 3] if more.masked else None
     emission = np.zeros(3) if material.emissiveFactor is None else np.asarray(material.emissiveFactor, float)
+    emission = np.maximum(emission, more.emission)
     roughness = 0.8 if material.roughnessFactor is None else float(material.roughnessFactor)
     return Skin(
         name=str(material.name or ""),
         base_colour=np.clip(np.ones(3) if image is not None else factor[:3], 0, 1),
-        opacity=float(factor[3]),
+        opacity=min(float(factor[3]), more.opacity),
+        mask=mask,
+        clamped=(more.clamped, more.clamped),
         texture=image,
         roughness=float(np.clip(roughness, 0, 1)),
         emission=emission,

@@ -3,6 +3,7 @@
 ``read``        the door: a file to a scene
 ``gltf``        whether a glTF file holds what it promises, in entries of ``gltf_shapes``
 ``plain``       the same of OBJ and PLY files
+``mtl``         libraries of materials of OBJ files
 ``references``  files and pictures that a file names
 """
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from tacos_framework import Fault, UserError
 from tacos_framework.files import limits, too_large
+from tacos_worlds.kit.mesh_files.mtl import read_library, statement_notes
 from tacos_worlds.kit.mesh_files.references import References
 
 _FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
@@ -13,7 +15,8 @@ _MOST_GROUPS, _LONGEST = 5000, 10_000
 """Beyond either, parsing takes the square of it."""
 _GROUP = re.compile(rb"^(?:usemtl|o|g)[ \t]", re.MULTILINE)
 _LONG_LINE = re.compile(rb"[^\n]{%d}" % _LONGEST)
-_LIBRARY = re.compile(rb"mtllib([^\n]*)")
+_LIBRARY = re.compile(rb"^[ \t]*mtllib([^\n]*)", re.MULTILINE)
+_STATEMENT = re.compile(rb"^[ \t]*(l|p|curv2?|surf|cstype)[ \t]", re.MULTILINE)
 _PLY_SIZES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
     **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
@@ -41,12 +44,22 @@ def check_obj(content: bytes, references: References, where: str) -> int:
     if len(_GROUP.findall(content)) > _MOST_GROUPS or _LONG_LINE.search(content):
         what = f"has more than {_MOST_GROUPS} groups and materials, or a line of more than {_LONGEST} bytes"
         raise UserError(Fault(where, what, "", "Join objects, or export glTF."))
-    if found := _LIBRARY.search(content):  # trimesh takes the first
-        try:
-            references.bytes_of(found[1].decode("utf-8").strip())
-        except UserError:
-            return 0  # kept among the faults of the references
+    try:
+        _read_libraries([found.decode("utf-8").strip() for found in _LIBRARY.findall(content)], references)
+    except UserError:
+        return 0  # kept among the faults of the references
+    used = {found.decode("ascii") for found in set(_STATEMENT.findall(content))}
+    references.notes += statement_notes(used)
     return len(_FACE.findall(content))
+
+
+def _read_libraries(names: Sequence[str], references: References) -> None:
+    """Read all libraries of materials as one, under the name of the first: trimesh asks for that alone."""
+    contents = {name: references.bytes_of(name) for name in names}
+    if not names or len(set(contents.values())) == 0:
+        return
+    library = read_library("\n".join(each.decode("utf-8", "replace") for each in contents.values()))
+    references.use_library(names[0], library)
 
 
 def check_ply(content: bytes, where: str) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import trimesh
 from tacos_framework import Fault, UserError
 from tacos_framework.files import limits, read_bytes
 from tacos_worlds.kit.mesh_files.gltf import check_gltf, glb_chunks, parse_tree
+from tacos_worlds.kit.mesh_files.mtl import MtlMaterial
 from tacos_worlds.kit.mesh_files.plain import check_obj, check_ply
 from tacos_worlds.kit.mesh_files.references import References
 
@@ -51,10 +52,14 @@ class MeshFile:
         As trimesh has it, with finite vertices and faces that name vertices that are there.
     tree
         The JSON of a glTF file, for what trimesh leaves out (lights, extras); empty for other files.
+    materials, notes
+        Of an OBJ file: what trimesh leaves out of its materials, by name, and what is not carried out.
     """
 
     scene: trimesh.Scene
     tree: Mapping[str, Any]
+    materials: Mapping[str, MtlMaterial] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
 
 def read_mesh_file(
@@ -109,7 +114,7 @@ def read_mesh_file(
         remedy = "Simplify the model." if most_triangles else limits().remedy("mesh_triangles", count)
         raise UserError(Fault(where, f"has {least}{count} triangles", f"at most {most:.0f}", remedy))
     scene = _loaded(content, kind.removeprefix("."), references, where, options)
-    return MeshFile(scene, tree)
+    return MeshFile(scene, tree, references.materials, tuple(references.notes))
 
 
 def _loaded(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import binascii
 from base64 import b64decode
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -13,6 +14,7 @@ from trimesh.resolvers import Resolver
 from tacos_files.images import checked_header, decode_picture
 from tacos_framework import Fault, UserError
 from tacos_framework.files import MB, limits, read_bytes, too_large
+from tacos_worlds.kit.mesh_files.mtl import Library, MtlMaterial
 
 _DATA = "base64,"
 _TEXTURES_MB = 800
@@ -41,6 +43,14 @@ class References(Resolver):
         self._folder, self._within = path.parent, within
         self._bytes, self._decoded_bytes = size_bytes, 0
         self._read: dict[str, bytes] = {}
+        self.materials: Mapping[str, MtlMaterial] = {}
+        self.notes: list[str] = []
+
+    def use_library(self, name: str, library: Library) -> None:
+        """Keep what a library of materials says, and give its plain text under that name."""
+        self._read[name] = library.plain.encode()
+        self.materials = library.materials
+        self.notes += library.notes
 
     def get(self, key: str) -> bytes:
         """The bytes of a file by its name, which is a picture unless it was read before.

@@ -1,0 +1,121 @@
+"""Fences, leaves and grilles: surfaces cut to where their texture is opaque.
+
+Holes are holes for all that follows: images, depth, ids, light and where one can walk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_worlds.imported.mask_outlines import outlines
+from tacos_worlds.imported.model import Model, Skin, Surface
+from tacos_worlds.imported.uv_clipping import cut
+
+_MOST_TRIANGLES = 100_000
+"""Of all surfaces with holes together: masks are read more coarsely rather than giving more [1]."""
+_FINEST_PX, _COARSEST_PX = 512, 4
+_FAR = 1e6
+"""Beyond any texture coordinate [tiles]."""
+_ROUNDING = 1e-6
+
+
+def cut_out(model: Model) -> Model:
+    """The model with the holes of its masks, and with textures that end at their edges held there."""
+    with_holes = sum(model.skins[s.skin].mask is not None and s.uv is not None for s in model.surfaces)
+    most = _MOST_TRIANGLES // max(with_holes, 1)
+    return replace(model, surfaces=tuple(_cut(s, model.skins[s.skin], most) for s in model.surfaces))
+
+
+def _cut(surface: Surface, skin: Skin, most: int) -> Surface:
+    if surface.uv is None or not len(surface.triangles):
+        return surface
+    if any(skin.clamped):
+        surface = _held(surface, skin)
+    return surface if skin.mask is None else _perforated(surface, skin, most)
+
+
+def _held(surface: Surface, skin: Skin) -> Surface:
+    """Texture coordinates beyond an edge that does not repeat, held at it; triangles cut where it lies.
+
+    They are held at the middle of the outermost texels, beyond which samplers blend with the other edge.
+    """
+    assert surface.uv is not None
+    low, high = surface.uv.min(axis=0), surface.uv.max(axis=0)
+    beyond = (low < -_ROUNDING) | (high > 1 + _ROUNDING)
+    held = np.array(skin.clamped) & beyond
+    if not held.any():
+        return surface
+    size = np.full(2, np.inf) if skin.texture is None else np.array(skin.texture.shape[1::-1], np.float64)
+    least = np.where(held, 0.5 / size, -_FAR)
+    most = np.where(held, 1 - least, _FAR)
+    bands = [
+        [(-_FAR, least[axis]), (least[axis], most[axis]), (most[axis], _FAR)]
+        if held[axis]
+        else [(-_FAR, _FAR)]
+        for axis in (0, 1)
+    ]
+    fields = np.array([[(a, c), (b, c), (b, d), (a, d)] for a, b in bands[0] for c, d in bands[1]])
+    sound = _has_area(surface)
+    surface = cut(surface, np.repeat(sound, len(fields)), np.tile(fields, (len(sound), 1, 1)))
+    return replace(surface, uv=None if surface.uv is None else np.clip(surface.uv, least, most))
+
+
+def _perforated(surface: Surface, skin: Skin, most: int) -> Surface:
+    assert surface.uv is not None
+    assert skin.mask is not None
+    sound = _has_area(surface)
+    corners = surface.uv[surface.triangles[sound]]
+    tiles = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])).sum() / 2
+    polygons = _outlines_within(skin, float(most), float(tiles) + 0.02 * len(sound))
+    owner, placed = _placed(corners, polygons, skin.clamped)
+    if not len(owner):
+        return replace(surface, triangles=np.zeros((0, 3), np.int64))
+    return cut(surface, sound[owner], placed)
+
+
+def _has_area(surface: Surface) -> NDArray[np.intp]:
+    """The triangles that have an extent in the texture."""
+    assert surface.uv is not None
+    corners = surface.uv[surface.triangles]
+    return np.flatnonzero(np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) > 1e-14)
+
+
+def _outlines_within(skin: Skin, most: float, tiles: float) -> NDArray[np.float64]:
+    """Outlines as fine as the triangles they give allow."""
+    assert skin.mask is not None
+    edge = min(max(skin.mask.shape), _FINEST_PX)
+    while True:
+        shrunk = skin.mask.astype(np.float32)
+        if edge < max(shrunk.shape):
+            rows, columns = (max(1, side * edge // max(skin.mask.shape)) for side in shrunk.shape)
+            shrunk = np.asarray(cv2.resize(shrunk, (columns, rows), interpolation=cv2.INTER_AREA), np.float32)
+        found = outlines(shrunk.astype(np.float64) / 255 - skin.cutoff, skin.clamped)
+        if 2 * len(found) * tiles <= most or edge <= _COARSEST_PX:
+            return found
+        edge //= 2
+
+
+def _placed(
+    corners: NDArray[np.float64], polygons: NDArray[np.float64], clamped: Sequence[bool]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Which triangles may meet which outlines of which tile: (N,) triangles and (N, K, 2) polygons there."""
+    lower, upper = polygons.min(axis=1), polygons.max(axis=1)
+    owners, placed = [np.zeros(0, np.int64)], [polygons[:0]]
+    for index, triangle in enumerate(corners):
+        low, high = triangle.min(axis=0), triangle.max(axis=0)
+        # Outlines of a tile that repeats begin half a texel inside it and end as far beyond.
+        ranges = [
+            [0] if clamped[axis] else range(int(np.floor(low[axis])) - 1, int(np.floor(high[axis])) + 1)
+            for axis in (0, 1)
+        ]
+        shifts = np.array([(i, j) for i in ranges[0] for j in ranges[1]], np.float64)
+        near = (lower + shifts[:, None] < high).all(axis=2) & (upper + shifts[:, None] > low).all(axis=2)
+        shift, which = np.nonzero(near)
+        owners.append(np.full(len(which), index))
+        placed.append(polygons[which] + shifts[shift][:, None])
+    return np.concatenate(owners), np.concatenate(placed)

@@ -1,0 +1,91 @@
+"""What a glTF file uses and is not carried out: each once, with its effect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tacos_worlds.imported.formats.gltf_buffers import Buffers
+
+_CARRIED_OUT = {
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_transmission",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+}
+_EFFECTS = {
+    "KHR_materials_unlit": "surfaces are lit like others, in place of showing their colour as it is",
+    "KHR_materials_specular": "highlights have the strength of common plastics and paints",
+    "KHR_materials_clearcoat": "lacquer over a surface is not drawn",
+    "KHR_materials_sheen": "cloth has no sheen",
+    "KHR_materials_volume": "thick glass neither bends nor tints light",
+    "KHR_materials_iridescence": "films do not shimmer in colours",
+    "KHR_materials_anisotropy": "brushed metal mirrors alike in all directions",
+    "KHR_materials_dispersion": "glass does not split colours",
+    "KHR_materials_variants": "the first look of each surface is drawn",
+}
+UNDERSTOOD = _CARRIED_OUT | _EFFECTS.keys()
+"""Extensions without which a file that requires them is still read as it is meant, or nearly so."""
+_REMEDIES = {
+    "KHR_draco_mesh_compression": "export it with Compression off (Blender: Data, Mesh), or run "
+    "`gltf-transform copy in.glb out.glb`, which unpacks it",
+    "EXT_meshopt_compression": "run gltfpack without -c and -cc, or `gltf-transform copy in.glb out.glb`",
+    "KHR_meshopt_compression": "run gltfpack without -c and -cc, or `gltf-transform copy in.glb out.glb`",
+    "KHR_texture_basisu": "export textures as PNG or JPEG: gltfpack without -tc, or toktx's source images",
+    "EXT_mesh_gpu_instancing": "export copies as nodes of their own: in gltf-transform without `instance`",
+}
+_MODES = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
+
+
+def remedy_for(extension: str) -> str:
+    """Which setting of an exporter leaves an extension out."""
+    return _REMEDIES.get(extension, "export it without that extension")
+
+
+def notes_on(buffers: Buffers) -> Iterator[str]:
+    """What is left out of a file that is read, and what follows for the image."""
+    used = sorted({str(name) for name in buffers.header.get("extensionsUsed", [])})
+    for name in used:
+        if name in _CARRIED_OUT or (name in _REMEDIES and name != "EXT_mesh_gpu_instancing"):
+            continue
+        missing = "copies of meshes are missing" if name == "EXT_mesh_gpu_instancing" else "it has no effect"
+        yield f"{name} is not carried out: {_EFFECTS.get(name, missing)}"
+    primitives = [part for mesh in buffers.listed("meshes") for part in mesh.get("primitives", [])]
+    modes = [_MODES[part["mode"]] for part in primitives if part.get("mode") in _MODES]
+    for kind in sorted(set(modes)):
+        yield f"{modes.count(kind)} sets of {kind} are left out: only triangles are drawn"
+    attributes = {name for part in primitives for name in part.get("attributes", {})}
+    if "JOINTS_0" in attributes or buffers.listed("skins"):
+        yield "skinned figures stand as modelled: bones do not move them"
+    if any("targets" in part for part in primitives):
+        yield "morph targets are not carried out: shapes are those without"
+    if buffers.listed("animations"):
+        yield "animations are not played: all stands as at the start"
+    if further := sorted(name for name in attributes if name.startswith("COLOR_") and name != "COLOR_0"):
+        yield f"{', '.join(further)}: only the first set of vertex colours counts"
+    yield from _of_materials(buffers)
+
+
+def _of_materials(buffers: Buffers) -> Iterator[str]:
+    def named(materials: list[str]) -> str:
+        return ", ".join(materials[:5]) + (f" and {len(materials) - 5} more" if len(materials) > 5 else "")
+
+    blended, mixed, glowing = [], [], []
+    for index, material in enumerate(buffers.listed("materials")):
+        name = str(material.get("name", f"material {index}"))
+        pbr = material.get("pbrMetallicRoughness") or {}
+        if material.get("alphaMode") == "BLEND":
+            blended.append(name)
+        if "metallicRoughnessTexture" in pbr:
+            mixed.append(name)
+        if "emissiveTexture" in material and any(material.get("emissiveFactor", (0, 0, 0))):
+            glowing.append(name)
+    if blended:
+        yield f"{named(blended)}: alphaMode BLEND is drawn opaque from half on, and left out below"
+    if mixed:
+        yield f"{named(mixed)}: roughness and metalness of a texture count by their mean"
+    if glowing:
+        yield f"{named(glowing)}: light of an emissive texture counts by its mean"

@@ -1,0 +1,176 @@
+"""Libraries of materials of OBJ files: what trimesh leaves out of them, or takes for names of files.
+
+References
+----------
+Ramey, Rose and Tyerman 1995, "MTL material format (Lightwave, OBJ)", version 4.2.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+_VALUES = {
+    "-blendu": 1, "-blendv": 1, "-cc": 1, "-clamp": 1, "-mm": 2, "-texres": 1, "-bm": 1, "-boost": 1,
+    "-imfchan": 1, "-type": 1, "-o": 3, "-s": 3, "-t": 3,
+}  # fmt: skip
+"""Values after each option, at most."""
+_AS_MANY_AS_ARE_NUMBERS = ("-o", "-s", "-t")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_PICTURES = re.compile(r"(map_\w+|bump|norm|disp|decal|refl)", re.IGNORECASE)
+_EFFECTS = {
+    "map_d": "holes of fences and leaves are drawn solid",
+    "map_ka": "it has no effect: light is computed",
+    "map_ks": "highlights are alike all over a surface",
+    "map_ns": "highlights are alike all over a surface",
+    "map_ke": "surfaces do not glow in a pattern",
+    "map_bump": "surfaces are smooth",
+    "bump": "surfaces are smooth",
+    "norm": "surfaces are smooth",
+    "disp": "surfaces are smooth",
+    "decal": "the picture upon another is not drawn",
+    "refl": "it has no effect: reflections are computed",
+}
+_OPTION_EFFECTS = {
+    "-t": "textures are not stirred by turbulence",
+    "-mm": "textures keep the brightness of their picture",
+    "-cc": "textures keep the colours of their picture",
+    "-imfchan": "textures take all channels of their picture",
+}
+
+
+@dataclass(frozen=True)
+class MtlMaterial:
+    """What a material says besides its colours and its picture.
+
+    Parameters
+    ----------
+    opacity
+        0 for what is not there [1].
+    scale, offset
+        Of texture coordinates: ``uv * scale + offset`` [1, tiles].
+    clamped
+        Whether the texture ends at its edges.
+    emission
+        Light sent out, in the file's unit.
+    masked
+        Whether the alpha of its picture says where it is.
+    """
+
+    opacity: float = 1.0
+    scale: tuple[float, float] = (1.0, 1.0)
+    offset: tuple[float, float] = (0.0, 0.0)
+    clamped: bool = False
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    masked: bool = False
+
+
+@dataclass(frozen=True)
+class Library:
+    """A library of materials.
+
+    Parameters
+    ----------
+    plain
+        The same text without options before names of pictures.
+    materials
+        By name.
+    notes
+        What is not carried out, each with its effect.
+    """
+
+    plain: str
+    materials: Mapping[str, MtlMaterial]
+    notes: tuple[str, ...]
+
+
+def read_library(text: str) -> Library:
+    """Read the text of an MTL file, or of several one after another.
+
+    Examples
+    --------
+    >>> library = read_library("newmtl Floor\\nd 0.2\\nmap_Kd -s 2 3 1 floor tile.png\\n")
+    >>> library.plain.splitlines()[-1], library.materials["Floor"].scale
+    ('map_Kd floor tile.png', (2.0, 3.0))
+    """
+    lines: list[str] = []
+    materials: dict[str, MtlMaterial] = {}
+    pictures: dict[tuple[str, str], str] = {}
+    notes: dict[str, None] = {}
+    name = ""
+    for line in text.splitlines():
+        word, _, rest = line.strip().partition(" ")
+        key = word.lower()
+        if key == "newmtl":
+            name = rest.strip()
+            materials[name] = MtlMaterial()
+        elif _PICTURES.fullmatch(word):
+            options, picture = split_options(rest)
+            line, pictures[name, key] = f"{word} {picture}", picture
+            if key == "map_kd" and name in materials:
+                materials[name] = _moved(materials[name], options)
+                unread = (f"{each}: {_OPTION_EFFECTS[each]}" for each in options if each in _OPTION_EFFECTS)
+                notes |= dict.fromkeys(unread)
+        elif name in materials:
+            materials[name] = _with(materials[name], key, _numbers(rest.split()))
+        lines.append(line)
+    for (owner, key), picture in pictures.items():
+        if key == "map_d" and picture == pictures.get((owner, "map_kd")) and owner in materials:
+            materials[owner] = replace(materials[owner], masked=True)
+        elif key in _EFFECTS:
+            notes[f"{key} is not carried out: {_EFFECTS[key]}"] = None
+    if materials and all(each.opacity < 0.5 for each in materials.values()):
+        notes["d or Tr says that all is clear, which is taken as all opaque"] = None
+        materials = {key: replace(each, opacity=1.0) for key, each in materials.items()}
+    return Library("\n".join(lines) + "\n", materials, tuple(notes))
+
+
+def split_options(rest: str) -> tuple[dict[str, list[str]], str]:
+    """Options before the name of a picture, with their values, and that name, which may hold spaces."""
+    options: dict[str, list[str]] = {}
+    words, at = rest.split(), 0
+    while at < len(words) and words[at].lower() in _VALUES:
+        option = words[at].lower()
+        end = at + 1 + _VALUES[option]
+        if option in _AS_MANY_AS_ARE_NUMBERS:
+            end = at + 1
+            while end < min(len(words), at + 4) and _NUMBER.fullmatch(words[end]):
+                end += 1
+        options[option] = words[at + 1 : end]
+        at = end
+    if not options:
+        return options, rest.strip()
+    return options, rest.strip().split(maxsplit=at)[-1] if at < len(words) else ""
+
+
+def statement_notes(statements: Iterable[str]) -> Iterator[str]:
+    """What of the statements of an OBJ file is left out."""
+    used = set(statements)
+    if used & {"l", "p"}:
+        yield "lines and points (l, p) are left out: only faces are drawn"
+    if used & {"curv", "curv2", "surf", "cstype"}:
+        yield "free-form curves and surfaces are left out: export them as polygons"
+
+
+def _moved(material: MtlMaterial, options: Mapping[str, list[str]]) -> MtlMaterial:
+    scale = [*_numbers(options.get("-s", [])), 1.0, 1.0]
+    if len(options.get("-s", [])) == 1:
+        scale[1] = 1.0
+    offset = [*_numbers(options.get("-o", [])), 0.0, 0.0]
+    clamped = [value.lower() for value in options.get("-clamp", [])] == ["on"]
+    return replace(material, scale=(scale[0], scale[1]), offset=(offset[0], offset[1]), clamped=clamped)
+
+
+def _with(material: MtlMaterial, key: str, values: list[float]) -> MtlMaterial:
+    if key == "d" and values:
+        return replace(material, opacity=values[-1])
+    if key == "tr" and values:
+        return replace(material, opacity=1.0 - values[0])
+    if key == "ke" and len(values) == 3:
+        return replace(material, emission=(values[0], values[1], values[2]))
+    return material
+
+
+def _numbers(words: Iterable[str]) -> list[float]:
+    return [float(word) for word in words if _NUMBER.fullmatch(word)]

@@ -1,0 +1,344 @@
+"""Masks, samplers, tints and materials of files, as their formats mean them."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from tacos_framework.errors import UserError
+from tacos_view.pictures import png_uri
+from tacos_worlds.imported.cutouts import cut_out
+from tacos_worlds.imported.formats.gltf import read_gltf
+from tacos_worlds.imported.formats.gltf_buffers import Damaged
+from tacos_worlds.imported.mask_outlines import outlines
+from tacos_worlds.imported.model import Model, Skin, Surface
+from tacos_worlds.imported.patch import Patch
+from tacos_worlds.imported.reader import read_world
+from tacos_worlds.imported.tints import tinted
+from tacos_worlds.kit.mesh_files.mtl import read_library, split_options
+
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+TWO = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def area(surface: Surface) -> float:
+    a, b, c = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
+
+
+def square(uv: np.ndarray, **skin: Any) -> Model:
+    surface = Surface(("sheet",), SQUARE, TWO, 0, uv=uv, normals=np.tile([0.0, 0, 1], (4, 1)))
+    return Model((surface,), (Skin("s", **skin),))
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    columns=st.lists(st.booleans(), min_size=4, max_size=16),
+    tiles=st.integers(1, 3),
+    turn=st.floats(-3, 3),
+    move=st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
+)
+def test_bars_leave_the_share_of_a_sheet_that_is_opaque(
+    columns: list[bool], tiles: int, turn: float, move: tuple[float, float]
+) -> None:
+    """A sampler that blends puts edges halfway between texels, so that shares are those of the texels."""
+    assume(any(columns) and not all(columns))
+    mask = np.tile(np.array(columns, np.uint8) * 255, (len(columns), 1))
+    cut = cut_out(square(SQUARE[:, :2] * tiles, mask=mask)).surfaces[0]
+    assert area(cut) == pytest.approx(np.mean(columns), abs=1e-6)
+    assert cut.normals is not None
+    np.testing.assert_allclose(cut.normals, np.tile([0.0, 0, 1], (len(cut.normals), 1)), atol=1e-9)
+    turned = SQUARE[:, :2] @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]) + move
+    anywhere = cut_out(square(turned, mask=mask)).surfaces[0]
+    assert area(anywhere) <= 1 + 1e-6
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), cutoff=st.floats(0.2, 0.8))
+def test_what_is_left_of_a_sheet_is_where_its_mask_is_above_the_cutoff(seed: int, cutoff: float) -> None:
+    rng = np.random.default_rng(seed)
+    mask = rng.integers(0, 256, (6, 9), dtype=np.uint8)
+    cut = cut_out(square(SQUARE[:, :2], mask=mask, cutoff=cutoff)).surfaces[0]
+    assume(len(cut.triangles))
+    corners = cut.vertices[cut.triangles][..., :2]
+    first, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    for row, column in np.ndindex(mask.shape):
+        at = np.array([(column + 0.5) / 9, (row + 0.5) / 6]) - first
+        second = (at[:, 0] * v[:, 1] - at[:, 1] * v[:, 0]) / doubled
+        third = (u[:, 0] * at[:, 1] - u[:, 1] * at[:, 0]) / doubled
+        least = np.minimum(np.minimum(second, third), 1 - second - third).max()
+        assert least > -1e-6 if mask[row, column] >= 255 * cutoff else least < 1e-6
+    crosses = np.cross(
+        cut.vertices[cut.triangles[:, 1]] - cut.vertices[cut.triangles[:, 0]],
+        cut.vertices[cut.triangles[:, 2]] - cut.vertices[cut.triangles[:, 0]],
+    )
+    assert (crosses[:, 2] > 0).all()
+
+
+def test_outlines_stay_within_bounds_on_triangles() -> None:
+    rng = np.random.default_rng(0)
+    mask = rng.integers(0, 256, (512, 512), dtype=np.uint8)
+    cut = cut_out(square(SQUARE[:, :2] * 20, mask=mask)).surfaces[0]
+    assert len(cut.triangles) < 300_000
+    assert outlines(np.full((4, 4), -1.0), (False, False)).shape == (0, 8, 2)
+
+
+def test_a_texture_that_ends_at_its_edges_is_held_there() -> None:
+    held = cut_out(square(SQUARE[:, :2] * 3 - 1, clamped=(True, True))).surfaces[0]
+    assert held.uv is not None
+    assert held.uv.min() == pytest.approx(0, abs=1e-9)
+    assert held.uv.max() == pytest.approx(1, abs=1e-9)
+    assert area(held) == pytest.approx(1)
+    middle = np.abs(held.vertices[:, :2] - 0.5).max(axis=1) < 1 / 6 - 1e-9
+    np.testing.assert_allclose(held.uv[middle], held.vertices[middle, :2] * 3 - 1, atol=1e-9)
+
+
+def patch(colours: np.ndarray, uv: np.ndarray | None = None) -> Patch:
+    return Patch(SQUARE, TWO, 0, 0, uv=uv, colours=colours)
+
+
+def test_white_colours_change_nothing_and_one_colour_multiplies() -> None:
+    texture = np.zeros((2, 2, 3), np.uint8)
+    skin = Skin("wall", np.full(3, 0.8), texture=texture, roughness=0.3)
+    (white,), skins, atlases = tinted([patch(np.ones((4, 3)), SQUARE[:, :2])], [skin])
+    assert (white.skin, white.colours, atlases) == (0, None, {})
+    (half,), skins, _ = tinted([patch(np.full((4, 3), 0.5), SQUARE[:, :2])], [skin])
+    assert skins[half.skin].base_colour == pytest.approx(np.full(3, 0.4))
+    assert skins[half.skin].texture is texture
+    assert skins[half.skin].roughness == 0.3
+
+
+def test_a_gradient_over_a_texture_keeps_the_texture_and_its_mean() -> None:
+    colours = np.linspace(0.1, 0.9, 4)[:, None] * np.ones((1, 3))
+    texture = np.zeros((2, 2, 3), np.uint8)
+    parts, skins, _ = tinted([patch(colours, SQUARE[:, :2])], [Skin("w", np.ones(3), texture=texture)])
+    assert all(skins[part.skin].texture is texture for part in parts)
+    areas = np.array([part.areas_m2.sum() for part in parts])
+    tone = np.array([skins[part.skin].base_colour[0] for part in parts])
+    mean = colours[TWO].mean()
+    assert areas.sum() == pytest.approx(1)
+    assert float(areas @ tone) == pytest.approx(mean, rel=0.03)
+
+
+def test_colours_without_a_texture_multiply_the_colour_of_the_material() -> None:
+    colours = np.linspace(0.2, 1, 4)[:, None] * np.ones((1, 3))
+    skin = Skin("w", np.array([1.0, 0, 0]), roughness=0.2, metallic=1.0)
+    (painted,), skins, atlases = tinted([patch(colours)], [skin])
+    assert (skins[painted.skin].roughness, skins[painted.skin].metallic) == (0.2, 1.0)
+    assert atlases[painted.skin][..., 0].max() > 0
+    assert atlases[painted.skin][..., 1:].max() == 0
+
+
+def gltf(folder: Path, **more: object) -> Path:
+    corners = SQUARE.astype("<f4").tobytes() + SQUARE[:, :2].astype("<f4").tobytes()
+    corners += TWO.astype("<u2").tobytes()
+    tree = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": f"data:;base64,{b64encode(corners).decode()}", "byteLength": len(corners)}],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+            {"buffer": 0, "byteOffset": 80, "byteLength": 12},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+            {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"},
+        ],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}
+        ],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0, "sampler": 0}],
+        "samplers": [{}],
+        "images": [
+            {"uri": png_uri(np.array([[[10, 0, 0], [20, 0, 0]], [[30, 0, 0], [40, 0, 0]]], np.uint8))}
+        ],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+        **more,
+    }
+    file = folder / "square.gltf"
+    file.write_text(json.dumps(tree), encoding="utf-8")
+    return file
+
+
+def colour_at(model: Model, u: float, v: float) -> int:
+    """Red of the texel at a place of the square, as a sampler that repeats finds it."""
+    surface, skin = model.surfaces[0], model.skins[0]
+    assert surface.uv is not None
+    assert skin.texture is not None
+    origin, along_u, along_v = surface.uv[0], surface.uv[1] - surface.uv[0], surface.uv[3] - surface.uv[0]
+    at = (origin + u * along_u + v * along_v) % 1
+    rows, columns = skin.texture.shape[:2]
+    return int(skin.texture[int(at[1] * rows), int(at[0] * columns), 0])
+
+
+@given(u=st.floats(0.01, 0.99), v=st.floats(0.01, 0.99))
+@pytest.mark.parametrize("wrap_s", [10497, 33648])
+@pytest.mark.parametrize("wrap_t", [10497, 33648])
+def test_textures_repeat_and_mirror_as_their_sampler_says(
+    tmp_path_factory: pytest.TempPathFactory, wrap_s: int, wrap_t: int, u: float, v: float
+) -> None:
+    scale = {"extensions": {"KHR_texture_transform": {"scale": [4, 4], "offset": [-1, -1]}}}
+    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, **scale}}}
+    file = gltf(
+        tmp_path_factory.mktemp("g"), samplers=[{"wrapS": wrap_s, "wrapT": wrap_t}], materials=[material]
+    )
+    x, y = 4 * u - 1, 4 * v - 1  # of glTF: rows downwards
+    assume(all(abs(2 * at - round(2 * at)) > 1e-3 for at in (x, y)))
+
+    def inside(at: float, wrap: int) -> float:
+        return at % 1 if wrap == 10497 or int(np.floor(at)) % 2 == 0 else 1 - at % 1
+
+    row, column = int(2 * inside(y, wrap_t)), int(2 * inside(x, wrap_s))
+    assert colour_at(read_gltf(file, 64), u, v) == 10 + 20 * row + 10 * column
+
+
+@pytest.mark.parametrize("glossiness", [0.0, 0.2, 1.0])
+def test_specular_glossiness_is_a_dielectric_of_its_diffuse_colour(tmp_path: Path, glossiness: float) -> None:
+    look = {"diffuseTexture": {"index": 0}, "diffuseFactor": [0.5, 1, 1, 1], "glossinessFactor": glossiness}
+    materials = [{"extensions": {"KHR_materials_pbrSpecularGlossiness": look}}]
+    skin = read_gltf(gltf(tmp_path, materials=materials), 64).skins[0]
+    assert skin.texture is not None
+    assert (skin.metallic, skin.roughness) == (0.0, pytest.approx(1 - glossiness))
+    assert skin.base_colour == pytest.approx([0.5, 1, 1])
+
+
+def test_a_black_and_bright_specular_material_is_a_metal(tmp_path: Path) -> None:
+    look = {"diffuseFactor": [0, 0, 0, 1], "specularFactor": [0.9, 0.7, 0.3], "glossinessFactor": 0.6}
+    materials = [{"extensions": {"KHR_materials_pbrSpecularGlossiness": look}}]
+    skin = read_gltf(gltf(tmp_path, materials=materials), 64).skins[0]
+    assert (skin.metallic, skin.base_colour.tolist()) == (1.0, [0.9, 0.7, 0.3])
+
+
+def test_metalness_of_a_texture_counts(tmp_path: Path) -> None:
+    """Exporters leave the factor at 1 and paint 0 for what is no metal."""
+    pbr = {"metallicRoughnessTexture": {"index": 0}}
+    images = [{"uri": png_uri(np.tile(np.array([0, 102, 0], np.uint8), (4, 4, 1)))}]
+    skin = read_gltf(gltf(tmp_path, materials=[{"pbrMetallicRoughness": pbr}], images=images), 64).skins[0]
+    assert (skin.metallic, skin.roughness) == (0.0, pytest.approx(0.4))
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"extensionsUsed": ["KHR_materials_clearcoat"]}, "lacquer"),
+        ({"extensionsUsed": ["ACME_fur"]}, "ACME_fur is not carried out"),
+        ({"animations": [{}]}, "animations are not played"),
+        ({"materials": [{"name": "haze", "alphaMode": "BLEND"}]}, "haze: alphaMode BLEND"),
+        ({"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 1}]}]}, "1 sets of lines"),
+    ],
+)
+def test_what_is_not_carried_out_is_said_once_with_its_effect(
+    more: dict[str, object], said: str, tmp_path: Path
+) -> None:
+    notes = read_gltf(gltf(tmp_path, **more), 64).notes
+    assert sum(said in note for note in notes) == 1
+
+
+def test_a_plain_file_has_nothing_to_be_said(tmp_path: Path) -> None:
+    assert read_gltf(gltf(tmp_path), 64).notes == ()
+
+
+@pytest.mark.parametrize(
+    ("extension", "setting"),
+    [
+        ("KHR_draco_mesh_compression", "Compression off"),
+        ("EXT_meshopt_compression", "without -c"),
+        ("KHR_texture_basisu", "PNG or JPEG"),
+    ],
+)
+def test_packed_files_name_the_setting_to_change(extension: str, setting: str, tmp_path: Path) -> None:
+    with pytest.raises(Damaged, match=setting):
+        read_gltf(gltf(tmp_path, extensionsRequired=[extension]), 64)
+
+
+def test_glass_is_left_out_and_told(tmp_path: Path) -> None:
+    materials = [
+        {"name": "pane", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.9}}},
+        {"name": "wall"},
+    ]
+    part = {"attributes": {"POSITION": 0}, "indices": 2}
+    meshes = [{"primitives": [{**part, "material": 0}, {**part, "material": 1}]}]
+    nodes = [{"mesh": 0, "scale": [5, 5, 5]}]
+    file = gltf(tmp_path, materials=materials, meshes=meshes, nodes=nodes)
+    model = read_world(file, up="auto", metres_per_unit=1.0, leave_out=(), most_px=64).model
+    assert len(model.surfaces) == 1
+    assert [note for note in model.notes if "pane: clear surfaces are left out" in note]
+
+
+names = (
+    st.text("abc XYZ0123456789_-.", min_size=1, max_size=20)
+    .map(str.strip)
+    .filter(lambda name: name and not name.startswith("-") and name[0].isalpha() and "  " not in name)
+)
+numbers = st.floats(-9, 9).map(lambda value: f"{value:.3f}")
+
+
+@given(
+    name=names,
+    options=st.lists(
+        st.one_of(
+            st.tuples(st.sampled_from(["-s", "-o", "-t"]), st.lists(numbers, min_size=1, max_size=3)),
+            st.tuples(st.sampled_from(["-clamp", "-cc", "-blendu"]), st.just(["on"])),
+            st.tuples(st.sampled_from(["-bm", "-boost", "-texres"]), numbers.map(lambda value: [value])),
+            st.tuples(st.just("-mm"), st.lists(numbers, min_size=2, max_size=2)),
+        ),
+        max_size=5,
+        unique_by=lambda option: option[0],
+    ),
+)
+def test_any_options_leave_the_name_of_the_picture(name: str, options: list[tuple[str, list[str]]]) -> None:
+    written = " ".join(word for option, values in options for word in (option, *values))
+    found, picture = split_options(f"{written} {name}")
+    assert picture == name
+    assert found == dict(options)
+
+
+def test_opacity_of_materials_is_read_from_either_statement() -> None:
+    text = "newmtl a\nd 0.3\nnewmtl b\nTr 0.7\nnewmtl c\nd -halo 0.3\nnewmtl wall\nKd 1 1 1\n"
+    materials = read_library(text).materials
+    assert [materials[name].opacity for name in "abc"] == pytest.approx([0.3] * 3)
+    assert materials["wall"].opacity == 1
+    everything = read_library("newmtl a\nTr 1\nnewmtl b\nTr 1\n")
+    assert everything.materials["a"].opacity == 1
+    assert "taken as all opaque" in everything.notes[0]
+
+
+def test_glass_of_an_obj_is_left_out_and_its_options_move_its_texture(tmp_path: Path) -> None:
+    points = [f"v {5 * x} {5 * y} {z}" for z in (0, 2) for x, y, _ in SQUARE]
+    corners = ["vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
+    faces = ["usemtl floor", "f 1/1 2/2 3/3 4/4", "usemtl glass", "f 5/1 6/2 7/3 8/4", "l 1 2"]
+    lines = ["mtllib a.mtl", "mtllib b.mtl", *points, *corners, *faces]
+    (tmp_path / "room.obj").write_text("\n".join(lines) + "\n")
+    (tmp_path / "a.mtl").write_text(
+        "newmtl floor\nmap_Kd -s 2 3 1 -o 0.5 0 0 -bm 0.2 my floor.png\nbump x.png\n"
+    )
+    (tmp_path / "b.mtl").write_text("newmtl glass\nKd 1 1 1\nTr 0.9\n")
+    from PIL import Image
+
+    Image.new("RGB", (4, 4), (9, 99, 9)).save(tmp_path / "my floor.png")
+    read = read_world(tmp_path / "room.obj", up="z", metres_per_unit=1.0, leave_out=(), most_px=64)
+    (floor,) = read.model.surfaces
+    assert floor.uv is not None
+    assert sorted(map(tuple, floor.uv.tolist())) == [(0.5, 0), (0.5, 3), (2.5, 0), (2.5, 3)]
+    told = " ".join(read.model.notes)
+    assert "lines and points" in told
+    assert "surfaces are smooth" in told
+    assert "clear surfaces are left out" in told
+
+
+def test_a_world_of_glass_alone_is_refused(tmp_path: Path) -> None:
+    clear = {"baseColorFactor": [1, 1, 1, 0]}
+    file = gltf(tmp_path, materials=[{"alphaMode": "MASK", "pbrMetallicRoughness": clear}])
+    with pytest.raises(UserError, match="no triangles"):
+        read_world(file, up="auto", metres_per_unit=9.0, leave_out=(), most_px=64)
