@@ -212,6 +212,29 @@ def test_one_frame_a_level_is_refused_with_what_to_do(tmp_path):
     assert "Take two bright frames at each level" in message
 
 
+def test_copies_and_levels_under_one_name_are_told_together(tmp_path):
+    folder = Camera1288(size=(32, 32)).write(tmp_path / "f", levels=4, photons_known=False)
+    np.save(folder / "bright0_1.npy", np.load(folder / "bright0_0.npy"))
+    np.save(folder / "bright1_1.npy", np.load(folder / "bright2_1.npy"))
+    copies, mixed = refused(folder, tmp_path)
+    assert "copies of one another" in copies
+    assert "differ in mean" in mixed
+    assert "a column level" in mixed
+
+
+def test_a_column_tells_levels_of_one_exposure_apart(tmp_path):
+    camera = Camera1288(size=(48, 64))
+    folder = camera.write(tmp_path / "f", levels=8, photons_known=False)
+    lines = (folder / "frames.csv").read_text().splitlines()[1:]
+    rows = [
+        f"{line.split(',')[0]},10,{line.split(',')[3]},{line.split(',')[3].split('_')[0]}" for line in lines
+    ]
+    (folder / "frames.csv").write_text("kind,exposure_ms,file,level\n" + "\n".join(rows))
+    result = calibrate(folder, tmp_path)
+    assert value(result, "system_gain_dn_per_e") == pytest.approx(camera.gain, rel=0.05)
+    assert result["linearity_error_percent"]["value"] is None
+
+
 def test_all_faults_of_a_table_come_at_once(tmp_path):
     folder = Camera1288(size=(32, 32)).write(tmp_path / "f", levels=4)
     table = folder / "frames.csv"

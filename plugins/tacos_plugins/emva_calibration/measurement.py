@@ -20,6 +20,7 @@ STACK_FRAMES = 8
 
 _USUAL_BITS = (8, 10, 12, 14, 16)
 _NARROWEST_PX = 16
+_MOST_DRIFT = 0.15
 
 
 @dataclass(frozen=True)
@@ -61,8 +62,7 @@ def measure_channels(
                     f"no {kind} level has two frames: noise is what changes from one to the other",
                     "two frames of each level, of the same light and exposure",
                     f"Take two {kind} frames at each level without changing anything, and list both "
-                    "with the same "
-                    "exposure and photons_per_pixel.",
+                    "with the same exposure and photons_per_pixel.",
                 )
             )
     reader = _FrameReader(folder, mosaic)
@@ -79,6 +79,7 @@ def measure_channels(
                 reader.keep(error)
                 break
             found[name].append((group, of_group))
+            reader.faults += _not_one_light(folder, group, of_group)
         if len(reader.faults) == faults and found[name][-1][1].frames:
             told(str(group))
     if reader.faults:
@@ -99,6 +100,26 @@ def measure_channels(
         )
         for name in found
     ), single
+
+
+def _not_one_light(folder: Path, group: FrameGroup, found: Moments) -> list[Fault]:
+    """Faults of frames that are copies of one another, or of different light under one name."""
+    if group.kind == "bright" and found.variance_dn2 == 0 and found.at_highest < 0.5 and found.drift_dn == 0:
+        what = f"the frames of {group} are copies of one another"
+        return [Fault(str(folder), what, "frames taken one after another", "Take them anew.")]
+    most = max(_MOST_DRIFT * found.mean_dn, 5 * np.sqrt(found.variance_dn2), 1.0)
+    if found.drift_dn <= most:
+        return []
+    return [
+        Fault(
+            str(folder),
+            f"the frames of {group} differ in mean by {found.drift_dn:.3g} DN, at a mean of "
+            f"{found.mean_dn:.4g}",
+            "frames of one light and one exposure",
+            "Where light changes and exposure does not, tell levels apart by photons_per_pixel or a "
+            "column level.",
+        )
+    ]
 
 
 def _step(bits: int) -> int:
