@@ -13,6 +13,7 @@ from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
 from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_framework.study.progress import Silent
+from tacos_framework.testing import ProcedureConformance
 from tacos_plugins.emva_calibration.calibrate import CalibrateCamera
 from tacos_plugins.emva_calibration.data_sheet import data_sheet
 from tacos_plugins.emva_calibration.frame_table import FrameGroup
@@ -284,3 +285,15 @@ def test_a_recipe_from_the_command_line(tmp_path, capsys):
     assert json.loads((out / "result.json").read_text())["system_gain_dn_per_e"]["ci"]
     assert main(["calibrate_camera", "--set", "frames=nowhere", "--out", str(tmp_path / "o2")]) == 2
     assert "there is no such folder" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="class")
+def few_frames(tmp_path_factory, request):
+    folder = Camera1288(size=(32, 32)).write(tmp_path_factory.mktemp("frames"), levels=6)
+    request.cls.config = {"frames": str(folder)}
+
+
+@pytest.mark.usefixtures("few_frames")
+class TestConformance(ProcedureConformance):
+    component = CalibrateCamera
+    files = ("sensor.yaml", "report.html")
