@@ -233,3 +233,15 @@ def test_a_folder_in_the_place_of_a_recipe_is_told_apart(
     assert f"tacos-run --resume {tmp_path / 'run'}" in capsys.readouterr().err
     assert run_main(["run9"]) == 2
     assert "`tacos recipes` lists" in capsys.readouterr().err
+
+
+def test_check_opens_the_world_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    corners = [f"v {800 * x} {600 * y} {280 * z}" for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    quads = ["f 1 2 4 3", "f 5 7 8 6", "f 1 5 6 2", "f 3 4 8 7", "f 1 3 7 5", "f 2 6 8 4"]
+    (tmp_path / "hall.obj").write_text("\n".join([*corners, *quads]) + "\n")
+    world = f"nodes.world={{use: scene.imported, frames: 6, file: {tmp_path / 'hall.obj'}}}"
+    assert run_main(["stereo_quick", "--check", "--set", world]) == 0
+    assert "is the file in centimetres: metres_per_unit 0.01?" in capsys.readouterr().out
+    (tmp_path / "hall.obj").write_text("v 0 0 nothing\nf 1 1 1\n")
+    assert run_main(["stereo_quick", "--check", "--set", world]) == 2
+    assert "hall.obj" in capsys.readouterr().err

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from scipy import ndimage, stats
 
 _LEAST_PIXELS = 100
-_REACH_PX = 4
+REACH_PX = 4
+"""Pixels so near to where brightness changes are left out [px]."""
 _OUTLIER_PROBABILITY = 1e-7
 
 
@@ -193,8 +194,8 @@ def _even(frames: NDArray[np.uint8] | NDArray[np.uint16], smooth: NDArray[np.flo
         np.percentile(smooth, (0.5, 99.5))
     )
     even = np.zeros(smooth.shape, bool)
-    inner = np.s_[_REACH_PX:-_REACH_PX, _REACH_PX:-_REACH_PX]
-    across = np.abs(smooth[:, 2 * _REACH_PX :] - smooth[:, : -2 * _REACH_PX])[_REACH_PX:-_REACH_PX]
-    along = np.abs(smooth[2 * _REACH_PX :] - smooth[: -2 * _REACH_PX])[:, _REACH_PX:-_REACH_PX]
+    inner = np.s_[REACH_PX:-REACH_PX, REACH_PX:-REACH_PX]
+    across = np.abs(smooth[:, 2 * REACH_PX :] - smooth[:, : -2 * REACH_PX])[REACH_PX:-REACH_PX]
+    along = np.abs(smooth[2 * REACH_PX :] - smooth[: -2 * REACH_PX])[:, REACH_PX:-REACH_PX]
     even[inner] = np.maximum(across, along) <= allowed[inner]
     return even

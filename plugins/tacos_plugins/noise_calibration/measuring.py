@@ -10,7 +10,7 @@ import numpy as np
 from tacos_framework import Fault, UserError
 from tacos_plugins.noise_calibration.figure import Cloud
 from tacos_plugins.noise_calibration.frame_files import FrameStack
-from tacos_plugins.noise_calibration.levels import Levels, measure_levels
+from tacos_plugins.noise_calibration.levels import REACH_PX, Levels, measure_levels
 from tacos_plugins.noise_calibration.photon_transfer import (
     CLIPPED_SHARE,
     FINEST_DN2,
@@ -84,7 +84,8 @@ def measure(
         try:
             fit = fit_affine(steps, black_level_dn=black_level_dn)
         except ValueError as error:
-            faults.append(_unusable(f"{stack.source}, channel {channel}", steps, str(error)))
+            same = all((frame == plane[0]).all() for plane in planes for frame in plane[1:])
+            faults.append(_unusable(f"{stack.source}, channel {channel}", steps, str(error), same=same))
             continue
         if steps.edge_excess > MOVING_EXCESS:
             faults.append(
@@ -101,22 +102,30 @@ def measure(
     return tuple(found)
 
 
-def _unusable(where: str, levels: Levels, reason: str) -> Fault:
+def _unusable(where: str, levels: Levels, reason: str, *, same: bool) -> Fault:
     """Why no line could be fitted, as far as it shows."""
     clipped = levels.clipped > CLIPPED_SHARE
-    if clipped.mean() > 0.5:
+    if clipped.size and clipped.mean() > 0.5:
         return Fault(
             where,
             f"{clipped.sum()} of {len(clipped)} levels reach 0 or the white level, where noise is cut off",
             "bars between black and white",
             "Change the exposure, or set bit_depth to that of the camera's samples.",
         )
-    if not levels.variance_dn2.any():
+    if same:
         return Fault(
             where,
             "all frames are the same: nothing changes from one to the next",
             "frames taken one after another",
             "Copies of one file hold no noise. Switch off denoising in the camera, or raise its gain.",
+        )
+    if not levels.pixels.any():
+        return Fault(
+            where,
+            f"no level is left: every pixel lies within {REACH_PX} px of where brightness changes, or of the "
+            "border of the frame",
+            f"bars of {5 * REACH_PX} px or more, in frames larger than that",
+            "Go nearer to the target, take fewer and wider bars, or crop less.",
         )
     fine = levels.variance_dn2 < FINEST_DN2
     if fine.mean() > 0.5:
