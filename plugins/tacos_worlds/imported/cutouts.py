@@ -18,6 +18,8 @@ from tacos_worlds.imported.uv_clipping import cut
 
 _MOST_TRIANGLES = 100_000
 """Of all surfaces with holes together: masks are read more coarsely rather than giving more [1]."""
+_MOST_TILES = 20_000
+"""A mask repeated more often on one surface is finer than can be seen: it is there as a whole or not [1]."""
 _FINEST_PX, _COARSEST_PX = 512, 4
 _FAR = 1e6
 """Beyond any texture coordinate [tiles]."""
@@ -32,7 +34,7 @@ def cut_out(model: Model) -> Model:
 
 
 def _cut(surface: Surface, skin: Skin, most: int) -> Surface:
-    if surface.uv is None or not len(surface.triangles):
+    if surface.uv is None or not len(surface.triangles) or not np.abs(surface.uv).max() < _FAR:
         return surface
     if any(skin.clamped):
         surface = _held(surface, skin)
@@ -70,6 +72,9 @@ def _perforated(surface: Surface, skin: Skin, most: int) -> Surface:
     assert skin.mask is not None
     sound = _has_area(surface)
     corners = surface.uv[surface.triangles[sound]]
+    if float(np.ptp(corners, axis=1).prod(axis=1).sum()) > _MOST_TILES:
+        whole = float(skin.mask.mean()) / 255 >= skin.cutoff
+        return surface if whole else replace(surface, triangles=np.zeros((0, 3), np.int64))
     tiles = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])).sum() / 2
     polygons = _outlines_within(skin, float(most), float(tiles) + 0.02 * len(sound))
     owner, placed = _placed(corners, polygons, skin.clamped)

@@ -342,3 +342,12 @@ def test_a_world_of_glass_alone_is_refused(tmp_path: Path) -> None:
     file = gltf(tmp_path, materials=[{"alphaMode": "MASK", "pbrMetallicRoughness": clear}])
     with pytest.raises(UserError, match="no triangles"):
         read_world(file, up="auto", metres_per_unit=9.0, leave_out=(), most_px=64)
+
+
+@pytest.mark.parametrize("size", [1e5, 1e9, np.inf, np.nan])
+def test_texture_coordinates_beyond_reason_take_neither_time_nor_memory(size: float) -> None:
+    mask = np.tile(np.array([255, 255, 255, 0], np.uint8), (4, 1))
+    for clamped in (False, True):
+        uv = np.where(SQUARE[:, :2] > 0, size, 0.0)
+        model = square(uv, mask=mask, clamped=(clamped, clamped))
+        assert len(cut_out(model).surfaces[0].triangles) < 100
