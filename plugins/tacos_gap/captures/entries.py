@@ -73,6 +73,10 @@ class CaptureCamera(Settings):
     principal_point_px: tuple[Place, Place] | None = setting(
         None, help="Principal point in the files; their centre (or the sensor's) if absent.", unit="px"
     )
+    lens_is_a_start: bool = setting(
+        False,
+        help="Whether focal length and principal point are nobody's claim, but where the boards begin.",
+    )
     crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
     f_number: float | None = setting(
         None, help="Focal length over aperture.", gt=0, le=1e4, also=ALSO_CALLED["f_number"]

@@ -11,6 +11,8 @@ FOCAL_LENGTH_MM = 4.0
 
 def unstated(camera: CaptureCamera) -> frozenset[str]:
     """What of the lens is nobody's claim: a centre that goes without saying is one, beside a focal length."""
+    if camera.lens_is_a_start:
+        return frozenset({"focal_length", "principal_point"})
     if camera.focal_length_mm is not None:
         return frozenset()
     return frozenset({"focal_length", *(() if camera.principal_point_px else ("principal_point",))})

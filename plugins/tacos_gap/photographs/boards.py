@@ -1,4 +1,4 @@
-"""The chessboard of a set of photographs: its size, by what most of them show."""
+"""The chessboard of a set of photographs: its size, by the fullest that many of them show."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from tacos_gap.photographs.picture import Picture
 
 USUAL_SQUARE_MM = 25.0
 _CANDIDATES = 3
+_MANY = 0.5
+"""Pictures that show all of a board, over those that show a part of it, from which on it is the board."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,7 @@ class BoardFound:
 
 
 def board_of(pictures: Sequence[Picture], given: tuple[int, int] | None) -> BoardFound | None:
-    """The size of board that most pictures show in full, and its corners in them.
+    """The largest board that many pictures show in full, and its corners in them.
 
     Parameters
     ----------
@@ -46,7 +48,9 @@ def board_of(pictures: Sequence[Picture], given: tuple[int, int] | None) -> Boar
     if not pictures:
         return None
     counted = Counter(picture.shown.corners for picture in pictures if picture.shown.corners)
-    sizes = [given] if given else [size for size, _ in counted.most_common(_CANDIDATES)]
+    fullest = sorted(counted, key=lambda size: -size[0] * size[1])[:_CANDIDATES]
+    usual = [size for size, _ in counted.most_common(_CANDIDATES)]
+    sizes = [given] if given else list(dict.fromkeys([*usual, *fullest]))
     greys = {picture: _grey(picture) for picture in pictures}
     found = [
         BoardFound(
@@ -54,7 +58,9 @@ def board_of(pictures: Sequence[Picture], given: tuple[int, int] | None) -> Boar
         )
         for size in sizes
     ]
-    best = max(found, key=lambda board: (len(board.corners_px), np.prod(board.inner_corners)))
+    most = max(len(board.corners_px) for board in found)  # a part of a board is found wherever all of it is
+    likely = [board for board in found if len(board.corners_px) >= _MANY * most]
+    best = max(likely, key=lambda board: (np.prod(board.inner_corners), len(board.corners_px)))
     return best if best.corners_px else None
 
 

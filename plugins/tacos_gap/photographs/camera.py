@@ -164,6 +164,9 @@ def _settle_lens(camera: _Answers, pictures: Sequence[Picture], given: Given, fo
         unsure="Nobody says the focal length: a guess of 53 degrees across; boards will call it wrong "
         "(--focal-length-mm).",
     )
+    if given.focal_length_mm is None:  # a file or a guess says where boards begin, and is nobody's belief
+        camera.entry["lens_is_a_start"] = True
+        camera.source["lens_is_a_start"] = "nobody claims the lens; boards tell it"
     camera.settle("f_number", (_usual(f.f_number for f in facts), _EXIF))
 
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import (
+    Captures,
     ImageContext,
     ImageGeometry,
     LookAlike,
     Settings,
     ShownBy,
     Stage,
+    of_kind,
     physical,
     setting,
 )
@@ -68,6 +70,14 @@ class BlackLevel:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """What the darks lie above the believed pedestal by, those of the shortest time."""
+        darks = of_kind(captures, "dark")
+        if darks:  # dark current adds least to it
+            shortest = min(darks, key=lambda each: each.context.exposure_s)
+            yield {"offset_dn": float(shortest.real_dn.mean()) - shortest.context.black_level_dn}
 
     def on_array(
         self,
