@@ -82,6 +82,8 @@ def simulate(
 
     moving = list(takewhile(lambda each: moves_pixels(type(each.effect)), chain.light))
     further = chain.light[len(moving) :]
+    if capture.own_edges:  # edges that were read off the pictures lie where the lens has put them
+        moving = []
     on_light = _on_light(map(acting, further), context.cfa)
     named = [words([each]) for each in further] if len(on_light) == len(further) else [words(further)]
     steps: list[tuple[str, Step]] = [

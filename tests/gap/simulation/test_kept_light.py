@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from tacos_framework.formation import EpisodeDraws
+from tacos_gap.simulation.formation import simulate
 from tacos_gap.simulation.kept_light import KeptLight
 from tacos_plugins.effects.blur import blur, gaussian_kernel, gaussian_transfer, kernel_of
+from tacos_plugins.effects.lens_distortion import LensDistortion
+from tests.gap.small_captures import capture, placed, squares
 
 
 def _frame(value: float) -> np.ndarray:
@@ -47,3 +53,13 @@ def test_a_gaussian_along_both_axes_in_turn_is_the_kernel_of_both(sigma_px):
     assert np.abs(np.outer(along, along) - square).max() < 1e-12
     frames = np.random.default_rng(0).uniform(0, 255, (1, 40, 50, 3)).astype(np.float32)
     assert np.abs(blur(frames, along) - blur(frames, square)).max() < 1e-3
+
+
+def test_edges_read_off_the_pictures_lie_where_the_lens_has_put_them():
+    """A lens moves what is expected of a world, and not what was seen through it."""
+    expected = capture("edge", "edge", squares())
+    lens = placed("lens-distortion", LensDistortion, k1=-0.2)
+    draws = EpisodeDraws(0, ("edge",))
+    seen = replace(expected, own_edges=True)
+    assert np.array_equal(simulate(seen, [lens], draws), simulate(seen, [], draws))
+    assert not np.array_equal(simulate(expected, [lens], draws), simulate(expected, [], draws))
