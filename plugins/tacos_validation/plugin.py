@@ -47,6 +47,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "noise-over-gain",
+            "tacos_validation.noise.over_gain:NoiseOverGainCheck",
+            summary="Models of noise over gain against real cameras, each gain left out.",
+        ),
+        Component(
+            "procedure",
             "check-gpu",
             "tacos_validation.gpu_checked.check:CheckGpu",
             summary="Whether the GPU renders what software renders, and how fast a study goes on it.",
