@@ -139,6 +139,10 @@ EFFECTS = {
 }
 
 SENSORS = {
+    "camera": (
+        "camera:CameraSensor",
+        "Electrons with noise before and after the gain; unpublished figures from stated priors.",
+    ),
     "affine-noise": ("affine_noise:AffineNoise", "Photon and thermal noise, scaled by gain and pixel area."),
     "emva": (
         "emva:Emva",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -22,7 +22,7 @@ class Sensor(Protocol):
     samples, effects of the pixel, the noise, effects of the readout, then rounds and clips to the range of
     the file. The diagnosis of real captures does the same with the same sensor.
 
-    `SensorBase` has an optional member.
+    `SensorBase` has optional members.
     """
 
     Config: ClassVar[type[Settings]]
@@ -86,3 +86,7 @@ class SensorBase:
     lacks: Callable[[Rig], str | None] | None = None
     """What the sensor would have to know of a rig's cameras and does not, in a sentence. A recipe none of
     whose cameras it can serve is refused with it; a candidate it cannot serve fails."""
+
+    origins: Callable[[Camera], Mapping[str, str]] | None = None
+    """Where each figure of a camera's noise comes from: figure -> ``catalog``, ``settings``, or a phrase.
+    Results and exported cameras repeat it."""

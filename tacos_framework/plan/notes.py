@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from tacos_framework.catalog import CatalogPart, Grade
-from tacos_framework.contracts import OptimizerBase, RigBase, SceneBase, optional
+from tacos_framework.contracts import OptimizerBase, RigBase, SceneBase, SensorBase, optional
+from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.feasibility import derived_of, infeasible
 from tacos_framework.plan.plan import Plan
 from tacos_framework.variables.design_space import CatalogChoice
@@ -120,6 +121,42 @@ def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
                 yield from list(notes(plan.rig_variables(values)))
         except Exception as error:  # noqa: BLE001 - a remark must not cost a study its results
             yield f"{plan.rig.origin} has notes on this camera, but fails to say them: {error}"
+
+
+def notes_on_noise(plan: Plan, cameras: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Sentences on where the noise of cameras comes from, as the sensor models say."""
+    sensors_by_origin: dict[str, list[str]] = {}
+    for name, part in plan.nodes.items():
+        if not callable(optional(part.cls, SensorBase, "origins")):
+            continue
+        for values in cameras:
+            if any(variable.startswith(f"{name}.") for variable in values):
+                continue  # its settings are designed: the plan holds no model of this camera
+            try:
+                for sensor, phrase in _origins(plan, name, part, values):
+                    sensors_by_origin.setdefault(phrase, []).append(sensor)
+            except Exception as error:  # noqa: BLE001 - a remark must not cost a study its results
+                yield f"{part.origin} has remarks on noise, but fails to say them: {error}"
+    for phrase, sensors in sensors_by_origin.items():
+        yield f"Noise simulated for {', '.join(dict.fromkeys(sensors))}: {phrase}."
+
+
+def _origins(
+    plan: Plan, node: str, part: ConfiguredComponent, values: Mapping[str, Any]
+) -> Iterator[tuple[str, str]]:
+    """Name of each image sensor of a camera, and the origins of its figures as one phrase."""
+    variables = plan.rig_variables(values)
+    with plan.rig.calling("build"):
+        rig = plan.rig.instance.build(variables)
+    for camera in rig.cameras:
+        with part.calling(f"origins in node {node!r}"):
+            origins = dict(part.instance.origins(camera))
+        phrases = (f"{figure} {_phrase(origin)}" for figure, origin in origins.items())
+        yield camera.electrons.sensor or "a sensor without a name", "; ".join(phrases)
+
+
+def _phrase(origin: str) -> str:
+    return {"catalog": "as the catalog states", "settings": "as the recipe sets"}.get(origin, origin)
 
 
 def _to_be_asked(part: CatalogPart) -> Iterator[str]:

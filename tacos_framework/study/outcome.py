@@ -10,7 +10,13 @@ from tacos_framework import __version__
 from tacos_framework.contracts import SceneBase, TaskBase, optional
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
-from tacos_framework.plan.notes import inadmissible, notes_on_camera, notes_on_constraints, notes_on_search
+from tacos_framework.plan.notes import (
+    inadmissible,
+    notes_on_camera,
+    notes_on_constraints,
+    notes_on_noise,
+    notes_on_search,
+)
 from tacos_framework.simulation import Evaluation
 from tacos_framework.study.degenerate import degenerate
 from tacos_framework.study.kept_evaluation import as_data
@@ -155,6 +161,8 @@ class Outcome:
         yield from notes_on_constraints(self.plan)
         if (best := self.searches[0].best) is not None:
             yield from notes_on_camera(self.plan, best.values)
+        chosen = [search.best.values for search in self.searches if search.best is not None]
+        yield from notes_on_noise(self.plan, chosen)
         titles = {camera.name: camera.title for camera in self.plan.cameras}
         ruled_out = inadmissible(self.plan)
         for name, reason in self.failed().items():

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from tacos_framework.testing import SensorConformance
 from tacos_plugins.sensors.affine_noise import AffineNoise
+from tacos_plugins.sensors.camera import CameraSensor
 from tacos_plugins.sensors.emva import Emva
 
 
@@ -21,3 +22,12 @@ class TestAffineNoiseAtTwelveBits(SensorConformance):
 class TestEmva(SensorConformance):
     component = Emva
     config = {"quantum_efficiency": 0.6, "full_well_e": 1e4, "read_noise_e": 3.0, "dark_current_e_s": 10.0}
+
+
+class TestCameraSensor(SensorConformance):
+    component = CameraSensor
+
+
+class TestCameraSensorOfADraw(SensorConformance):
+    component = CameraSensor
+    config = {"assumptions": 3, "channels": "mono", "black_level_dn": 64}

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from tacos_framework import Camera, Exposure, Sensor
+from tacos_framework import Camera, Exposure, Sensor, SensorBase, optional
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class NoiseDescription:
         As the catalog knows them [1], [e-/s]; None is unknown.
     exposure
         The circumstances: the gain is part of K.
+    origins
+        Where the figures come from, as the sensor model says; empty where it does not.
     """
 
     system_gain_dn_per_e: tuple[float, ...]
@@ -44,6 +47,7 @@ class NoiseDescription:
     quantum_efficiency: float | None
     dark_current_e_s: float | None
     exposure: Exposure
+    origins: Mapping[str, str] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """Plain data for a file."""
@@ -62,6 +66,7 @@ class NoiseDescription:
                 "f_number": self.exposure.f_number,
                 "gain_db": self.exposure.gain_db,
             },
+            "origins": dict(self.origins),
         }
 
 
@@ -101,6 +106,7 @@ def describe_noise(sensor: Sensor, camera: Camera, exposure: Exposure) -> NoiseD
         quantum_efficiency=known.quantum_efficiency,
         dark_current_e_s=None if known.dark_current_e_s is None else known.dark_current_e_s * photosites,
         exposure=exposure,
+        origins=origins(camera) if callable(origins := optional(sensor, SensorBase, "origins")) else {},
     )
 
 

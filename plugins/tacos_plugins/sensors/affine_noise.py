@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -149,6 +150,12 @@ class AffineNoise:
         """
         photon = self.noise_levels(replace(camera, binning=1.0), exposure.gain_db).photon_dn
         return float(photon[len(photon) // 2]) or None
+
+    def origins(self, camera: Camera) -> Mapping[str, str]:
+        """One calibration stands for every image sensor; see `SensorBase.origins`."""
+        calibration = self.calibration
+        scaled = "" if camera.pixel_um == calibration.pixel_um else ", scaled by the area of the photosites"
+        return {"noise": f"measured on {calibration.title}{scaled}"}
 
     def dn_per_luminance(self, exposure: Exposure) -> float:
         """Signal above black that one cd/m2 makes [DN / (cd/m2)]."""

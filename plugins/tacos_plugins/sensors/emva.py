@@ -163,7 +163,9 @@ class Emva:
         site, gain = self.photosite(camera), np.float32(self.gain_dn_per_e(camera, exposure))
         dark_e = np.float32(site.dark_current_e_s * exposure.time_s)
         electrons = np.maximum((samples_dn - np.float32(self.black_level_dn)) / gain + dark_e, 0)
-        variance_e2 = np.float32(photon_scale) * electrons + np.float32(site.read_noise_e**2)
+        variance_e2 = np.float32(photon_scale) * electrons + np.float32(
+            self.read_noise_e(camera, exposure) ** 2
+        )
         return samples_dn + gain * dark_e, gain**2 * variance_e2 / np.float32(camera.binning**2)
 
     def draw(
@@ -181,7 +183,7 @@ class Emva:
         electrons = count_electrons(
             above_black / gain + site.dark_current_e_s * exposure.time_s,
             full_well_e=site.full_well_e,
-            read_noise_e=site.read_noise_e,
+            read_noise_e=self.read_noise_e(camera, exposure),
             rng=rng,
             photosites=camera.binning**2,
             photon_scale=photon_scale,
@@ -218,6 +220,15 @@ class Emva:
                 "leaves it out, and so do the settings of sensor.emva"
             )
         return Photosite(**{name: value for name, value in known.items() if value is not None})
+
+    def read_noise_e(self, camera: Camera, exposure: Exposure) -> float:
+        """Read noise of a photosite, the same at any gain [e-]."""
+        return self.photosite(camera).read_noise_e
+
+    def origins(self, camera: Camera) -> Mapping[str, str]:
+        """Where each figure of a camera's photosites comes from; see `SensorBase.origins`."""
+        known = {name: getattr(camera.electrons, name) is not None for name in NEEDED}
+        return {name: "catalog" if stated else "settings" for name, stated in known.items()}
 
     def gain_dn_per_e(self, camera: Camera, exposure: Exposure) -> float:
         """System gain K of a camera [DN/e-]."""

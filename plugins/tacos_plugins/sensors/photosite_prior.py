@@ -1,0 +1,107 @@
+"""Figures of photosites that are not published: a prior over sensors whose figures are known.
+
+A figure y of a photosite of pitch p is drawn once for each image sensor:
+
+    f(y) = intercept + slope ln(p / 1 um) + spread z,    z ~ N(0, 1)
+
+with f the logarithm, or the logit for shares. `z` follows from the names of sensor and figure and from the
+draw, so that a sensor is the same wherever it is used.
+
+References
+----------
+Full well, read noise, quantum efficiency: least squares over all parts of the catalogs ``image_sensors`` and
+``image_sensors_more`` that know them (23, 23 and 13 sensors), which a test repeats. Dark current: published
+figures of CMV4000, IMX900 and OV5647 (125, 1.47 and 16 e-/s), without a dependence on the pitch. Read noise
+after the gain: its share of the dark variance at the lowest ISO from 100 on of 223 still cameras (profiles
+published with darktable), by `tacos_plugins.sensors.noise_over_gain.fit_two_stages`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from tacos_framework import generator
+
+
+@dataclass(frozen=True)
+class FigurePrior:
+    """Prior of one figure over sensors.
+
+    Parameters
+    ----------
+    intercept, slope
+        Of f(y) over ln of the pitch in um [1].
+    spread
+        Standard deviation of f(y) [1].
+    is_share
+        Whether f is the logit rather than the logarithm.
+    sensors
+        How many sensors it was fitted to [1].
+    """
+
+    intercept: float
+    slope: float
+    spread: float
+    sensors: int
+    is_share: bool = False
+
+    def value(self, pixel_um: float, z: float = 0.0) -> float:
+        """The figure at a pitch, `z` standard deviations above the middle."""
+        transformed = self.intercept + self.slope * math.log(pixel_um) + self.spread * z
+        return 1 / (1 + math.exp(-transformed)) if self.is_share else math.exp(transformed)
+
+
+PRIORS: Mapping[str, FigurePrior] = MappingProxyType(
+    {
+        "quantum_efficiency": FigurePrior(0.718, 0.050, 0.384, 13, is_share=True),
+        "full_well_e": FigurePrior(7.991, 1.175, 0.440, 23),
+        "read_noise_e": FigurePrior(0.743, 0.360, 0.518, 23),
+        "dark_current_e_s": FigurePrior(2.66, 0.0, 2.2, 3),
+        "read_noise_share_after_gain": FigurePrior(3.57, 0.0, 2.2, 223, is_share=True),
+    }
+)
+"""By name of the figure."""
+
+
+def assumed(figure: str, *, sensor: str, pixel_um: float, draw: int) -> float:
+    """The figure of a sensor that does not state it; the same whenever the arguments are.
+
+    Parameters
+    ----------
+    figure
+        A name in `PRIORS`.
+    sensor
+        Name of the image sensor.
+    draw
+        0 is the middle of the prior, others are draws of it.
+
+    Examples
+    --------
+    >>> round(assumed("full_well_e", sensor="IMX172", pixel_um=1.55, draw=0))
+    4944
+    >>> assumed("full_well_e", sensor="A", pixel_um=3, draw=1) == assumed(
+    ...     "full_well_e", sensor="B", pixel_um=3, draw=1
+    ... )
+    False
+    """
+    z = 0.0 if draw == 0 else float(generator(draw, "photosite", sensor, figure).standard_normal())
+    return PRIORS[figure].value(pixel_um, z)
+
+
+def assumed_from(figure: str) -> str:
+    """Where an assumed figure comes from, and how far sensors scatter about it, in a phrase.
+
+    Examples
+    --------
+    >>> assumed_from("read_noise_e")
+    'assumed from 23 sensors, within a factor of 1.7 in two of three'
+    """
+    prior = PRIORS[figure]
+    if prior.is_share:
+        low, high = prior.value(2.0, -1), prior.value(2.0, 1)
+        return f"assumed from {prior.sensors} sensors, {low:.2f} to {high:.2f} in two of three"
+    factor = math.exp(prior.spread)
+    return f"assumed from {prior.sensors} sensors, within a factor of {factor:.2g} in two of three"
