@@ -65,6 +65,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "replay-exposures",
+            "tacos_validation.exposures_replayed.replay:ReplayExposures",
+            summary="Whether exposures replayed from a recording rank as the real ones do.",
+        ),
+        Component(
+            "procedure",
             "validate-task",
             "tacos_validation.task_validation.validate:ValidateTask",
             summary="The paper's second check: whether a simulator ranks cameras as a reference does.",

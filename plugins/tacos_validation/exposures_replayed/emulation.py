@@ -1,0 +1,110 @@
+"""One exposure of a recording as another exposure of the same camera."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_worlds.recorded.motion import Motion, blurred
+from tacos_worlds.recorded.noise import LinearNoise
+from tacos_worlds.recorded.recording import Recording
+
+
+@dataclass(frozen=True)
+class Lacking:
+    """What is taken from the source once more, to see whether what it lacks matters.
+
+    Each is what the source has too much of, or too little, beside the exposure it is replayed as.
+    """
+
+    noise: bool = False
+    blur: bool = False
+    highlights: bool = False
+
+
+LACKING = {
+    "noise": Lacking(noise=True),
+    "blur": Lacking(blur=True),
+    "highlights": Lacking(highlights=True),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """A source exposure, replayed as a target exposure.
+
+    Parameters
+    ----------
+    light_dn
+        (N, H, W) light of the source's frames [DN].
+    motion
+        Of the image, measured without the target's frames.
+    stamp_after_middle
+        Where stamps lie, in exposure times after the middle.
+    """
+
+    recording: Recording
+    source: str
+    target: str
+    light_dn: NDArray[np.float32]
+    noise: LinearNoise
+    motion: Motion
+    stamp_after_middle: float
+    mosaic: int
+
+    @property
+    def ratio(self) -> float:
+        """Target's exposure over the source's [1]."""
+        exposures = self.recording.exposures
+        return exposures[self.target].exposure_ms / exposures[self.source].exposure_ms
+
+    @property
+    def clipped(self) -> float:
+        """Share of the source's samples of which light is unknown, and the target's would not be [1]."""
+        return float(np.mean(self.light_dn >= self._top_dn)) if self.ratio < 1 else 0.0
+
+    @property
+    def _top_dn(self) -> float:
+        response = self.recording.response
+        return float(np.interp(0.995 * self.recording.white_dn, response.code_dn, response.light_dn))
+
+    def lacking(self) -> dict[str, Lacking]:
+        """What the source may lack for this target, by name."""
+        if self.ratio > 1:
+            return {"noise": LACKING["noise"]}
+        named = {"blur": LACKING["blur"]}
+        return named | ({"highlights": LACKING["highlights"]} if self.clipped > 0 else {})
+
+    def frames(self, rng: np.random.Generator, without: Lacking) -> Iterator[NDArray[np.uint16]]:
+        """(H, W) frames as the target would have stored them; `without` what the source lacks anyway."""
+        source = self.recording.exposures[self.source]
+        target = self.recording.exposures[self.target]
+        clip_dn = np.inf
+        if without.highlights:
+            clip_dn = float(np.quantile(self.light_dn[:, ::4, ::4], max(0.0, 1 - 2 * self.clipped)))
+        for index, light_dn in enumerate(self.light_dn):
+            light_dn = np.minimum(light_dn, np.float32(clip_dn))
+            at = min(index, len(target.stamp_s) - 1)
+            middle_s = target.stamp_s[at] - self.stamp_after_middle * target.exposure_ms * 1e-3
+            wanted_ms = target.exposure_ms
+            if without.blur:
+                middle_s = source.stamp_s[index] - self.stamp_after_middle * source.exposure_ms * 1e-3
+                wanted_ms = 2 * source.exposure_ms - target.exposure_ms
+            if wanted_ms > source.exposure_ms:
+                light_dn = blurred(
+                    light_dn,
+                    self.motion,
+                    middle_s=middle_s,
+                    own_ms=source.exposure_ms,
+                    wanted_ms=wanted_ms,
+                    mosaic=self.mosaic,
+                )
+            light_dn = light_dn * np.float32(self.ratio)
+            missing_dn2 = self.noise.missing_dn2(light_dn, self.ratio)
+            if without.noise:
+                missing_dn2 = -missing_dn2
+            drawn = rng.standard_normal(light_dn.shape, np.float32) * np.sqrt(np.maximum(missing_dn2, 0))
+            yield self.recording.response.codes(light_dn + drawn)

@@ -1,0 +1,99 @@
+"""Replayed exposures beside real ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_validation.rank_agreement.agreement import tau_b
+
+TOLERANCE = 0.15
+LEAST_TOLERANCE = 10.0
+"""A replay is to be within 15 %, or ten inliers, of reality."""
+
+REASONS = {
+    "noise": "the source is noisier than this exposure, and its noise decides",
+    "blur": "the source is blurred by more motion than this exposure, and its blur decides",
+    "highlights": "highlights are clipped in the source and not in this exposure, and they decide",
+}
+
+
+@dataclass(frozen=True)
+class ReplayedExposure:
+    """One exposure: inliers in reality and as replayed, and why it is refused, or None."""
+
+    ms: float
+    real: float
+    predicted: float | None
+    interval: tuple[float, float] | None
+    refused: str | None
+
+    @property
+    def near(self) -> bool | None:
+        """Whether it is within the tolerance; None where it is refused."""
+        return None if self.predicted is None else abs(self.predicted - self.real) <= tolerance(self.real)
+
+    def as_data(self) -> dict[str, Any]:
+        """For ``result.json``."""
+        interval = None if self.interval is None else list(self.interval)
+        return {
+            "ms": self.ms,
+            "real": self.real,
+            "predicted": self.predicted,
+            "interval": interval,
+            "refused": self.refused,
+        }
+
+
+@dataclass(frozen=True)
+class SourceFindings:
+    """What one exposure says of the others."""
+
+    exposures: tuple[ReplayedExposure, ...]
+
+    @property
+    def answered(self) -> tuple[ReplayedExposure, ...]:
+        """Those that are not refused."""
+        return tuple(each for each in self.exposures if each.predicted is not None)
+
+    @property
+    def tau(self) -> float | None:
+        """Kendall's tau-b over those that are not refused; None for fewer than two."""
+        pairs = [(each.real, each.predicted) for each in self.answered if each.predicted is not None]
+        return tau_b(*map(list, zip(*pairs, strict=True))) if len(pairs) > 1 else None
+
+
+def tolerance(inliers: float) -> float:
+    """How far two scores may lie apart and still agree."""
+    return max(TOLERANCE * inliers, LEAST_TOLERANCE)
+
+
+def replayed(
+    ms: float, real: float, pairs: NDArray[np.float64], worse: Mapping[str, float]
+) -> ReplayedExposure:
+    """An exposure from the inliers of its replayed pairs.
+
+    Its interval holds the scatter of neighbouring pairs, and what it changed to double what the source
+    lacks; where all lacks together change more than the tolerance the exposure is refused.
+
+    Parameters
+    ----------
+    worse
+        Mean inliers with a lack doubled, by its name.
+    """
+    predicted = float(pairs.mean())
+    changes = {name: abs(value - predicted) for name, value in worse.items()}
+    reasons = [
+        f"{REASONS[name]}: the same once more changes {predicted:.0f} inliers by {change:.0f}"
+        for name, change in changes.items()
+        if sum(changes.values()) > tolerance(predicted)
+    ]
+    if reasons:
+        return ReplayedExposure(ms, real, None, None, "; ".join(reasons))
+    scatter = float(np.std(np.diff(pairs)) / np.sqrt(2 * len(pairs))) if len(pairs) > 2 else 0.0
+    half = float(np.sqrt((1.96 * scatter) ** 2 + sum(change**2 for change in changes.values())))
+    return ReplayedExposure(ms, real, predicted, (max(predicted - half, 0.0), predicted + half), None)

@@ -1,0 +1,56 @@
+"""ORB features that consecutive frames share, as the recordings are scored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import pairwise
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_plugins.tasks.followed_features import MATCHES_NEEDED, Features, extract
+
+FEATURES = 2000
+THRESHOLD_PX = 3.0
+
+
+def inliers_of_pairs(
+    frames_dn: Iterable[NDArray[np.uint16]], *, bits: int, conversion: int | None, seed: int
+) -> NDArray[np.float64]:
+    """(N - 1,) inliers of one fundamental matrix for each pair of consecutive (H, W) frames.
+
+    Parameters
+    ----------
+    conversion
+        OpenCV's code from the mosaic to grey; None where there is no mosaic.
+    seed
+        Of RANSAC, set anew for each pair.
+    """
+    detector = cv2.ORB.create(nfeatures=FEATURES)
+    found = []
+    for frame in frames_dn:
+        grey = frame if conversion is None else cv2.cvtColor(frame, conversion)
+        found.append(
+            extract(detector, np.right_shift(np.asarray(grey, np.uint16), bits - 8).astype(np.uint8))
+        )
+    pairs = pairwise(found)
+    return np.array([_inliers(first, second, seed) for first, second in pairs], np.float64)
+
+
+def _inliers(first: Features, second: Features, seed: int) -> int:
+    if not (len(first) and len(second)):
+        return 0
+    matcher = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True)
+    matches = matcher.match(first.descriptors, second.descriptors)
+    if len(matches) < MATCHES_NEEDED:
+        return 0
+    cv2.setRNGSeed(seed)
+    _, mask = cv2.findFundamentalMat(
+        first.points_px[[match.queryIdx for match in matches]],
+        second.points_px[[match.trainIdx for match in matches]],
+        cv2.FM_RANSAC,
+        THRESHOLD_PX,
+        0.99,
+    )
+    return 0 if mask is None else int(np.count_nonzero(mask))

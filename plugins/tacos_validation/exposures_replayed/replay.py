@@ -1,0 +1,138 @@
+"""Every exposure of a recording, replayed from every other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework import Progress, Settings, generator, setting
+from tacos_report.page import write_page
+from tacos_validation.exposures_replayed.emulation import Lacking, Replay
+from tacos_validation.exposures_replayed.findings import SourceFindings, replayed
+from tacos_validation.exposures_replayed.inliers import inliers_of_pairs
+from tacos_validation.exposures_replayed.pages import page, summary
+from tacos_worlds.recorded.motion import Motion, Shot, shot_of, steps_between
+from tacos_worlds.recorded.noise import measured_noise
+from tacos_worlds.recorded.reader import read_recording
+from tacos_worlds.recorded.recording import Recording
+
+CONVERSIONS = {
+    "RG": cv2.COLOR_BayerRG2GRAY,
+    "GR": cv2.COLOR_BayerGR2GRAY,
+    "BG": cv2.COLOR_BayerBG2GRAY,
+    "GB": cv2.COLOR_BayerGB2GRAY,
+}
+
+
+class ReplayExposures:
+    """Replays each exposure of a recording from every other, and ranks them beside the real ones.
+
+    The recording is a folder of raw frames ``NNms_K.png`` with ``times.csv`` (file, taken_ns) and, where it
+    is known, ``response.txt``. The score is the mean of ORB inliers of consecutive frames.
+
+    Motion, noise and response are measured in the recording. The motion that blurs a longer exposure is never
+    measured in the frames of that exposure.
+    """
+
+    class Config(Settings):
+        """Settings of the procedure."""
+
+        recording: str = setting("recording", help="Folder of the frames.", min_length=1, is_path=True)
+        mosaic: Literal["auto", "RG", "GR", "BG", "GB", "none"] = setting(
+            "auto",
+            help="Colour filters by OpenCV's names; auto finds where green is and takes RG or GR.",
+        )
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+
+    def check(self) -> None:
+        """Read the recording and say what is wrong with it."""
+        read_recording(self.config.recording)
+
+    def run(self, *, out: Path, seed: int, progress: Progress) -> Mapping[str, Any]:
+        """Replay; leaves ``report.html``."""
+        recording = read_recording(self.config.recording)
+        mosaic = self.config.mosaic
+        if mosaic == "auto":
+            mosaic = "GR" if recording.green_on_diagonal else "RG"
+        conversion = CONVERSIONS.get(mosaic)
+        light = {name: recording.light(name) for name in recording.exposures}
+        progress.phase("Measuring motion", len(light))
+        motions, after_middle = motions_without(recording, light, progress)
+        real = {
+            name: inliers_of_pairs(frames.codes_dn, bits=recording.bits, conversion=conversion, seed=seed)
+            for name, frames in recording.exposures.items()
+        }
+        progress.phase("Replaying", len(light) * (len(light) - 1))
+        sources = {}
+        for source in light:
+            period = 1 if conversion is None else 2
+            noise = measured_noise(light[source], mosaic=period)
+            exposures = []
+            for target in (name for name in light if name != source):
+                replay = Replay(
+                    recording, source, target, light[source], noise, motions[target], after_middle, period
+                )
+
+                def score(without: Lacking, replay: Replay = replay) -> NDArray[np.float64]:
+                    rng = generator(seed, "replay", replay.source, replay.target)
+                    frames = replay.frames(rng, without)
+                    return inliers_of_pairs(frames, bits=recording.bits, conversion=conversion, seed=seed)
+
+                worse = {name: float(score(each).mean()) for name, each in replay.lacking().items()}
+                ms = recording.exposures[target].exposure_ms
+                exposures.append(replayed(ms, float(real[target].mean()), score(Lacking()), worse))
+                progress.step(f"{target} ms from {source} ms")
+            sources[source] = SourceFindings(tuple(exposures))
+        notes = (recording.response_from, _words_of_stamps(after_middle))
+        write_page(out / "report.html", page(sources, notes))
+        return {
+            "sources": {
+                name: {"tau": found.tau, "exposures": [each.as_data() for each in found.exposures]}
+                for name, found in sources.items()
+            },
+            "real": {name: {"inliers": float(v.mean()), "pairs": v.tolist()} for name, v in real.items()},
+            "stamp_after_middle": after_middle,
+            "notes": list(notes),
+            "summary": summary(sources),
+        }
+
+
+def motions_without(
+    recording: Recording, light: Mapping[str, NDArray[np.float32]], progress: Progress
+) -> tuple[dict[str, Motion], float]:
+    """For each exposure the motion that all the others show, and where the stamps lie in the exposure."""
+    white_per_ms = float(
+        np.median(
+            [
+                np.quantile(each[:, ::4, ::4], 0.95) / recording.exposures[n].exposure_ms
+                for n, each in light.items()
+            ]
+        )
+    )
+    shots: dict[str, list[Shot]] = {
+        name: [
+            shot_of(frame, stamp_s=float(stamp_s), exposure_ms=frames.exposure_ms, white_per_ms=white_per_ms)
+            for frame, stamp_s in zip(light[name], frames.stamp_s, strict=True)
+        ]
+        for name, frames in recording.exposures.items()
+    }
+    every = steps_between([shot for own in shots.values() for shot in own])
+    after_middle = every.stamp_after_middle()
+    motions = {}
+    for left_out in shots:
+        others = [shot for name, own in shots.items() if name != left_out for shot in own]
+        motions[left_out] = steps_between(others).motion(after_middle)
+        progress.step(f"without {left_out} ms")
+    return motions, after_middle
+
+
+def _words_of_stamps(after_middle: float) -> str:
+    place = {-0.5: "the start", 0.0: "the middle", 0.5: "the end"}[after_middle]
+    return f"The stamps are of {place} of the exposures: so the motion is steadiest."

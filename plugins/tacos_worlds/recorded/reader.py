@@ -1,0 +1,303 @@
+"""Reads a folder of frames with ``times.csv``; whatever is wrong with it is said at once."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_files.images import read_samples
+from tacos_framework import Fault, UserError
+from tacos_framework.files import read_text
+from tacos_worlds.recorded.recording import ExposedFrames, Recording, bits_of, green_on_diagonal
+from tacos_worlds.recorded.response import Response, estimated_response, tabled_response
+
+TIMES = "times.csv"
+RESPONSE = "response.txt"
+_NAME = re.compile(r"(?P<ms>\d+(?:[._]\d+)?)ms_(?P<index>\d+)\.(?:png|tif|tiff)$", re.IGNORECASE)
+_LARGEST_MISMATCH = 0.15
+"""Exposures whose light per time differs by more do not belong to one scene and one response [1]."""
+_OVEREXPOSED = 0.5
+"""Share of samples at the top code from which a frame shows nothing that can be replayed [1]."""
+
+
+@dataclass(frozen=True)
+class _Entry:
+    file: str
+    exposure_ms: float
+    stamp_ns: int
+
+
+def read_recording(folder: str | Path) -> Recording:
+    """The frames of a folder, by exposure.
+
+    Raises
+    ------
+    UserError
+        With a fault for each thing that is wrong, and which exposures have none.
+    """
+    path = Path(folder)
+    faults: list[Fault] = []
+    entries = _entries(path, faults)
+    found: dict[str, ExposedFrames] = {}
+    bad: set[float] = set()
+    start_ns = min((entry.stamp_ns for entry in entries), default=0)
+    common: tuple[int, ...] | None = None
+    for exposure_ms in sorted({entry.exposure_ms for entry in entries}):
+        own = sorted((e for e in entries if e.exposure_ms == exposure_ms), key=lambda e: e.stamp_ns)
+        here = list(_faults_of_stamps(path, own))
+        images, seen = [], dict[str, str]()
+        for entry in own:
+            try:
+                image = read_samples(path / entry.file)
+            except UserError as error:
+                here += error.faults
+                continue
+            if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16):
+                shape = " x ".join(map(str, image.shape))
+                here.append(
+                    Fault(
+                        str(path / entry.file),
+                        f"has samples of {image.dtype} {shape}",
+                        "raw samples, one per pixel, of 8 to 16 bits",
+                    )
+                )
+                continue
+            common = common or image.shape
+            if image.shape != common:
+                here.append(
+                    Fault(
+                        str(path / entry.file),
+                        f"is {image.shape[1]} x {image.shape[0]} px",
+                        f"{common[1]} x {common[0]} px, as the first frame",
+                        "Leave the frame out, or record with one size.",
+                    )
+                )
+                continue
+            digest = hashlib.sha256(image.tobytes()).hexdigest()
+            if digest in seen:
+                here.append(
+                    Fault(
+                        str(path / entry.file),
+                        f"holds the very samples of {seen[digest]}",
+                        "a frame of its own: it is doubled",
+                    )
+                )
+            seen.setdefault(digest, entry.file)
+            images.append(image.astype(np.uint16))
+        if len(own) < 2:
+            here.append(
+                Fault(
+                    f"{path}: {exposure_ms:g} ms",
+                    "has one frame",
+                    "two or more, as consecutive frames are compared",
+                )
+            )
+        if here:
+            bad.add(exposure_ms)
+            faults += here
+        if len(images) == len(own):
+            stamp_s = np.array([(e.stamp_ns - start_ns) * 1e-9 for e in own])
+            found[f"{exposure_ms:g}"] = ExposedFrames(exposure_ms, stamp_s, np.stack(images))
+    bits = bits_of(max((int(each.codes_dn.max()) for each in found.values()), default=0))
+    for each in found.values():
+        if over := _overexposed(path, each, bits):
+            faults.append(over)
+            bad.add(each.exposure_ms)
+    fit = {name: each for name, each in found.items() if each.exposure_ms not in bad}
+    response, origin = _response(path, fit, bits, faults)
+    if response is not None:
+        for fault, exposure_ms in _brightness(path, fit, response, bits):
+            faults.append(fault)
+            bad.add(exposure_ms)
+    if entries and len(found) < 2 and not faults:
+        faults.append(
+            Fault(str(path), "holds one exposure", "two or more, so that one can be replayed as another")
+        )
+    if faults or response is None:
+        usable = [each.name for each in found.values() if each.exposure_ms not in bad]
+        words = f"Still usable: {', '.join(usable)} ms." if usable else "Nothing of it is usable as it is."
+        last = faults[-1]
+        faults[-1] = Fault(last.where, last.what, last.expected, f"{last.remedy} {words}".strip())
+        raise UserError(faults)
+    shown = max(found.values(), key=lambda each: float(np.median(each.codes_dn)))
+    return Recording(found, bits, response, origin, green_on_diagonal(shown.codes_dn[:2]))
+
+
+def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
+    if not path.is_dir():
+        faults.append(Fault(str(path), "there is no such folder", f"a folder of frames with {TIMES}"))
+        return []
+    pictures = sorted(each.name for each in path.iterdir() if _NAME.search(each.name))
+    table = path / TIMES
+    if not table.is_file():
+        faults.append(
+            Fault(
+                str(table),
+                f"there is no such file beside {len(pictures)} frames",
+                "a table with the columns file and taken_ns",
+                "Without times the order and the motion of the frames are unknown: write the stamps "
+                "of the camera's driver.",
+            )
+        )
+        return []
+    entries = []
+    reader = csv.DictReader(read_text(table).splitlines())
+    if not {"file", "taken_ns"} <= set(reader.fieldnames or ()):
+        faults.append(
+            Fault(f"{table}:1", f"has the columns {', '.join(reader.fieldnames or ())}", "file and taken_ns")
+        )
+        return []
+    for line, row in enumerate(reader, start=2):
+        name, stamp = (row["file"] or "").strip(), (row["taken_ns"] or "").strip()
+        matched = _NAME.fullmatch(name)
+        if matched is None:
+            faults.append(
+                Fault(
+                    f"{table}:{line}",
+                    f"names {name!r}",
+                    "NNms_K.png: the exposure in milliseconds, and a number",
+                )
+            )
+        elif not re.fullmatch(r"\d{1,19}", stamp):
+            faults.append(
+                Fault(f"{table}:{line}", f"has taken_ns {stamp!r}", "a whole number of nanoseconds")
+            )
+        elif not (path / name).is_file():
+            faults.append(
+                Fault(
+                    f"{table}:{line}",
+                    f"names {name}, which is not there",
+                    "a frame in the folder",
+                    "Add the frame, or take the line out.",
+                )
+            )
+        elif float(matched["ms"].replace("_", ".")) <= 0:
+            faults.append(Fault(f"{table}:{line}", f"names {name}, of no exposure time", "more than 0 ms"))
+        else:
+            entries.append(_Entry(name, float(matched["ms"].replace("_", ".")), int(stamp)))
+    missing = sorted(set(pictures) - {entry.file for entry in entries})
+    if missing and entries:
+        faults.append(Fault(str(table), f"has no line for {', '.join(missing)}", "a line for each frame"))
+    return entries
+
+
+def _faults_of_stamps(path: Path, own: list[_Entry]) -> Iterator[Fault]:
+    """Frames that were dropped or doubled, by the steps between stamps of one exposure."""
+    steps = np.diff([entry.stamp_ns for entry in own])
+    usual = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
+    for first, second, step in zip(own, own[1:], steps, strict=False):
+        where = f"{path / TIMES}: {second.file}"
+        if step == 0 or step < 0.5 * usual:
+            yield Fault(
+                where,
+                f"was taken {step * 1e-6:.1f} ms after {first.file}",
+                f"about {usual * 1e-6:.1f} ms: the frame is doubled",
+                "Take one of the two out.",
+            )
+        elif step > 1.5 * usual:
+            yield Fault(
+                where,
+                f"was taken {step * 1e-6:.1f} ms after {first.file}",
+                f"about {usual * 1e-6:.1f} ms: frames were dropped between them ({round(step / usual) - 1})",
+                "Cut the recording there, and replay the longer part.",
+            )
+
+
+def _overexposed(path: Path, frames: ExposedFrames, bits: int) -> Fault | None:
+    shares = np.mean(frames.codes_dn >= 0.995 * ((1 << bits) - 1), axis=(1, 2))
+    if shares.min() < _OVEREXPOSED:
+        return None
+    return Fault(
+        f"{path}: {frames.name} ms",
+        f"is overexposed throughout: {shares.min():.0%} or more of each frame is at its top",
+        f"less than {_OVEREXPOSED:.0%}",
+        "Take its frames and their lines out.",
+    )
+
+
+def _response(
+    path: Path, fit: dict[str, ExposedFrames], bits: int, faults: list[Fault]
+) -> tuple[Response | None, str]:
+    file, white_dn = path / RESPONSE, (1 << bits) - 1
+    if file.is_file():
+        try:
+            values = np.array(read_text(file).split(), np.float64)
+            return tabled_response(values, white_dn), f"The response is that of {RESPONSE}."
+        except ValueError as error:
+            faults.append(
+                Fault(
+                    str(file),
+                    f"holds no response: {error}",
+                    "numbers of 0..255 that rise",
+                    "Take it out to have the response estimated.",
+                )
+            )
+            return None, ""
+    if len(fit) < 2:
+        if not faults:
+            faults.append(
+                Fault(
+                    str(path), f"has no {RESPONSE} and one exposure", "one of the two, to know the response"
+                )
+            )
+        return None, ""
+    brightness = [float(np.median(each.codes_dn)) for each in fit.values()]
+    names = list(fit)
+    fell = [i for i in range(1, len(names)) if brightness[i] < brightness[i - 1]]
+    for i in fell:
+        faults.append(
+            Fault(
+                f"{path}: {names[i]} ms",
+                f"is darker (median code {brightness[i]:.0f}) than {names[i - 1]} ms ({brightness[i - 1]:.0f})",
+                "exposures that match the brightness",
+                "Correct the exposures in the names of the files.",
+            )
+        )
+    if fell:
+        return None, ""
+    stacks = {each.exposure_ms: each.codes_dn for each in fit.values()}
+    said = f"There is no {RESPONSE}: the response was estimated from the exposures themselves."
+    return estimated_response(stacks, white_dn), said
+
+
+def _brightness(
+    path: Path, fit: dict[str, ExposedFrames], response: Response, bits: int
+) -> Iterator[tuple[Fault, float]]:
+    """Exposures whose light is not in proportion to their time, beside the median of all."""
+    usable_dn = 0.02 * ((1 << bits) - 1), 0.9 * ((1 << bits) - 1)
+    quantiles = np.linspace(0.05, 0.95, 37)
+    rates: dict[str, NDArray[np.float64]] = {}
+    for name, each in fit.items():
+        light = np.quantile(response.light(each.codes_dn), quantiles)
+        rates[name] = (
+            np.where((light > usable_dn[0]) & (light < usable_dn[1]), light, np.nan) / each.exposure_ms
+        )
+    if len(rates) < 3:
+        return
+    stack = np.stack(list(rates.values()))
+    known = np.isfinite(stack).sum(0) >= 3
+    if not known.any():
+        return
+    usual = np.nanmedian(stack[:, known], axis=0)
+    for name, rate in rates.items():
+        ratios = rate[known] / usual
+        if not np.isfinite(ratios).any():
+            continue
+        ratio = float(np.nanmedian(ratios))
+        if abs(ratio - 1) > _LARGEST_MISMATCH:
+            yield (
+                Fault(
+                    f"{path}: {name} ms",
+                    f"is {ratio:.2f} times as bright for its time as the other exposures",
+                    f"1 within {_LARGEST_MISMATCH:.0%}: exposures that match the brightness",
+                    "Correct the exposure in the names of its files, or take them out.",
+                ),
+                fit[name].exposure_ms,
+            )

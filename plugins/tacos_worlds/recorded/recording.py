@@ -1,0 +1,98 @@
+"""A folder of frames that one camera took at several exposures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_worlds.recorded.response import Response
+
+
+@dataclass(frozen=True, eq=False)
+class ExposedFrames:
+    """Frames of one exposure, in the order they were taken.
+
+    Parameters
+    ----------
+    exposure_ms
+        Exposure time [ms].
+    stamp_s
+        (N,) times of ``times.csv``, from the first of the recording [s].
+    codes_dn
+        (N, H, W) samples as stored [DN].
+    """
+
+    exposure_ms: float
+    stamp_s: NDArray[np.float64]
+    codes_dn: NDArray[np.uint16]
+
+    @property
+    def name(self) -> str:
+        """The exposure as text, such as ``8`` or ``0.5``."""
+        return f"{self.exposure_ms:g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Exposures of one walk of one camera.
+
+    Parameters
+    ----------
+    exposures
+        By name, the shortest first.
+    bits
+        Bits of a sample, of which its largest code tells.
+    response
+        From codes to light.
+    response_from
+        Where the response comes from, in a sentence.
+    green_on_diagonal
+        Whether the mosaic has green at (0, 0) and (1, 1).
+    """
+
+    exposures: Mapping[str, ExposedFrames]
+    bits: int
+    response: Response
+    response_from: str
+    green_on_diagonal: bool = False
+
+    @property
+    def white_dn(self) -> int:
+        """Largest code [DN]."""
+        return (1 << self.bits) - 1
+
+    def light(self, name: str) -> NDArray[np.float32]:
+        """(N, H, W) light of an exposure's frames, linear, in 0..`white_dn` [DN]."""
+        return self.response.light(self.exposures[name].codes_dn)
+
+
+def bits_of(largest_code: int) -> int:
+    """The usual bit depth that holds a code.
+
+    >>> bits_of(4094)
+    12
+    """
+    return next((bits for bits in (8, 10, 12, 14) if largest_code < 1 << bits), 16)
+
+
+def green_on_diagonal(codes_dn: NDArray[np.uint16]) -> bool:
+    """Whether the samples at (0, 0) and (1, 1) of each 2 x 2 are more alike than the other two.
+
+    Parameters
+    ----------
+    codes_dn
+        (N, H, W) of a Bayer mosaic [DN].
+    """
+    planes = {
+        (row, column): codes_dn[:, row::2, column::2].astype(np.float32)
+        for row in (0, 1)
+        for column in (0, 1)
+    }
+    unlike = [
+        float(np.mean(np.abs(planes[first] - planes[second])))
+        for first, second in (((0, 0), (1, 1)), ((0, 1), (1, 0)))
+    ]
+    return unlike[0] < unlike[1]

@@ -1,0 +1,100 @@
+"""The response of a camera: which light a code stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+_KNOTS = 256
+_QUANTILES = np.linspace(0.005, 0.995, 400)
+_SMOOTHNESS = 30.0
+"""Weight of the second differences of the logarithmic response, as in Debevec and Malik's example."""
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Light over code at (K,) knots, both rising; linear between them [DN]."""
+
+    code_dn: NDArray[np.float64]
+    light_dn: NDArray[np.float64]
+
+    def light(self, codes_dn: NDArray[np.uint16]) -> NDArray[np.float32]:
+        """Linear light of codes, in the same shape [DN]."""
+        table = np.interp(np.arange(int(codes_dn.max(initial=0)) + 1), self.code_dn, self.light_dn)
+        return np.asarray(table.astype(np.float32)[codes_dn], np.float32)
+
+    def codes(self, light_dn: NDArray[np.float32]) -> NDArray[np.uint16]:
+        """Codes of linear light, rounded and clipped [DN]."""
+        found = np.interp(light_dn, self.light_dn, self.code_dn)
+        return np.rint(found).astype(np.uint16)
+
+
+def tabled_response(values: NDArray[np.float64], white_dn: int) -> Response:
+    """A response from a table of light at evenly spaced codes, in 0..255.
+
+    Raises
+    ------
+    ValueError
+        When it has fewer than two values, or they do not rise.
+    """
+    if len(values) < 2 or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0):
+        raise ValueError(f"{len(values)} values that do not rise throughout")
+    return Response(np.linspace(0, white_dn, len(values)), values * white_dn / 255)
+
+
+def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: int) -> Response:
+    """The response under which one scene at several exposures has light in proportion to their times.
+
+    Brightness ranks alike in all of them, so equal quantiles of their codes are of equal light: motion
+    between the frames does no harm. The logarithm of the response is then a least-squares problem.
+
+    Parameters
+    ----------
+    frames_dn
+        (N, H, W) codes by exposure time [DN]; two exposures or more.
+
+    References
+    ----------
+    Debevec and Malik 1997, "Recovering high dynamic range radiance maps from photographs", eq. 3, on pairs of
+    Grossberg and Nayar 2003, "Determining the camera response from images: what is knowable?".
+    """
+    times = sorted(frames_dn)
+    knots_dn = np.linspace(0, white_dn, _KNOTS)
+    levels = {time: np.quantile(frames_dn[time], _QUANTILES) for time in times}
+    low_dn, high_dn = 0.002 * white_dn, 0.985 * white_dn
+    rows, wanted = [], []
+    for i, short in enumerate(times):
+        for long in times[i + 1 :]:
+            valid = (levels[short] > low_dn) & (levels[long] < high_dn)
+            for first, second in zip(levels[short][valid], levels[long][valid], strict=True):
+                rows.append(_hat(second, white_dn) - _hat(first, white_dn))
+                wanted.append(np.log(long / short))
+    # Smooth over the logarithm of the code, so that a linear response is no bend.
+    base = np.log(np.maximum(knots_dn, white_dn / _KNOTS / 2))
+    bends = _SMOOTHNESS * np.diff(np.eye(_KNOTS), 2, axis=0)
+    anchor = np.zeros((1, _KNOTS))
+    anchor[0, -1] = 1e3
+    matrix = np.concatenate([np.array(rows).reshape(-1, _KNOTS), bends, anchor])
+    target = np.concatenate(
+        [
+            np.array(wanted) - np.array(rows).reshape(-1, _KNOTS) @ base,
+            np.zeros(len(bends)),
+            [-1e3 * base[-1]],
+        ]
+    )
+    logarithm = base + np.linalg.lstsq(matrix, target, rcond=None)[0]
+    light = np.exp(np.maximum.accumulate(logarithm + 1e-9 * np.arange(_KNOTS)))
+    light[0] = min(light[0], light[1] / 2)
+    return Response(knots_dn, light * white_dn / light[-1])
+
+
+def _hat(code_dn: float, white_dn: int) -> NDArray[np.float64]:
+    """(knots,) weights of the knots around a code."""
+    weights = np.zeros(_KNOTS)
+    place = code_dn / white_dn * (_KNOTS - 1)
+    left = min(int(place), _KNOTS - 2)
+    weights[left], weights[left + 1] = left + 1 - place, place - left
+    return weights

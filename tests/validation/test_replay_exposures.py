@@ -1,0 +1,74 @@
+"""``tacos-run replay_exposures``: recordings that cannot be replayed, and the response of those that can."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from tacos_framework import UserError
+from tacos_worlds.recorded.motion import Motion, blurred
+from tacos_worlds.recorded.reader import read_recording
+from tacos_worlds.recorded.response import estimated_response
+
+STEP_NS = 100_000_000
+
+
+def record(folder: Path, *, sizes: dict[str, tuple[int, int]] | None = None) -> Path:
+    """Noisy frames of one texture at 1, 2 and 4 ms, 12 bits, linear."""
+    rng = np.random.default_rng(3)
+    texture = rng.uniform(100, 900, (48, 64))
+    lines = ["file,taken_ns"]
+    for place, ms in enumerate((1, 2, 4)):
+        for frame in range(5):
+            name = f"{ms:02d}ms_{frame}.png"
+            light = texture * ms + rng.normal(0, 3, texture.shape)
+            height, width = (sizes or {}).get(name, texture.shape)
+            cv2.imwrite(str(folder / name), np.clip(light, 0, 4095).astype(np.uint16)[:height, :width])
+            lines.append(f"{name},{frame * STEP_NS + place * 30_000_000}")
+    (folder / "times.csv").write_text("\n".join(lines))
+    np.savetxt(folder / "response.txt", np.linspace(0, 255, 256)[None])
+    return folder
+
+
+def test_all_faults_are_named_at_once_with_what_is_still_usable(tmp_path: Path) -> None:
+    folder = record(tmp_path, sizes={"01ms_2.png": (40, 64)})
+    table = (folder / "times.csv").read_text().splitlines()
+    (folder / "times.csv").write_text("\n".join(line for line in table if "02ms_2" not in line))
+    (folder / "02ms_2.png").unlink()
+    with pytest.raises(UserError) as caught:
+        read_recording(folder)
+    said = "\n".join(str(fault) for fault in caught.value.faults)
+    assert "01ms_2.png: is 64 x 40 px" in said
+    assert "frames were dropped between them (1)" in said
+    assert "Still usable: 4 ms." in said
+
+
+def test_a_folder_without_times_says_what_to_write(tmp_path: Path) -> None:
+    (record(tmp_path) / "times.csv").unlink()
+    with pytest.raises(UserError, match=r"times\.csv: there is no such file beside 15 frames"):
+        read_recording(tmp_path)
+
+
+def test_a_response_is_found_from_exposures_of_one_scene() -> None:
+    rng = np.random.default_rng(1)
+    light = np.exp(rng.uniform(np.log(2), np.log(900), 200_000))
+    stacks = {
+        ms: np.rint(4095 * np.clip(light * ms / 4095, 0, 1) ** 0.5).astype(np.uint16)
+        for ms in (1.0, 2.0, 4.0, 8.0)
+    }
+    found = estimated_response(stacks, 4095)
+    inside = slice(25, 243)
+    np.testing.assert_allclose(found.light_dn[inside], 4095 * (found.code_dn[inside] / 4095) ** 2, rtol=0.1)
+
+
+def test_blur_along_the_path_is_the_mean_over_the_longer_exposure() -> None:
+    columns = np.arange(128, dtype=np.float32)
+    source = np.tile(np.sin(columns / 6), (64, 1)).astype(np.float32)
+    velocity = np.zeros((1, 32, 64, 2), np.float32)
+    velocity[..., 0] = 1000.0  # 1 px/ms
+    found = blurred(source, Motion(np.zeros(1), velocity), middle_s=0.0, own_ms=1, wanted_ms=8, mosaic=1)
+    expected = np.mean([np.sin((columns - shift) / 6) for shift in np.arange(8) - 3.5], axis=0)
+    np.testing.assert_allclose(found[32, 16:-16], expected[16:-16], atol=0.01)
