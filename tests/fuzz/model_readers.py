@@ -123,7 +123,7 @@ def _poses(path: Path) -> object:
     from tacos_worlds.imported.recorded import read_recorded
 
     try:
-        trajectory = read_recorded(path, np.eye(3), of_camera=True)
+        trajectory, _ = read_recorded(path, np.eye(3), np.zeros(3), of_camera=True)
     except (Damaged, Unreadable) as error:  # the scene says so, beside what else is wrong with its settings
         raise UserError(Fault(path.name, str(error))) from error
     return trajectory.at(np.linspace(0, trajectory.time_s[-1], 5))

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tacos_framework import Material, MeshPart, Object, World
+from tacos_plugins.coincident_faces import corners_behind, other_sides
 from tacos_plugins.lighting import bake_indirect
-from tacos_plugins.lighting.coincidence import corners_behind, other_sides
 from tacos_plugins.renderers.light.baked_mesh import light_world
 from tacos_plugins.renderers.light.flatten import SurfaceKind
 

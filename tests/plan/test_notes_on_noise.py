@@ -24,8 +24,8 @@ def test_sensors_with_the_same_origins_share_a_sentence(toys, monkeypatch):
         return {"full_well_e": "catalog" if camera.electrons.sensor == "IMX273" else "assumed"}
 
     monkeypatch.setattr(sensor.cls, "origins", origins, raising=False)
-    assert list(notes_on_noise(plan, cameras_of(plan, "IMX136", "IMX273", "IMX226"))) == [
-        "Noise simulated for IMX136, IMX226: full_well_e assumed.",
+    assert list(notes_on_noise(plan, cameras_of(plan, "IMX136", "IMX273", "IMX252"))) == [
+        "Noise simulated for IMX136, IMX252: full_well_e assumed.",
         "Noise simulated for IMX273: full_well_e as the catalog states.",
     ]
 

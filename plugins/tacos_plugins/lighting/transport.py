@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, get_index_dtype
 
 from tacos_framework import World
-from tacos_plugins.lighting.coincidence import corners_behind, other_sides
+from tacos_plugins.coincident_faces import corners_behind, other_sides
 from tacos_plugins.lighting.direct import SURFACE_OFFSET_M, direct_irradiance
 from tacos_plugins.lighting.occlusion import Occlusion, WorldHits
 from tacos_plugins.lighting.refinement import refined

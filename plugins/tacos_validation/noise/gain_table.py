@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
+from tacos_framework.files import read_csv
 
 COLUMNS = ("maker", "model", "iso", "a", "b")
 _MOST_FAULTS = 20
@@ -53,38 +53,32 @@ def read_gain_table(path: Path) -> list[MeasuredCamera]:
     UserError
         With all faults of the file: missing columns, values that are no numbers, gains not above 0.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.DictReader(file)
-            missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
-            if missing:
-                raise UserError(
-                    Fault(
-                        str(path),
-                        f"the first line has no column {', '.join(missing)}",
-                        f"columns {', '.join(COLUMNS)}, separated by commas",
-                        "a and b: variance = a x + b, with x and the variance over full scale.",
-                    )
-                )
-            cameras = _gathered(path, ((reader.line_num, row) for row in reader))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    (_, heading), *lines = read_csv(path) or [(1, [])]
+    missing = [name for name in COLUMNS if name not in heading]
+    if missing:
         raise UserError(
-            Fault(str(path), f"cannot be read: {error}", "a CSV file", "Name one: --set data=FILE.csv")
-        ) from error
+            Fault(
+                str(path),
+                f"the first line has no column {', '.join(missing)}",
+                f"columns {', '.join(COLUMNS)}, separated by commas",
+                "a and b: variance = a x + b, with x and the variance over full scale.",
+            )
+        )
+    cameras = _gathered(path, ((number, dict(zip(heading, cells, strict=False))) for number, cells in lines))
     if not cameras:
         raise UserError(Fault(str(path), "has no measurements", "a line for each camera and gain"))
     return cameras
 
 
-def _gathered(path: Path, rows: Iterable[tuple[int, Mapping[str, str | None]]]) -> list[MeasuredCamera]:
+def _gathered(path: Path, rows: Iterable[tuple[int, Mapping[str, str]]]) -> list[MeasuredCamera]:
     faults: list[Fault] = []
     measured: dict[str, list[tuple[float, float, float]]] = {}
     for line, row in rows:
         found = list(_faults_of(f"{path}, line {line}", row))
         faults += found
         if not found:
-            name = f"{row['maker'] or ''} {row['model'] or ''}".strip()
-            gain, slope, intercept = (float(row[key] or "") for key in ("iso", "a", "b"))
+            name = f"{row['maker']} {row['model']}".strip()
+            gain, slope, intercept = (float(row[key]) for key in ("iso", "a", "b"))
             measured.setdefault(name, []).append((gain, slope, intercept))
     if faults:
         raise UserError(faults[:_MOST_FAULTS])
@@ -92,18 +86,18 @@ def _gathered(path: Path, rows: Iterable[tuple[int, Mapping[str, str | None]]]) 
     return [MeasuredCamera(name, *values) for name, values in columns.items()]
 
 
-def _faults_of(where: str, row: Mapping[str, str | None]) -> Iterator[Fault]:
+def _faults_of(where: str, row: Mapping[str, str]) -> Iterator[Fault]:
     for column in ("iso", "a", "b"):
-        value = _number(row[column])
+        value = _number(row.get(column, ""))
         if value is None:
-            yield Fault(where, f"{column} is {row[column]!r}", "a finite number")
+            yield Fault(where, f"{column} is {row.get(column, '')!r}", "a finite number")
         elif column == "iso" and value <= 0:
             yield Fault(where, f"iso is {value:g}", "a gain above 0")
 
 
-def _number(text: str | None) -> float | None:
+def _number(text: str) -> float | None:
     try:
-        value = float(text or "")
+        value = float(text)
     except ValueError:
         return None
     return value if math.isfinite(value) else None

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.lighting.coincidence import other_sides
+from tacos_plugins.coincident_faces import other_sides
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_worlds.imported.patch import Patch
 

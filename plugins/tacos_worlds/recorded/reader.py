@@ -255,7 +255,8 @@ def _response(
         faults.append(
             Fault(
                 f"{path}: {names[i]} ms",
-                f"is darker (median code {brightness[i]:.0f}) than {names[i - 1]} ms ({brightness[i - 1]:.0f})",
+                f"is darker (median code {brightness[i]:.0f}) than {names[i - 1]} ms "
+                f"({brightness[i - 1]:.0f})",
                 "exposures that match the brightness",
                 "Correct the exposures in the names of the files.",
             )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import World
-from tacos_plugins.lighting.coincidence import other_sides
+from tacos_plugins.coincident_faces import other_sides
 from tacos_plugins.renderers.light.ambient_visibility import near_ambient_visibility
 from tacos_plugins.renderers.light.charts import Charts, find_charts
 from tacos_plugins.renderers.light.direct_light import LightAtPoints, direct_light

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.lighting.coincidence import numbered
+from tacos_plugins.coincident_faces import numbered
 from tacos_plugins.renderers.light.flatten import FlatMesh
 
 _SAME_PLACE_M = 1e-4

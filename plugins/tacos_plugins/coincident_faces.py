@@ -14,7 +14,7 @@ def numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     Examples
     --------
     >>> numbered(np.array([[3, 1], [0, 2], [3, 1]])).tolist()
-    [1, 0, 1]
+    [0, 1, 0]
     """
     order = np.lexsort(rows.T)
     ordered = rows[order]
