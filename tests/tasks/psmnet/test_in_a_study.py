@@ -50,10 +50,14 @@ def recipe(batch: int, stereo_weights: str = "none", **train) -> Recipe:
     )
 
 
-def run(out, *, batch: int = 3, resume: bool = False, **changes):
-    """The candidates of all generations, and the weights after the last."""
+def study(out, *, batch: int, resume: bool = False, **changes):
     plugins = Plugins.discover()
     tacos_framework.run(recipe(batch, **changes), out=out, plugins=plugins, report=False, resume=resume)
+
+
+def run(out, *, batch: int = 3, resume: bool = False, **changes):
+    """The candidates of all generations, and the weights after the last."""
+    study(out, batch=batch, resume=resume, **changes)
     lines = (out / "generations.jsonl").read_text().splitlines()
     (weights,) = (out / "weights").iterdir()
     return [candidate for line in lines for candidate in json.loads(line)["candidates"]], load_file(weights)
@@ -111,7 +115,7 @@ def test_a_study_that_was_broken_off_ends_with_the_same_weights(tmp_path, monkey
         return real(*args)
 
     monkeypatch.setattr(training, "disparity_loss", loss)
-    run(tmp_path / "broken", batch=1, weights="shared")
+    study(tmp_path / "broken", batch=1, weights="shared")  # may leave weights that nothing names any more
     assert len(steps) == 3
     resumed, resumed_weights = run(tmp_path / "broken", batch=1, weights="shared", resume=True)
     assert resumed == candidates
