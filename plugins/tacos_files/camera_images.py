@@ -49,9 +49,20 @@ PICTURE_SUFFIXES = (
 
 
 _LOSSY = {b"\xff\xd8\xff": "JPEG", b"RIFF": "WebP"}
-"""What stands at the beginning of files whose coding changes noise, and what they are called."""
+"""First bytes of files whose coding changes noise, and the names of the codings."""
 
 _LOSSY_REMEDY = "Have the camera save raw frames: PNG, TIFF, npy, PGM or its RAW format."
+
+
+def usual_bit_depth(largest_dn: int) -> int:
+    """The smallest bit depth of cameras that holds a sample.
+
+    Examples
+    --------
+    >>> usual_bit_depth(4094)
+    12
+    """
+    return next((bits for bits in (8, 10, 12, 14) if largest_dn < 1 << bits), 16)
 
 
 def read_frame(path: Path, where: str, within: Path | None = None) -> NDArray[Any]:

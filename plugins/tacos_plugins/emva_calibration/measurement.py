@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.camera_images import read_frame
+from tacos_files.camera_images import read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
 from tacos_plugins.emva_calibration.frame_table import FrameGroup
 from tacos_plugins.emva_calibration.moments import Frame, Moments, moments_of
@@ -18,7 +18,6 @@ from tacos_plugins.emva_calibration.nonuniformity import SpatialVariance, spatia
 STACK_FRAMES = 8
 """From so many frames a group serves for nonuniformity; the standard takes 50 or more."""
 
-_USUAL_BITS = (8, 10, 12, 14, 16)
 _NARROWEST_PX = 16
 _MOST_DRIFT = 0.15
 
@@ -130,7 +129,7 @@ def _step(bits: int) -> int:
 def _bit_depth(bits: int, stated: int | None, folder: Path) -> int:
     least = max(bits.bit_length(), 1)
     if stated is None:
-        return next(usual for usual in _USUAL_BITS if usual >= least)
+        return usual_bit_depth(bits)
     if stated < least:
         what = f"samples reach {bits} DN, beyond {stated} bits"
         raise UserError(Fault(str(folder), what, f"bit_depth: {least} or more", "Correct bit_depth."))

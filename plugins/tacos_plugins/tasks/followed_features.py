@@ -115,7 +115,7 @@ def follow(
     ----------
     Raguram et al. 2013, "USAC: a universal framework for random sample consensus", as OpenCV implements it.
     """
-    matches = _match(first, second)
+    matches = match(first, second)
     inliers = 0
     if len(matches) >= MATCHES_NEEDED:
         consensus = cv2.UsacParams()
@@ -131,7 +131,8 @@ def follow(
     return FollowedFeatures((len(first) + len(second)) / 2, len(matches), inliers)
 
 
-def _match(first: Features, second: Features) -> Sequence[Any]:
+def match(first: Features, second: Features) -> Sequence[Any]:
+    """Mutual nearest neighbours of two frames."""
     if not (len(first) and len(second)):
         return ()
     matches: Sequence[Any] = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(

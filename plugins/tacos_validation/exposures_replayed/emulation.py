@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,24 +13,8 @@ from tacos_worlds.recorded.motion import Motion, blurred
 from tacos_worlds.recorded.noise import LinearNoise
 from tacos_worlds.recorded.recording import Recording
 
-
-@dataclass(frozen=True)
-class Lacking:
-    """What is taken from the source once more, to see whether what it lacks matters.
-
-    Each is what the source has too much of, or too little, beside the exposure it is replayed as.
-    """
-
-    noise: bool = False
-    blur: bool = False
-    highlights: bool = False
-
-
-LACKING = {
-    "noise": Lacking(noise=True),
-    "blur": Lacking(blur=True),
-    "highlights": Lacking(highlights=True),
-}
+Lack = Literal["noise", "blur", "highlights"]
+"""Too much noise or blur in the source, or clipped highlights, beside the exposure it is replayed as."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,26 +56,25 @@ class Replay:
         response = self.recording.response
         return float(np.interp(0.995 * self.recording.white_dn, response.code_dn, response.light_dn))
 
-    def lacking(self) -> dict[str, Lacking]:
-        """What the source may lack for this target, by name."""
+    def lacks(self) -> tuple[Lack, ...]:
+        """Lacks of the source that bear on this target."""
         if self.ratio > 1:
-            return {"noise": LACKING["noise"]}
-        named = {"blur": LACKING["blur"]}
-        return named | ({"highlights": LACKING["highlights"]} if self.clipped > 0 else {})
+            return ("noise",)
+        return ("blur", "highlights") if self.clipped > 0 else ("blur",)
 
-    def frames(self, rng: np.random.Generator, without: Lacking) -> Iterator[NDArray[np.uint16]]:
-        """(H, W) frames as the target would have stored them; `without` what the source lacks anyway."""
+    def frames(self, rng: np.random.Generator, doubled: Lack | None) -> Iterator[NDArray[np.uint16]]:
+        """(H, W) frames as the target would have stored them, with one lack of the source doubled."""
         source = self.recording.exposures[self.source]
         target = self.recording.exposures[self.target]
         clip_dn = np.inf
-        if without.highlights:
+        if doubled == "highlights":
             clip_dn = float(np.quantile(self.light_dn[:, ::4, ::4], max(0.0, 1 - 2 * self.clipped)))
         for index, light_dn in enumerate(self.light_dn):
             light_dn = np.minimum(light_dn, np.float32(clip_dn))
             at = min(index, len(target.stamp_s) - 1)
             middle_s = target.stamp_s[at] - self.stamp_after_middle * target.exposure_ms * 1e-3
             wanted_ms = target.exposure_ms
-            if without.blur:
+            if doubled == "blur":
                 middle_s = source.stamp_s[index] - self.stamp_after_middle * source.exposure_ms * 1e-3
                 wanted_ms = 2 * source.exposure_ms - target.exposure_ms
             if wanted_ms > source.exposure_ms:
@@ -104,7 +88,7 @@ class Replay:
                 )
             light_dn = light_dn * np.float32(self.ratio)
             missing_dn2 = self.noise.missing_dn2(light_dn, self.ratio)
-            if without.noise:
+            if doubled == "noise":
                 missing_dn2 = -missing_dn2
             drawn = rng.standard_normal(light_dn.shape, np.float32) * np.sqrt(np.maximum(missing_dn2, 0))
             yield self.recording.response.codes(light_dn + drawn)

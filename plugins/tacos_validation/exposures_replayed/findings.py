@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_validation.exposures_replayed.emulation import Lack
 from tacos_validation.rank_agreement.agreement import tau_b
 
 TOLERANCE = 0.15
 LEAST_TOLERANCE = 10.0
 """A replay is to be within 15 %, or ten inliers, of reality."""
 
-REASONS = {
+REASONS: Mapping[Lack, str] = {
     "noise": "the source is noisier than this exposure, and its noise decides",
     "blur": "the source is blurred by more motion than this exposure, and its blur decides",
     "highlights": "highlights are clipped in the source and not in this exposure, and they decide",
@@ -34,7 +35,7 @@ class ReplayedExposure:
 
     @property
     def near(self) -> bool | None:
-        """Whether it is within the tolerance; None where it is refused."""
+        """True within the tolerance; None where it is refused."""
         return None if self.predicted is None else abs(self.predicted - self.real) <= tolerance(self.real)
 
     def as_data(self) -> dict[str, Any]:
@@ -51,7 +52,7 @@ class ReplayedExposure:
 
 @dataclass(frozen=True)
 class SourceFindings:
-    """What one exposure says of the others."""
+    """All other exposures, replayed from one."""
 
     exposures: tuple[ReplayedExposure, ...]
 
@@ -68,12 +69,12 @@ class SourceFindings:
 
 
 def tolerance(inliers: float) -> float:
-    """How far two scores may lie apart and still agree."""
+    """Largest difference at which two scores agree."""
     return max(TOLERANCE * inliers, LEAST_TOLERANCE)
 
 
 def replayed(
-    ms: float, real: float, pairs: NDArray[np.float64], worse: Mapping[str, float]
+    ms: float, real: float, pairs: NDArray[np.float64], worse: Mapping[Lack, float]
 ) -> ReplayedExposure:
     """An exposure from the inliers of its replayed pairs.
 
@@ -87,13 +88,10 @@ def replayed(
     """
     predicted = float(pairs.mean())
     changes = {name: abs(value - predicted) for name, value in worse.items()}
-    reasons = [
-        f"{REASONS[name]}: the same once more changes {predicted:.0f} inliers by {change:.0f}"
-        for name, change in changes.items()
-        if sum(changes.values()) > tolerance(predicted)
-    ]
-    if reasons:
-        return ReplayedExposure(ms, real, None, None, "; ".join(reasons))
+    if sum(changes.values()) > tolerance(predicted):
+        name, change = max(changes.items(), key=lambda item: item[1])
+        reason = f"{REASONS[name]}: the same once more changes {predicted:.0f} inliers by {change:.0f}"
+        return ReplayedExposure(ms, real, None, None, reason)
     scatter = float(np.std(np.diff(pairs)) / np.sqrt(2 * len(pairs))) if len(pairs) > 2 else 0.0
     half = float(np.sqrt((1.96 * scatter) ** 2 + sum(change**2 for change in changes.values())))
     return ReplayedExposure(ms, real, predicted, (max(predicted - half, 0.0), predicted + half), None)

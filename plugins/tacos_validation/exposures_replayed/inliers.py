@@ -1,4 +1,7 @@
-"""ORB features that consecutive frames share, as the recordings are scored."""
+"""ORB features that consecutive frames share, as recordings are scored in publications.
+
+The fundamental matrix comes from OpenCV's RANSAC, whose samples are the same in each call.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +12,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.tasks.followed_features import MATCHES_NEEDED, Features, extract
+from tacos_plugins.tasks.followed_features import MATCHES_NEEDED, Features, extract, match
 
 FEATURES = 2000
 THRESHOLD_PX = 3.0
 
 
 def inliers_of_pairs(
-    frames_dn: Iterable[NDArray[np.uint16]], *, bits: int, conversion: int | None, seed: int
+    frames_dn: Iterable[NDArray[np.uint16]], *, bits: int, conversion: int | None
 ) -> NDArray[np.float64]:
     """(N - 1,) inliers of one fundamental matrix for each pair of consecutive (H, W) frames.
 
@@ -24,8 +27,6 @@ def inliers_of_pairs(
     ----------
     conversion
         OpenCV's code from the mosaic to grey; None where there is no mosaic.
-    seed
-        Of RANSAC, set anew for each pair.
     """
     detector = cv2.ORB.create(nfeatures=FEATURES)
     found = []
@@ -35,17 +36,13 @@ def inliers_of_pairs(
             extract(detector, np.right_shift(np.asarray(grey, np.uint16), bits - 8).astype(np.uint8))
         )
     pairs = pairwise(found)
-    return np.array([_inliers(first, second, seed) for first, second in pairs], np.float64)
+    return np.array([_inliers(first, second) for first, second in pairs], np.float64)
 
 
-def _inliers(first: Features, second: Features, seed: int) -> int:
-    if not (len(first) and len(second)):
-        return 0
-    matcher = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True)
-    matches = matcher.match(first.descriptors, second.descriptors)
+def _inliers(first: Features, second: Features) -> int:
+    matches = match(first, second)
     if len(matches) < MATCHES_NEEDED:
         return 0
-    cv2.setRNGSeed(seed)
     _, mask = cv2.findFundamentalMat(
         first.points_px[[match.queryIdx for match in matches]],
         second.points_px[[match.trainIdx for match in matches]],

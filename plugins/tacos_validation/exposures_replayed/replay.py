@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import Progress, Settings, generator, setting
 from tacos_report.page import write_page
-from tacos_validation.exposures_replayed.emulation import Lacking, Replay
+from tacos_validation.exposures_replayed.emulation import Lack, Replay
 from tacos_validation.exposures_replayed.findings import SourceFindings, replayed
 from tacos_validation.exposures_replayed.inliers import inliers_of_pairs
 from tacos_validation.exposures_replayed.pages import page, summary
@@ -66,7 +66,7 @@ class ReplayExposures:
         progress.phase("Measuring motion", len(light))
         motions, after_middle = motions_without(recording, light, progress)
         real = {
-            name: inliers_of_pairs(frames.codes_dn, bits=recording.bits, conversion=conversion, seed=seed)
+            name: inliers_of_pairs(frames.codes_dn, bits=recording.bits, conversion=conversion)
             for name, frames in recording.exposures.items()
         }
         progress.phase("Replaying", len(light) * (len(light) - 1))
@@ -80,14 +80,14 @@ class ReplayExposures:
                     recording, source, target, light[source], noise, motions[target], after_middle, period
                 )
 
-                def score(without: Lacking, replay: Replay = replay) -> NDArray[np.float64]:
+                def score(doubled: Lack | None, replay: Replay = replay) -> NDArray[np.float64]:
                     rng = generator(seed, "replay", replay.source, replay.target)
-                    frames = replay.frames(rng, without)
-                    return inliers_of_pairs(frames, bits=recording.bits, conversion=conversion, seed=seed)
+                    frames = replay.frames(rng, doubled)
+                    return inliers_of_pairs(frames, bits=recording.bits, conversion=conversion)
 
-                worse = {name: float(score(each).mean()) for name, each in replay.lacking().items()}
+                worse = {lack: float(score(lack).mean()) for lack in replay.lacks()}
                 ms = recording.exposures[target].exposure_ms
-                exposures.append(replayed(ms, float(real[target].mean()), score(Lacking()), worse))
+                exposures.append(replayed(ms, float(real[target].mean()), score(None), worse))
                 progress.step(f"{target} ms from {source} ms")
             sources[source] = SourceFindings(tuple(exposures))
         notes = (recording.response_from, _words_of_stamps(after_middle))

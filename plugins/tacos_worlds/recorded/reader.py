@@ -1,8 +1,7 @@
-"""Reads a folder of frames with ``times.csv``; whatever is wrong with it is said at once."""
+"""Reads a folder of frames with ``times.csv``, and names all of its faults at once."""
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import re
 from collections.abc import Iterator
@@ -12,10 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.images import read_samples
+from tacos_files.camera_images import read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_text
-from tacos_worlds.recorded.recording import ExposedFrames, Recording, bits_of, green_on_diagonal
+from tacos_framework.files import read_csv, read_text
+from tacos_worlds.recorded.recording import ExposedFrames, Recording, green_on_diagonal
 from tacos_worlds.recorded.response import Response, estimated_response, tabled_response
 
 TIMES = "times.csv"
@@ -55,20 +54,20 @@ def read_recording(folder: str | Path) -> Recording:
         images, seen = [], dict[str, str]()
         for entry in own:
             try:
-                image = read_samples(path / entry.file)
+                image = read_frame(path / entry.file, str(path / entry.file), path)
             except UserError as error:
                 here += error.faults
                 continue
-            if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16):
-                shape = " x ".join(map(str, image.shape))
+            if image.shape[-1] != 1:
                 here.append(
                     Fault(
                         str(path / entry.file),
-                        f"has samples of {image.dtype} {shape}",
-                        "raw samples, one per pixel, of 8 to 16 bits",
+                        "has colours: demosaicing has mixed neighbours",
+                        "raw samples, one per pixel",
                     )
                 )
                 continue
+            image = image[..., 0]
             common = common or image.shape
             if image.shape != common:
                 here.append(
@@ -105,7 +104,7 @@ def read_recording(folder: str | Path) -> Recording:
         if len(images) == len(own):
             stamp_s = np.array([(e.stamp_ns - start_ns) * 1e-9 for e in own])
             found[f"{exposure_ms:g}"] = ExposedFrames(exposure_ms, stamp_s, np.stack(images))
-    bits = bits_of(max((int(each.codes_dn.max()) for each in found.values()), default=0))
+    bits = usual_bit_depth(max((int(each.codes_dn.max()) for each in found.values()), default=0))
     for each in found.values():
         if over := _overexposed(path, each, bits):
             faults.append(over)
@@ -148,14 +147,13 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
         )
         return []
     entries = []
-    reader = csv.DictReader(read_text(table).splitlines())
-    if not {"file", "taken_ns"} <= set(reader.fieldnames or ()):
-        faults.append(
-            Fault(f"{table}:1", f"has the columns {', '.join(reader.fieldnames or ())}", "file and taken_ns")
-        )
+    (_, heading), *lines = read_csv(table) or [(1, [])]
+    if not {"file", "taken_ns"} <= set(heading):
+        faults.append(Fault(f"{table}:1", f"has the columns {', '.join(heading)}", "file and taken_ns"))
         return []
-    for line, row in enumerate(reader, start=2):
-        name, stamp = (row["file"] or "").strip(), (row["taken_ns"] or "").strip()
+    for line, cells in lines:
+        row = dict(zip(heading, cells, strict=False))
+        name, stamp = row.get("file", ""), row.get("taken_ns", "")
         matched = _NAME.fullmatch(name)
         if matched is None:
             faults.append(

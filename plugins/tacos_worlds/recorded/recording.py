@@ -69,15 +69,6 @@ class Recording:
         return self.response.light(self.exposures[name].codes_dn)
 
 
-def bits_of(largest_code: int) -> int:
-    """The usual bit depth that holds a code.
-
-    >>> bits_of(4094)
-    12
-    """
-    return next((bits for bits in (8, 10, 12, 14) if largest_code < 1 << bits), 16)
-
-
 def green_on_diagonal(codes_dn: NDArray[np.uint16]) -> bool:
     """Whether the samples at (0, 0) and (1, 1) of each 2 x 2 are more alike than the other two.
 
