@@ -34,7 +34,7 @@ class SceneBase:
     """What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it."""
 
     remarks: tuple[str, ...] = ()
-    """What is doubtful of the files of its world, and what of them is not carried out. May open them."""
+    """Doubts about the files of its world, and statements in them that are not carried out. May open them."""
 
 
 @runtime_checkable

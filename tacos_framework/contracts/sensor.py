@@ -88,5 +88,5 @@ class SensorBase:
     whose cameras it can serve is refused with it; a candidate it cannot serve fails."""
 
     origins: Callable[[Camera], Mapping[str, str]] | None = None
-    """Where each figure of a camera's noise comes from: figure -> ``catalog``, ``settings``, or a phrase.
+    """Origin of each figure of a camera's noise: figure -> ``catalog``, ``settings``, or a phrase.
     Results and exported cameras repeat it."""

@@ -196,7 +196,7 @@ def _rules_out_parts(quantity: str, variable: CatalogChoice) -> bool:
 
 
 def notes_on_worlds(plan: Plan) -> Iterator[str]:
-    """What is doubtful of the files of scenes, and what of them is not carried out; they are opened for it.
+    """Doubts about the files of scenes, and statements in them that are not carried out; opens the files.
 
     Raises
     ------

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from tacos_framework.contracts.sensor import Samples
+from tacos_framework.contracts.optional import optional
+from tacos_framework.contracts.sensor import Samples, SensorBase
 from tacos_framework.testing.component import ComponentConformance
 from tacos_framework.testing.fingerprint import fingerprint
 from tacos_framework.testing.forming import expose
@@ -57,6 +58,14 @@ class SensorConformance(ComponentConformance):
         sensor = self.make()
         assert 0 <= sensor.black_level_dn < sensor.white_level_dn <= 65535
         assert float(sensor.white_level_dn).is_integer()
+
+    def test_origins_of_its_figures_are_words(self) -> None:
+        origins = optional(self.make(), SensorBase, "origins")
+        if origins is None:
+            pytest.skip("the sensor says nothing of where its figures come from")
+        said = origins(self.camera())
+        assert said
+        assert all(isinstance(word, str) and word for pair in said.items() for word in pair)
 
     def test_it_gives_an_image_per_camera_and_frame(self) -> None:
         frames = self.expose(sample_capture(sample_rig("left", "right"), frames=3))

@@ -167,7 +167,7 @@ class World:
         (3,) float64 where its origin lies in the coordinates of the file it was read from, of which single
         precision would keep too little; zero for most worlds [m].
     remarks
-        What is doubtful of its files, and what of them is not carried out, with the effect.
+        Doubts about its files, and statements in them that are not carried out, with the effect.
     """
 
     key: str

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.catalog import find_catalog
-from tacos_framework.values import Camera, Electrons, Exposure
+from tacos_framework.values import Camera, Electrons, Exposure, Rig
 from tacos_plugins.sensors.camera import CameraSensor
 from tacos_plugins.sensors.emva import NEEDED
 from tacos_plugins.sensors.photosite_prior import PRIORS, assumed
@@ -94,6 +94,4 @@ def test_drawn_noise_has_the_moments_it_states() -> None:
 
 
 def test_no_camera_lacks_anything() -> None:
-    from tacos_framework.values import Rig
-
     assert sensor().lacks(Rig((CAMERA,))) is None

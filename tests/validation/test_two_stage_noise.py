@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tacos_plugins.sensors.noise_over_gain import (
+from tacos_validation.noise.two_stage_noise import (
     INTERCEPT_DEPARTURE,
     SLOPE_DEPARTURE,
     NoiseOverGain,

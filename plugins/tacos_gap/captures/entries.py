@@ -75,7 +75,7 @@ class CaptureCamera(Settings):
     )
     lens_is_a_start: bool = setting(
         False,
-        help="Whether focal length and principal point are nobody's claim, but where the boards begin.",
+        help="Take focal length and principal point as first guesses, which boards replace.",
     )
     crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
     f_number: float | None = setting(

@@ -1,4 +1,4 @@
-"""What rounding to whole numbers makes of noise, and how much there was before."""
+"""Noise after rounding to whole numbers, and before it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-ROUNDING_DN2 = 1 / 12
-"""Variance that rounding adds to noise of half a number and more (Widrow 1956)."""
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
 _AS_IF_UNIFORM_DN2 = 0.5
 """From this variance on that holds to a thousandth, wherever the level lies between two numbers."""
@@ -32,7 +31,7 @@ def before_rounding(variance_dn2: float, level_dn: float) -> float:
     >>> round(before_rounding(0.0498, 8.0), 3)  # a pedestal of 8, and noise of .255 DN
     0.065
     """
-    if variance_dn2 > _AS_IF_UNIFORM_DN2:
+    if variance_dn2 > _AS_IF_UNIFORM_DN2:  # Widrow 1956
         return variance_dn2 - ROUNDING_DN2
     rounded = variance_after_rounding(_VARIANCES_DN2, level_dn % 1.0)
     if variance_dn2 <= rounded[0]:
@@ -50,6 +49,6 @@ def variance_after_rounding(variance_dn2: NDArray[np.float64], level_dn: float) 
 
 
 def are_whole(values_dn: NDArray[np.floating]) -> bool:
-    """Whether values are whole numbers, as files of one exposure hold; means of several are not."""
+    """Tell files of one exposure, which hold whole numbers, from means of several."""
     some = values_dn.reshape(-1)[::101]
     return bool(np.all(some == np.rint(some)))

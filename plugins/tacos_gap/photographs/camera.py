@@ -166,7 +166,7 @@ def _settle_lens(camera: _Answers, pictures: Sequence[Picture], given: Given, fo
     )
     if given.focal_length_mm is None:  # a file or a guess says where boards begin, and is nobody's belief
         camera.entry["lens_is_a_start"] = True
-        camera.source["lens_is_a_start"] = "nobody claims the lens; boards tell it"
+        camera.source["lens_is_a_start"] = "a first guess; boards replace it"
     camera.settle("f_number", (_usual(f.f_number for f in facts), _EXIF))
 
 

@@ -18,9 +18,6 @@ from tacos_gap.statistics.sampled import noise_bands, sampled
 from tacos_gap.statistics.steady_light import levels_of_frames
 from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
 
-ROUNDING_DN2 = 1 / 12
-"""Variance of rounding: noise far below it shows by the accident of which pixels stand between two codes."""
-
 
 @dataclass(frozen=True, eq=False)
 class StatisticBlock:

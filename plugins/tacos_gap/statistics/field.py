@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import TILE_COLUMNS, TILE_ROWS, expected_in, rings, tile_means, tiles
 from tacos_gap.statistics.line_means import line_means
 from tacos_gap.statistics.masked import only_in
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
 RELATIVE = 0.004
 OFFSET_DN = 0.06

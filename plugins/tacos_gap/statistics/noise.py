@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.grid import has_even_areas, levels, smooth_areas
 from tacos_gap.statistics.masked import only_in
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, -1), (0, 4), (4, 0))
 """Neighbours, as rows and columns away [px]."""

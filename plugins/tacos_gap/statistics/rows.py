@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.statistics.block import ROUNDING_DN2, Sample, StatisticBlock
+from tacos_gap.statistics.block import Sample, StatisticBlock
 from tacos_gap.statistics.line_means import line_means_of_frames, over_channels
 from tacos_gap.statistics.masked import only_in
 from tacos_gap.statistics.steady_light import in_steady_light
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
 WAVES = 24
 """Periods of a wave over the rows that are looked at: the height over 1, 2, ..."""

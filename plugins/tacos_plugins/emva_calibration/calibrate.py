@@ -55,9 +55,10 @@ class CalibrateCamera:
         rng = np.random.default_rng(seed)
         sheets = [data_sheet(channel, config.frames, rng) for channel in channels]
         found = self._doubts(folder, groups, single, sheets)
-        settings, _ = sensor_settings(sheets)
+        settings, missing = sensor_settings(sheets)
+        # They must serve as an input from now on.
         Emva(Emva.Config(**{name: value for name, value in settings.items() if name != "use"}))
-        text = sensor_yaml(sheets)
+        text = sensor_yaml(settings, missing)
         (out / "sensor.yaml").write_text(text, encoding="utf-8")
         frames = sum(len(group.files) for group in groups)
         title = config.title or folder.resolve().name

@@ -1,4 +1,4 @@
-"""What a reader of a data sheet should know, in sentences."""
+"""Doubts about a data sheet, in sentences."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ def _pattern(sheet: DataSheet) -> list[str]:
 
 
 def of_mosaic(means_dn: np.ndarray, black_dn: float) -> list[str]:
-    """Whether photosites of 2 x 2 differ as in a mosaic; (2, 2) means of a bright frame [DN]."""
+    """Doubt an unnamed mosaic by the (2, 2) means of a bright frame [DN]."""
     signal = means_dn - black_dn
     spread = float(np.ptp(signal) / max(signal.mean(), 1e-9))
     if spread < _MOSAIC_SHARE:

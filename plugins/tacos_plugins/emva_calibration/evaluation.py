@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_plugins.emva_calibration.levels import FINEST_DN2, Array, Brights, Darks, Selection, at_exposure
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
-ROUNDING_DN2 = 1 / 12
 FINEST_NOISE_DN = 0.40
 """Dark noise is below this over K where rounding hides it (Sec. 6.5) [DN]."""
 

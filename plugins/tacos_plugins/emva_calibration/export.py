@@ -1,8 +1,8 @@
-"""What was found as settings of the electron sensor, in YAML."""
+"""The figures as settings of the electron sensor, in YAML."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from tacos_framework import to_yaml
 from tacos_plugins.emva_calibration.data_sheet import DataSheet
@@ -40,7 +40,6 @@ def sensor_settings(sheets: Sequence[DataSheet]) -> tuple[dict[str, object], tup
     return settings, tuple(missing)
 
 
-def sensor_yaml(sheets: Sequence[DataSheet]) -> str:
+def sensor_yaml(settings: Mapping[str, object], missing: Sequence[str]) -> str:
     """The text of ``sensor.yaml``."""
-    settings, missing = sensor_settings(sheets)
-    return _HEADING + to_yaml(settings) + "".join(f"# not measured: {text}\n" for text in missing)
+    return _HEADING + to_yaml(dict(settings)) + "".join(f"# not measured: {text}\n" for text in missing)

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from tacos_plugins.emva_calibration.data_sheet import DataSheet
 from tacos_plugins.emva_calibration.evaluation import line, linearity, signals
 from tacos_plugins.emva_calibration.levels import at_exposure
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, logarithmic_height
 from tacos_report.palette import MUTED, RULE, camera_colour
 
@@ -77,7 +78,7 @@ def signal_to_noise(sheet: DataSheet, *, narrow: bool = False) -> str:
             electrons, signal[kept] / np.sqrt(total[kept]), "o", color=_COLOUR, markersize=4, label="measured"
         )
         x = np.geomspace(1, electrons.max(), 100)
-        model = x / np.sqrt(noise**2 + 1 / 12 / gain**2 + x)
+        model = x / np.sqrt(noise**2 + ROUNDING_DN2 / gain**2 + x)
         axes.plot(x, model, "-", color=MUTED, linewidth=1.2, label="linear model")
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
 from tacos_plugins.emva_calibration.measurement import Channel
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
 Array = NDArray[np.float64]
 
@@ -143,7 +144,7 @@ def select(channel: Channel, brights: Brights, darks: Darks, where: str) -> Sele
     usable = upto & ~brights.censored & (signal > 0)
     fitted = usable & (signal <= FIT_SHARE * top)
     if censored or fine:
-        fitted &= brights.variance_dn2 >= FINEST_DN2 + 1 / 12
+        fitted &= brights.variance_dn2 >= FINEST_DN2 + ROUNDING_DN2
     if fitted.sum() < _LEAST_LEVELS:
         cut = int(brights.censored.sum())
         raise UserError(

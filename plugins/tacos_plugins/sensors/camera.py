@@ -29,8 +29,8 @@ class CameraSensor(Emva):
 
     References
     ----------
-    `tacos_plugins.sensors.electrons` (the model), `tacos_plugins.sensors.photosite_prior` (the priors),
-    `tacos_plugins.sensors.noise_over_gain` (read noise over gain, held against 262 cameras).
+    `tacos_plugins.sensors.electrons` (the model), `tacos_plugins.sensors.photosite_prior` (the priors). The
+    recipe `noise_over_gain` holds read noise over gain against real cameras.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class CameraSensor(Emva):
         return self.photosite(camera).read_noise_e * math.sqrt((1 - share) + share / gain**2)
 
     def origins(self, camera: Camera) -> Mapping[str, str]:
-        """Where each figure of a camera's photosites comes from; see `SensorBase.origins`."""
+        """Origin of each figure of a camera's photosites; see `SensorBase.origins`."""
         found = {}
         for figure in (*NEEDED, AFTER_GAIN):
             if getattr(camera.electrons, figure, None) is not None:

@@ -226,7 +226,7 @@ class Emva:
         return self.photosite(camera).read_noise_e
 
     def origins(self, camera: Camera) -> Mapping[str, str]:
-        """Where each figure of a camera's photosites comes from; see `SensorBase.origins`."""
+        """Origin of each figure of a camera's photosites; see `SensorBase.origins`."""
         known = {name: getattr(camera.electrons, name) is not None for name in NEEDED}
         return {name: "catalog" if stated else "settings" for name, stated in known.items()}
 

@@ -13,7 +13,7 @@ Full well, read noise, quantum efficiency: least squares over all parts of the c
 ``image_sensors_more`` that know them (23, 23 and 13 sensors), which a test repeats. Dark current: published
 figures of CMV4000, IMX900 and OV5647 (125, 1.47 and 16 e-/s), without a dependence on the pitch. Read noise
 after the gain: its share of the dark variance at the lowest ISO from 100 on of 223 still cameras (profiles
-published with darktable), by `tacos_plugins.sensors.noise_over_gain.fit_two_stages`.
+published with darktable), as the recipe `noise_over_gain` fits it.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 from tacos_framework import generator
@@ -66,6 +67,7 @@ PRIORS: Mapping[str, FigurePrior] = MappingProxyType(
 """By name of the figure."""
 
 
+@lru_cache(maxsize=1024)  # each frame asks for every figure
 def assumed(figure: str, *, sensor: str, pixel_um: float, draw: int) -> float:
     """The figure of a sensor that does not state it; the same whenever the arguments are.
 
@@ -92,7 +94,7 @@ def assumed(figure: str, *, sensor: str, pixel_um: float, draw: int) -> float:
 
 
 def assumed_from(figure: str) -> str:
-    """Where an assumed figure comes from, and how far sensors scatter about it, in a phrase.
+    """Origin of an assumed figure, and the scatter of sensors about it, in a phrase.
 
     Examples
     --------

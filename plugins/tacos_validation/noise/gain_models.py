@@ -8,8 +8,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.sensors.noise_over_gain import Noise, NoiseOverGain
 from tacos_validation.noise.gain_table import MeasuredCamera
+from tacos_validation.noise.two_stage_noise import Noise, NoiseOverGain
 
 Prediction = Callable[[float], Noise]
 """Noise at a gain."""

@@ -12,12 +12,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tacos_framework import Fault, Plugins, Progress, Settings, UserError, setting
-from tacos_plugins.sensors.noise_over_gain import Noise
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.page import Page, Paragraph, Section, Table, in_both_widths, write_page
 from tacos_report.palette import camera_colour
 from tacos_validation.noise.gain_models import MODELS
 from tacos_validation.noise.gain_table import MeasuredCamera, read_gain_table
+from tacos_validation.noise.two_stage_noise import Noise
 
 SIGNAL = 0.02
 """Signal at which variances are compared, over full scale: read and photon noise both bear on it [1]."""
@@ -60,7 +60,7 @@ class NoiseOverGainCheck:
 
     References
     ----------
-    `tacos_plugins.sensors.noise_over_gain`; the paper, eq. 1; EMVA Standard 1288, Release 4.0 Linear, eq. 13.
+    `tacos_validation.noise.two_stage_noise`; the paper, eq. 1; EMVA Standard 1288, Release 4.0, eq. 13.
     """
 
     class Config(Settings):
@@ -131,7 +131,7 @@ def left_out_gains(camera: MeasuredCamera) -> Iterator[LeftOut]:
 
 
 def figures_of(settings: Sequence[LeftOut], model: str) -> dict[str, float]:
-    """What ``result.json`` says of a model; shares are over all settings."""
+    """Figures of a model for ``result.json``; shares are over all settings."""
     ratios = [_variance_ratio(s, model) for s in settings]
     held = [
         abs(np.log(ratio)) <= _TWO_SIDED_90 * s.predicted[model].variance_sd(SIGNAL)

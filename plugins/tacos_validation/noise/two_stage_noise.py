@@ -95,7 +95,7 @@ class Noise(NamedTuple):
 
 
 class NoiseOverGain:
-    """What measurements at some gains say of all gains.
+    """Noise at any gain, from measurements at some.
 
     Intercepts at or below zero are fits that failed in the dark; they bear on the slope alone.
 
