@@ -39,9 +39,11 @@ format: setup ## Put the code into its format
 	$(bin)/ruff check --fix .
 	$(bin)/ruff format .
 
-docs: setup ## Write the generated pages of docs/reference, and the code that other pages show, anew
+docs: setup ## Write the generated pages anew, and build the documentation into site/
 	$(bin)/python -m tacos_plugins.authoring.reference docs/reference
 	$(bin)/python scripts/fill_docs.py
+	NO_MKDOCS_2_WARNING=1 $(bin)/mkdocs build --strict --quiet
+	@echo "open site/index.html"
 
 test-lowest: ## Run a part of the tests with the lowest versions that pyproject.toml allows
 	@scripts/smoke.sh lowest-direct python3.11

@@ -21,6 +21,9 @@ class Candidate:
         For each variable its value; a `CatalogPart` for catalog variables.
     genes
         The genes of exactly these values.
+
+    Attributes
+    ----------
     key
         Content hash of the values: equal keys mean equal candidates, in every process.
     """
