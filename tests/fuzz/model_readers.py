@@ -91,16 +91,16 @@ def _furniture(path: Path) -> object:
 
 
 def _mesh(path: Path) -> object:
-    from tacos_worlds.kit.mesh_files import read_mesh_file
+    from tacos_worlds.kit.mesh_files import read_model
 
-    return read_mesh_file(path).scene.dump()
+    return read_model(path, most_px=64)
 
 
 def _world(path: Path) -> object:
     """A model as a world of `scene.imported`: surfaces in metres, labelled, without what is nothing."""
     from tacos_worlds.imported.labels import class_names, label_of
-    from tacos_worlds.imported.patch import sound
     from tacos_worlds.imported.reader import read_world
+    from tacos_worlds.kit.models.patch import sound
 
     file = _beside_its_files(path, path.parent / "world")
     read = read_world(file, up="auto", metres_per_unit=1.0, leave_out=(), most_px=64)
@@ -119,12 +119,11 @@ def _walkable(path: Path) -> object:
 def _poses(path: Path) -> object:
     """Recorded poses, and places between them."""
     from tacos_worlds.imported.formats.file_bytes import Unreadable
-    from tacos_worlds.imported.formats.gltf_buffers import Damaged
     from tacos_worlds.imported.recorded import read_recorded
 
     try:
         trajectory, _ = read_recorded(path, np.eye(3), np.zeros(3), of_camera=True)
-    except (Damaged, Unreadable) as error:  # the scene says so, beside what else is wrong with its settings
+    except Unreadable as error:  # the scene says so, beside what else is wrong with its settings
         raise UserError(Fault(path.name, str(error))) from error
     return trajectory.at(np.linspace(0, trajectory.time_s[-1], 5))
 

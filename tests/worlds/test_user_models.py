@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from PIL import Image
 
 from tacos_framework.errors import UserError
 from tacos_worlds.indoor.scene import IndoorScene
-from tacos_worlds.indoor.user_models import MAX_TRIANGLES, load_user_models
+from tacos_worlds.indoor.user_models import MAX_TRIANGLES, UserModels, load_user_models
 
 
 def save(folder: Path, name: str, mesh: trimesh.Trimesh) -> Path:
@@ -73,6 +75,71 @@ def test_the_front_of_a_model_faces_the_room(tmp_path: Path) -> None:
     assert points[points[:, 2] > 0.6, 1].max() < 0  # the high back stands at -y
 
 
+def one_of(folder: Path, name: str, change: Callable[[dict[str, Any]], None]) -> UserModels:
+    """A box of furniture whose header was changed after export."""
+    box = textured_box((1.0, 1.0, 1.0))
+    gltf = trimesh.exchange.gltf.export_glb(trimesh.Scene(box), tree_postprocessor=change)
+    (folder / "table").mkdir(parents=True)
+    (folder / "table" / name).write_bytes(gltf)
+    return load_user_models(str(folder))
+
+
+def test_masks_cut_furniture_and_what_is_left_out_is_said(tmp_path: Path) -> None:
+    box = textured_box((1.0, 1.0, 1.0))
+    bars = np.zeros((16, 16, 4), np.uint8)
+    bars[:, ::2] = 255
+    uv = np.tile(np.array([[0, 0], [0, 1], [1, 0], [1, 1]], float), (2, 1))
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorTexture=Image.fromarray(bars),
+        normalTexture=Image.fromarray(np.full((4, 4, 3), 128, np.uint8)),
+        alphaMode="MASK",
+        alphaCutoff=0.5,
+    )
+    box.visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    save(tmp_path, "table/grille.glb", box)
+    models = load_user_models(str(tmp_path))
+    (grille,) = models.pieces["table"]
+    (mesh, _) = grille.parts[0]
+    a, b, c = (mesh.vertices_m[mesh.triangles[:, corner]] for corner in range(3))
+    assert 0 < np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 < 0.6 * 6
+    assert models.notes == ["table/grille.glb: normal maps of furniture are not drawn: surfaces are smooth"]
+
+
+def test_colours_of_vertices_multiply_the_material(tmp_path: Path) -> None:
+    box = trimesh.creation.box((1.0, 1.0, 1.0))
+    box.visual = trimesh.visual.ColorVisuals(box, vertex_colors=np.tile([255, 0, 0, 255], (8, 1)))
+    save(tmp_path, "toy/red.glb", box)
+    (toy,) = load_user_models(str(tmp_path)).pieces["toy"]
+    assert toy.parts[0][1].tint == pytest.approx((1.0, 0.0, 0.0), abs=0.01)
+
+
+def test_transforms_of_textures_move_those_of_furniture(tmp_path: Path) -> None:
+    def halved(tree: dict[str, Any]) -> None:
+        info = tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
+        info["extensions"] = {"KHR_texture_transform": {"scale": [0.5, 0.5]}}
+
+    plain, moved = (
+        one_of(tmp_path / name, "a.glb", change).pieces["table"][0].parts[0][0].uv_m
+        for name, change in (("plain", lambda tree: None), ("moved", halved))
+    )
+    np.testing.assert_allclose(moved[:, 0], plain[:, 0] / 2, atol=1e-6)
+
+
+def test_packed_furniture_names_the_setting_of_the_export(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="Compression off"):
+        one_of(tmp_path, "a.glb", lambda tree: tree.update(extensionsRequired=["KHR_draco_mesh_compression"]))
+
+
+def test_a_model_that_is_inside_out_is_turned(tmp_path: Path) -> None:
+    box = trimesh.creation.box((1.0, 1.0, 1.0))
+    box.invert()
+    save(tmp_path, "toy/a.obj", box)
+    (mesh, _) = load_user_models(str(tmp_path)).pieces["toy"][0].parts[0]
+    a, b, c = (mesh.vertices_m[mesh.triangles[:, corner]] - [0, 0, 0.5] for corner in range(3))
+    assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(1)
+    assert (np.einsum("ij,ij->i", mesh.normals, mesh.vertices_m - [0, 0, 0.5]) > 0).all()
+
+
 def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
     (tmp_path / "couch").mkdir()
     (tmp_path / "sofa").mkdir()
@@ -98,7 +165,9 @@ def test_no_file_outside_the_folder_is_read(tmp_path: Path) -> None:
     (folder / "sofa" / "texture.obj").write_text(obj.replace("../../secret.mtl", "inside.mtl"))
     (folder / "sofa" / "inside.mtl").write_text("newmtl m\nmap_Kd /etc/hostname\n")
     (folder / "sofa" / "link.obj").symlink_to(secret)
-    tree = json.dumps({"asset": {"version": "2.0"}, "images": [{"uri": "../../secret.png"}]}).encode()
+    named = {"images": [{"uri": "../../secret.png"}], "textures": [{"source": 0}]}
+    look = {"materials": [{"normalTexture": {"index": 0}}]}
+    tree = json.dumps({"asset": {"version": "2.0"}, **named, **look}).encode()
     tree += b" " * (-len(tree) % 4)
     header = struct.pack("<III", 0x46546C67, 2, 20 + len(tree)) + struct.pack("<II", len(tree), 0x4E4F534A)
     (folder / "sofa" / "outside.glb").write_bytes(header + tree)

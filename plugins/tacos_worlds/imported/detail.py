@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from tacos_worlds.imported.patch import Patch
+from tacos_worlds.kit.models.patch import Patch
 
 _RINGS_M = (4.0, 12.0, 40.0)
 """Distances to the way at which detail falls: a surface three times as far may err three times as much

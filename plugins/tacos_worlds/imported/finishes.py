@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Material
-from tacos_worlds.imported.model import Skin
+from tacos_worlds.kit.models.model import Skin
 
 _BYTES_PER_TEXEL = 4 * 4 / 3
 """Of a layer with its coarser levels, as drivers keep three channels in four [bytes]."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tacos_plugins.coincident_faces import other_sides
 from tacos_plugins.lighting.occlusion import Occlusion
-from tacos_worlds.imported.patch import Patch
+from tacos_worlds.kit.models.patch import Patch
 
 _EYES, _RAYS_PER_EYE = 256, 1024
 _ONE_SIDED = 0.02

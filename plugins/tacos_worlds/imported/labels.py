@@ -12,8 +12,8 @@ from pathlib import Path
 
 from tacos_framework import Fault, UserError, read_yaml
 from tacos_framework.files import read_text
-from tacos_worlds.imported.model import Surface
 from tacos_worlds.kit.class_names import CLASS_NAMES
+from tacos_worlds.kit.models.model import Surface
 
 BACKGROUND = CLASS_NAMES[0]
 EXTRA_KEYS = ("class", "class_name", "category", "semantic", "label")

@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import connected_components
 from tacos_framework import Light
 from tacos_plugins.lighting import photopic, white_at
 from tacos_worlds.imported.floor import Floor
-from tacos_worlds.imported.model import PunctualLight
-from tacos_worlds.imported.patch import Patch, welded
+from tacos_worlds.kit.models.model import PunctualLight
+from tacos_worlds.kit.models.patch import Patch, welded
 
 MOST_LIGHTS = 24
 """More sources than these are left out, the weakest first, and their light is given to the others."""

@@ -17,11 +17,11 @@ from tacos_worlds.imported.finishes import materials_of
 from tacos_worlds.imported.floor import Floor
 from tacos_worlds.imported.front_sides import facing_the_eye
 from tacos_worlds.imported.lamps import of_glowing, panel_luminance_cd_m2, placed, strongest
-from tacos_worlds.imported.model import Skin
-from tacos_worlds.imported.normals import with_normals
-from tacos_worlds.imported.patch import Patch
 from tacos_worlds.imported.sky import Surroundings, even
-from tacos_worlds.imported.tints import tinted
+from tacos_worlds.kit.models.model import Skin
+from tacos_worlds.kit.models.normals import with_normals
+from tacos_worlds.kit.models.patch import Patch
+from tacos_worlds.kit.models.tints import tinted
 from tacos_worlds.kit.world_key import world_key
 
 PLANE_HEIGHT_M = 1.0

@@ -16,10 +16,8 @@ from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_worlds.imported.doubts import doubt_of_size
 from tacos_worlds.imported.floor import Agent, Floor, find_floor, walkable
 from tacos_worlds.imported.formats.file_bytes import Unreadable
-from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.labels import Label, Rule, class_names, label_of, read_table, unused_rules
 from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
-from tacos_worlds.imported.patch import Patch, sound
 from tacos_worlds.imported.place import Budget, Sources, geometry, illuminance_lux, lit_world
 from tacos_worlds.imported.progress import Telling
 from tacos_worlds.imported.reader import Read, read_world
@@ -27,6 +25,7 @@ from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.settings import ImportedSettings
 from tacos_worlds.imported.sky import Surroundings, read_surroundings
 from tacos_worlds.imported.walkable_place import Place
+from tacos_worlds.kit.models.patch import Patch, sound
 
 log = logging.getLogger(__name__)
 
@@ -183,7 +182,7 @@ def _recorded(config: ImportedSettings, read: Read) -> tuple[Trajectory | None, 
         return path, doubts, []
     except UserError as error:
         return None, [], list(error.faults)
-    except (Damaged, Unreadable) as error:
+    except Unreadable as error:
         return (
             None,
             [],

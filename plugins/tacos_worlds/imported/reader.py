@@ -11,15 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
-from tacos_worlds.imported.cutouts import cut_out
-from tacos_worlds.imported.formats.gltf_buffers import Damaged
 from tacos_worlds.imported.labels import Rule
-from tacos_worlds.imported.model import Model, Surface
-from tacos_worlds.kit.mesh_files.read import UNREADABLE
+from tacos_worlds.kit.models.cutouts import cut_out, without_clear
+from tacos_worlds.kit.models.model import Model, Surface
 
-SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
-_LEAST_OPACITY = 0.5
-"""Clearer surfaces are left out: a pane of glass, drawn as a wall, would shut the light out [1]."""
 _FAR_M = 1000.0
 """Single precision holds positions to 0.06 mm up to here [m]."""
 _LOWEST_M, _WIDEST_M = 1.5, 20_000.0
@@ -68,7 +63,9 @@ def read_world(
     UserError
         With a fault for each thing that is wrong with it.
     """
-    model = _opened(file, most_px)
+    from tacos_worlds.kit.mesh_files import content_faults, read_model  # late: loads trimesh
+
+    model = read_model(file, most_px=most_px)
     rules = [Rule(pattern, "") for pattern in leave_out]
     kept = [s for s in model.surfaces if all(rule.matches(s.path) is None for rule in rules)]
     faults = [
@@ -76,16 +73,8 @@ def read_world(
         for rule in rules
         if all(rule.matches(s.path) is None for s in model.surfaces)
     ]
-    clear = sorted({model.skins[s.skin].name for s in kept if model.skins[s.skin].opacity < _LEAST_OPACITY})
-    kept = [s for s in kept if model.skins[s.skin].opacity >= _LEAST_OPACITY]
-    notes = model.notes
-    if clear:
-        notes = (
-            *notes,
-            f"{', '.join(clear[:5])}: clear surfaces are left out: light, image and depth pass them",
-        )
-    model = replace(model, surfaces=tuple(kept), notes=notes)
-    faults += _of_content(file, model)
+    model = without_clear(replace(model, surfaces=tuple(kept)))
+    faults += content_faults(model, str(file))
     if faults:
         raise UserError(faults)
     axis = up if up != "auto" else model.up or likely_up(model)
@@ -138,39 +127,6 @@ def likely_up(model: Model) -> Literal["y", "z"]:
         along = np.abs(cross) > 0.966 * np.maximum(area, 1e-30)[:, None]  # within 15 degrees
         facing += (along * area[:, None]).sum(axis=0)
     return "z" if facing[2] >= facing[1] else "y"
-
-
-def _opened(file: Path, most_px: int) -> Model:
-    # Late: trimesh takes a while to import, and checking a recipe reads nothing.
-    try:
-        if file.suffix.lower() in (".glb", ".gltf"):
-            from tacos_worlds.imported.formats.gltf import read_gltf
-
-            return read_gltf(file, most_px)
-        from tacos_worlds.imported.formats.plain_meshes import read_plain_mesh
-
-        return read_plain_mesh(file, most_px)
-    except (Damaged, *UNREADABLE) as error:  # whatever trips over what no exporter writes
-        what = f"cannot be used: {error or type(error).__name__}"
-        remedy = "Export it again, as a whole and uncompressed."
-        raise UserError(Fault(str(file), what, remedy=remedy)) from error
-
-
-def _of_content(file: Path, model: Model) -> Iterator[Fault]:
-    if not model.triangle_count:
-        yield Fault(
-            str(file), "holds no triangles that hide anything", "a mesh of a room, building or street"
-        )
-    for surface in model.surfaces:
-        if not np.isfinite(surface.vertices).all():
-            bad = int((~np.isfinite(surface.vertices).all(axis=1)).sum())
-            yield Fault(f"{file}: {surface.name}", f"has {bad} vertices that are not finite numbers")
-        if not 0 <= surface.skin < len(model.skins):
-            yield Fault(f"{file}: {surface.name}", f"names material {surface.skin} of {len(model.skins)}")
-        if len(surface.triangles) and not 0 <= surface.triangles.min() <= surface.triangles.max() < len(
-            surface.vertices
-        ):
-            yield Fault(f"{file}: {surface.name}", "names vertices that do not exist")
 
 
 def _of_size(file: Path, model: Model, turn: NDArray[np.float64]) -> Iterator[Fault]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
@@ -122,11 +123,13 @@ class IndoorScene:
         self.config = config
         self._pieces: Mapping[str, Sequence[Piece]] = {}
         self._images: Mapping[int, NDArray[np.uint8]] = {}
+        self.remarks: tuple[str, ...] = ()
         if config.furniture_folder:
             from tacos_worlds.indoor.user_models import load_user_models  # loads trimesh, slowly
 
             models = load_user_models(config.furniture_folder)
             self._pieces, self._images = models.pieces, models.images
+            self.remarks = tuple(models.notes)
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A new world and a trip through it.
@@ -158,6 +161,7 @@ class IndoorScene:
             room_light=config.room_light,
         )
         world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)
+        world = replace(world, remarks=self.remarks)
         return joined(world, self._stretches(walk_rng, building))
 
     def _stretches(self, rng: np.random.Generator, building: Building) -> Iterator[Stretch]:

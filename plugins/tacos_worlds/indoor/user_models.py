@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import cv2
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError, did_you_mean
 from tacos_worlds.kit.class_names import FURNITURE_CLASSES
 from tacos_worlds.kit.finishes import Finish
 from tacos_worlds.kit.mesh import Mesh
-from tacos_worlds.kit.mesh_files import read_mesh_file
+from tacos_worlds.kit.mesh_files import content_faults, read_model
+from tacos_worlds.kit.models.cutouts import cut_out, without_clear
+from tacos_worlds.kit.models.model import Model, Skin
+from tacos_worlds.kit.models.normals import with_normals
+from tacos_worlds.kit.models.patch import Patch, sound, welded
+from tacos_worlds.kit.models.tints import tinted
 from tacos_worlds.kit.piece import Piece, piece
 
 MAX_TRIANGLES = 6000
@@ -27,10 +32,11 @@ _Z_UP_FRONT_Y = np.array([[-1.0, 0, 0], [0, 0, 1], [0, 1, 0]])
 
 @dataclass
 class UserModels:
-    """Models by class, and the images that their finishes name by index."""
+    """Models by class, the images that their finishes name by index, and what of their files is left out."""
 
     pieces: dict[str, list[Piece]] = field(default_factory=dict)
     images: dict[int, NDArray[np.uint8]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
 
 
 def load_user_models(folder: str) -> UserModels:
@@ -69,11 +75,14 @@ def load_user_models(folder: str) -> UserModels:
             if file.suffix.lower() not in _SUFFIXES:
                 continue
             try:
-                loaded = _load(file, root, path.name, models.images)
+                model = _opened(file, root)
+                parts = _parts(model, str(file), models.images)
             except UserError as error:
                 faults += error.faults
             else:
-                models.pieces.setdefault(path.name, []).append(loaded)
+                models.pieces.setdefault(path.name, []).append(piece(path.name, parts))
+                notes = (*model.notes, *_unused(model))
+                models.notes += [f"{path.name}/{file.name}: {note}" for note in notes]
     if not faults and not models.pieces:
         faults.append(
             Fault(
@@ -88,61 +97,63 @@ def load_user_models(folder: str) -> UserModels:
     return models
 
 
-def _load(file: Path, root: Path, class_name: str, images: dict[int, NDArray[np.uint8]]) -> Piece:
-    scene = read_mesh_file(file, within=root, most_triangles=MAX_TRIANGLES).scene
-    meshes = [g for g in scene.dump() if isinstance(g, trimesh.Trimesh) and len(g.faces)]
-    count = sum(len(mesh.faces) for mesh in meshes)
-    if not count:
-        raise UserError(Fault(str(file), "holds no triangles"))
-    if count > MAX_TRIANGLES:
-        what = f"has {count} triangles"
-        raise UserError(Fault(str(file), what, f"at most {MAX_TRIANGLES}", "Simplify the model."))
-    vertices = np.concatenate([mesh.vertices for mesh in meshes])
-    if not np.isfinite(vertices).all() or not np.ptp(vertices, axis=0).max() > 0:
-        raise UserError(Fault(str(file), "has vertices that are not finite or all in one place"))
-    try:
-        return piece(class_name, [(_mesh(mesh), _finish(mesh, images)) for mesh in meshes])
-    except (TypeError, ValueError, AttributeError) as error:  # values of extensions, which no header tells
-        what = f"has a material that cannot be read: {error}"
-        raise UserError(Fault(str(file), what, "", "Export the model again.")) from error
+def _opened(file: Path, root: Path) -> Model:
+    read = read_model(file, most_px=_TEXTURE_PX, within=root, most_triangles=MAX_TRIANGLES)
+    if faults := [*content_faults(model := without_clear(read), str(file))]:
+        raise UserError(faults)
+    return cut_out(model, MAX_TRIANGLES)
 
 
-def _mesh(loaded: trimesh.Trimesh) -> Mesh:
-    if loaded.is_watertight and loaded.volume < 0:
-        loaded.invert()
-    uv = getattr(loaded.visual, "uv", None)
-    normals = np.asarray(loaded.vertex_normals, dtype=np.float64)
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.where(length > 1e-9, normals / np.maximum(length, 1e-9), [0.0, 1.0, 0.0])
-    return Mesh(
-        np.asarray(loaded.vertices, dtype=np.float64) @ _Z_UP_FRONT_Y.T,
-        normals @ _Z_UP_FRONT_Y.T,
-        np.zeros((len(normals), 2)) if uv is None else np.asarray(uv, dtype=np.float64),
-        np.asarray(loaded.faces, dtype=np.int64),
-    )
+def _parts(model: Model, where: str, images: dict[int, NDArray[np.uint8]]) -> list[tuple[Mesh, Finish]]:
+    """A model as meshes and finishes, whose images are added to `images`."""
+    sides = [_outwards(sound(surface, _Z_UP_FRONT_Y, 0)) for surface in model.surfaces]
+    if not any(len(each.triangles) for each in sides):
+        raise UserError(Fault(where, "has no triangles with an extent", "a mesh of surfaces that are opaque"))
+    patches, skins, atlases = tinted([each for each in sides if len(each.triangles)], model.skins)
+    number: dict[int, int] = {}
+    parts = []
+    for patch in map(with_normals, patches):
+        skin = skins[patch.skin]
+        image = atlases.get(patch.skin, skin.texture if patch.uv is not None else None)
+        if image is not None and id(image) not in number:
+            number[id(image)] = len(images)
+            images[len(images)] = _square(image)
+        parts.append((_mesh(patch), _finish(skin, -1 if image is None else number[id(image)])))
+    return parts
 
 
-def _finish(loaded: trimesh.Trimesh, images: dict[int, NDArray[np.uint8]]) -> Finish:
-    """The finish of a model's material: base colour and texture, metalness and roughness."""
-    material = getattr(loaded.visual, "material", None)
-    if isinstance(material, trimesh.visual.material.SimpleMaterial):
-        material = material.to_pbr()
-    if not isinstance(material, trimesh.visual.material.PBRMaterial):
-        return Finish("moulded", (0.5, 0.5, 0.5))
-    factor = np.ones(4) if material.baseColorFactor is None else np.asarray(material.baseColorFactor) / 255
-    red, green, blue = (float(c) for c in np.clip(factor[:3], 0, 1))
-    image = -1
-    if material.baseColorTexture is not None and getattr(loaded.visual, "uv", None) is not None:
-        image = len(images)
-        rgb = np.asarray(material.baseColorTexture.convert("RGB"))[::-1]  # row 0 at v = 0
-        scaled = cv2.resize(
-            np.ascontiguousarray(rgb), (_TEXTURE_PX, _TEXTURE_PX), interpolation=cv2.INTER_AREA
-        )
-        images[image] = np.asarray(scaled, dtype=np.uint8)
-    return Finish(
-        "",
-        (red, green, blue),
-        roughness=float(0.8 if material.roughnessFactor is None else material.roughnessFactor),
-        metallic=float(0.0 if material.metallicFactor is None else material.metallicFactor),
-        image=image,
-    )
+def _unused(model: Model) -> Iterator[str]:
+    """What of a model's looks a piece of furniture does not have."""
+    skins = [model.skins[surface.skin] for surface in model.surfaces]
+    if any(skin.normal_map is not None for skin in skins):
+        yield "normal maps of furniture are not drawn: surfaces are smooth"
+    if model.lights or any(skin.emission.any() for skin in skins):
+        yield "lamps and glowing surfaces of furniture give no light"
+
+
+def _outwards(patch: Patch) -> Patch:
+    """A closed patch with its outside out: some programs write all triangles the other way round."""
+    corners = welded(patch.vertices_m)[patch.triangles]
+    edges = corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2) @ [len(patch.vertices_m), 1]
+    back = corners[:, [[1, 0], [2, 1], [0, 2]]].reshape(-1, 2) @ [len(patch.vertices_m), 1]
+    volume = float((patch.vertices_m[patch.triangles[:, 0]] * patch.crosses).sum())
+    if volume >= 0 or not np.array_equal(np.sort(edges), np.sort(back)):
+        return patch
+    normals = None if patch.normals is None else -patch.normals
+    return replace(patch, triangles=patch.triangles[:, ::-1], normals=normals)
+
+
+def _mesh(patch: Patch) -> Mesh:
+    assert patch.normals is not None
+    uv = np.zeros((len(patch.vertices_m), 2)) if patch.uv is None else patch.uv
+    return Mesh(patch.vertices_m, patch.normals, uv, patch.triangles)
+
+
+def _finish(skin: Skin, image: int) -> Finish:
+    red, green, blue = map(float, skin.base_colour)
+    return Finish("", (red, green, blue), roughness=skin.roughness, metallic=skin.metallic, image=image)
+
+
+def _square(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    edge = (_TEXTURE_PX, _TEXTURE_PX)
+    return np.asarray(cv2.resize(np.ascontiguousarray(image), edge, interpolation=cv2.INTER_AREA), np.uint8)

@@ -9,7 +9,7 @@
 ``rectangle``    rectangles along the axes
 ``sky``          daylight
 ``class_names``  names of the classes of objects
-``mesh_files``   meshes of users, read safely
+``mesh_files``   meshes of users, read safely into ``models``
 ``world_key``    what a world's light is kept by
 ===============  ============================================================================================
 """

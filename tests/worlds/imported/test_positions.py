@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_worlds.imported.doubts import doubt_of_size
-from tacos_worlds.imported.formats.gltf_buffers import Damaged
+from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.formats.poses import doubt_of_time, read_poses, stamp_unit
-from tacos_worlds.imported.patch import sound
 from tacos_worlds.imported.place import geometry
 from tacos_worlds.imported.reader import read_world
+from tacos_worlds.kit.models.patch import sound
 
 CORNERS = np.array([[x, y, z] for z in (0, 2.7) for y in (0, 5) for x in (0, 7.3)], float)
 QUADS = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
@@ -103,5 +103,5 @@ def test_milliseconds_from_zero_are_doubted(tmp_path: Path) -> None:
 
 
 def test_a_path_longer_than_a_day_is_refused_before_memory_is_taken(tmp_path: Path) -> None:
-    with pytest.raises(Damaged, match="give stamps in seconds"):
+    with pytest.raises(Unreadable, match="give stamps in seconds"):
         read_poses(write_poses(tmp_path / "long.txt", ["0", "100", "200", "2e9"]))

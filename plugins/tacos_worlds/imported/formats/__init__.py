@@ -1,1 +1,1 @@
-"""Files that hold worlds, read into :class:`tacos_worlds.imported.model.Model`."""
+"""Files beside a world: recorded poses, panoramas."""

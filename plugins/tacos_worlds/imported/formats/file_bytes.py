@@ -11,17 +11,12 @@ class Unreadable(ValueError):
     """A file cannot be read; the message says which and why."""
 
 
-def file_bytes(file: Path, within: Path | None = None) -> bytes:
-    """All bytes of a regular file, which has to lie in the folder `within` where that is given.
+def file_bytes(file: Path) -> bytes:
+    """All bytes of a regular file.
 
     Raises
     ------
     UserError
-        Where it cannot be read, is too large, or lies elsewhere.
+        Where it cannot be read or is too large.
     """
-    return read_bytes(file, "mesh_mb", within=within)
-
-
-def neighbour(file: Path, name: str) -> bytes:
-    """All bytes of a file that another one names, which has to lie in its folder or below."""
-    return file_bytes(file.parent / name, within=file.parent)
+    return read_bytes(file, "mesh_mb")

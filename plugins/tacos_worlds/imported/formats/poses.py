@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from tacos_worlds.imported.formats.file_bytes import file_bytes
-from tacos_worlds.imported.formats.gltf_buffers import Damaged
+from tacos_worlds.imported.formats.file_bytes import Unreadable, file_bytes
 
 KITTI_RATE_HZ = 10.0
 """KITTI's files hold no times; its cameras took 10 frames a second [Hz]."""
@@ -65,7 +64,7 @@ def read_poses(file: Path) -> RecordedPath:
 
     Raises
     ------
-    Damaged, Unreadable
+    Unreadable
         Where no line, or some line, is what one of the formats has.
     """
     rows: list[list[float]] = []
@@ -78,14 +77,14 @@ def read_poses(file: Path) -> RecordedPath:
         try:
             rows.append([float(word) for word in text.replace(",", " ").split()])
         except ValueError as error:
-            raise Damaged(f"line {number} is not a line of numbers: {text[:60]!r}") from error
+            raise Unreadable(f"line {number} is not a line of numbers: {text[:60]!r}") from error
         if len(rows[-1]) != len(rows[0]):
-            raise Damaged(f"line {number} has {len(rows[-1])} numbers, the first one {len(rows[0])}")
+            raise Unreadable(f"line {number} has {len(rows[-1])} numbers, the first one {len(rows[0])}")
     if not rows:
-        raise Damaged("it holds no poses")
+        raise Unreadable("it holds no poses")
     table = np.array(rows)
     if not np.isfinite(table).all():
-        raise Damaged("it holds numbers that are not finite")
+        raise Unreadable("it holds numbers that are not finite")
     if table.shape[1] == 12 and not commas:
         poses = np.tile(np.eye(4), (len(table), 1, 1))
         poses[:, :3] = table.reshape(-1, 3, 4)
@@ -95,7 +94,7 @@ def read_poses(file: Path) -> RecordedPath:
         return _timed(table[:, 0], table[:, 1:4], table[:, [5, 6, 7, 4]], "euroc")
     if table.shape[1] == 8:
         return _timed(table[:, 0], table[:, 1:4], table[:, 4:8], "tum")
-    raise Damaged(
+    raise Unreadable(
         f"its lines have {table.shape[1]} numbers: TUM has 8, EuRoC 8 or more with commas, KITTI 12"
     )
 
@@ -104,7 +103,7 @@ def _check_rotations(matrices: NDArray[np.float64]) -> None:
     bounded = np.clip(matrices, -2.0, 2.0)  # what is beyond is no rotation either way, and may not overflow
     off = np.abs(np.swapaxes(bounded, 1, 2) @ bounded - np.eye(3)).max(axis=(1, 2)) > _ROTATION_TOLERANCE
     if len(wrong := np.flatnonzero(off | (np.linalg.det(bounded) < 0))):
-        raise Damaged(f"pose {wrong[0] + 1} has a matrix that is no rotation")
+        raise Unreadable(f"pose {wrong[0] + 1} has a matrix that is no rotation")
 
 
 def _timed(
@@ -116,15 +115,15 @@ def _timed(
     unit = stamp_unit(stamp, form)
     time_s = (stamp - stamp[0]) * _SECONDS[unit]
     if np.any(np.diff(time_s) <= 0):
-        raise Damaged("its times do not rise from line to line")
+        raise Unreadable("its times do not rise from line to line")
     if np.any(np.linalg.norm(quaternion, axis=1) < 0.5):
-        raise Damaged("a rotation is no unit quaternion")
+        raise Unreadable("a rotation is no unit quaternion")
     poses = np.tile(np.eye(4), (len(time_s), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
     poses[:, :3, 3] = position_m
     if time_s[-1] > _LONGEST_S:
         far_m = float(np.linalg.norm(np.diff(position_m, axis=0), axis=1).sum())
-        raise Damaged(
+        raise Unreadable(
             f"it spans {time_s[-1]:.3g} s and walks {far_m:.3g} m in them, with stamps taken as {unit}: "
             f"give stamps in seconds, over no more than {_LONGEST_S:.0f} s"
         )

@@ -1,14 +1,15 @@
-"""Files of triangles (glTF, OBJ, PLY) from outside, checked before trimesh is given them.
+"""Files of triangles (glTF, OBJ, PLY) from outside, read into :class:`tacos_worlds.kit.models.model.Model`.
 
-``read``        the door: a file to a scene
-``gltf``        whether a glTF file holds what it promises, in entries of ``gltf_shapes``
-``plain``       the same of OBJ and PLY files
-``mtl``         libraries of materials of OBJ files
-``references``  files and pictures that a file names
+``read``          the door: a file to a model
+``gltf``          glTF, by ``gltf_buffers``, ``gltf_skins`` and ``gltf_notes``
+``plain_meshes``  OBJ and PLY by trimesh, which ``plain`` checks before
+``mtl``           libraries of materials of OBJ files
+``references``    files and pictures that a file names
 """
 
 from __future__ import annotations
 
-from tacos_worlds.kit.mesh_files.read import SUFFIXES, MeshFile, read_mesh_file
+from tacos_worlds.kit.mesh_files.damage import content_faults
+from tacos_worlds.kit.mesh_files.read import SUFFIXES, read_model
 
-__all__ = ["SUFFIXES", "MeshFile", "read_mesh_file"]
+__all__ = ["SUFFIXES", "content_faults", "read_model"]

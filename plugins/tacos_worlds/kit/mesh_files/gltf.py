@@ -1,220 +1,228 @@
-"""Whether a glTF file holds what it promises.
-
-References
-----------
-glTF 2.0: https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html
-"""
+"""glTF 2.0 (.glb, .gltf): surfaces of the default scene, with names, extras, materials and lights."""
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
-from pydantic import ValidationError
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from tacos_framework import Fault, UserError
-from tacos_framework.files import limits, parse_json, too_large
-from tacos_worlds.kit.mesh_files.gltf_shapes import TRIANGLES, GltfFile, GltfPrimitive
+from tacos_worlds.kit.mesh_files.damage import Damaged, refuse_triangles
+from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
+from tacos_worlds.kit.mesh_files.gltf_notes import UNDERSTOOD, notes_on, remedy_for
+from tacos_worlds.kit.mesh_files.gltf_skins import Skins
 from tacos_worlds.kit.mesh_files.references import References
+from tacos_worlds.kit.models.model import Model, PunctualLight, Surface
 
-_MAGIC, _JSON, _BINARY = b"glTF", b"JSON", b"BIN\0"
-_HEAD, _CHUNK_HEAD = 12, 8
-_STRIP, _FAN = 5, 6
-_COMPRESSED = (
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-    "KHR_texture_basisu",
-)
-_DEEPEST = 500
-"""Nodes below one another; what is placed is multiplied along the way."""
-_SHOWN = 5
+_DEEPEST = 200
+"""Levels of nodes; no program nests them so deep."""
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 
-def glb_chunks(content: bytes, where: str) -> tuple[bytes, bytes | None]:
-    """The JSON and the binary part, if there is one, of a binary glTF file.
-
-    Raises
-    ------
-    UserError
-        When it is none, or cut short.
-    """
-    try:
-        magic, version, whole = struct.unpack_from("<4sII", content)
-        if magic != _MAGIC or version != 2:
-            raise ValueError("it is not a binary glTF file of version 2")
-        if whole != len(content):
-            raise ValueError(f"it should be {whole} bytes long and is {len(content)}")
-        chunks: dict[bytes, bytes] = {}
-        offset = _HEAD
-        while offset < whole:
-            length, kind = struct.unpack_from("<I4s", content, offset)
-            offset += _CHUNK_HEAD
-            if offset + length > whole or (not chunks and kind != _JSON):
-                raise ValueError("its parts are longer than itself, or do not begin with JSON")
-            chunks.setdefault(kind, content[offset : offset + length])
-            offset += length
-        return chunks[_JSON], chunks.get(_BINARY)
-    except (ValueError, KeyError, struct.error) as error:
-        raise _unreadable(where, str(error)) from error
-
-
-def parse_tree(text: bytes, where: str) -> dict[str, Any]:
-    """The JSON of a glTF file.
-
-    Raises
-    ------
-    UserError
-        When it is no JSON object, or too large.
-    """
-    if len(text) > limits().bytes_of("json_mb"):
-        raise UserError(too_large(where, "its JSON", len(text), "json_mb"))
-    try:
-        tree = parse_json(text.decode("utf-8"), where, "glTF", "Export the model again.")
-    except UnicodeDecodeError as error:
-        raise _unreadable(where, str(error)) from error
-    if not isinstance(tree, dict):
-        raise _unreadable(where, "its JSON is not an object")
-    return tree
-
-
-def check_gltf(tree: dict[str, Any], binary: bytes | None, references: References, where: str) -> int:
-    """Triangles of the scene of a glTF file, once it is certain that it holds what it promises.
+def read_gltf(content: bytes, references: References, most_px: int, most_triangles: int | None) -> Model:
+    """The default scene of a file.
 
     Parameters
     ----------
-    tree, binary
-        Its JSON, and the binary part of a GLB file.
-    references
-        Where files it names are read through; what is wrong with them is kept there.
+    most_px
+        Longest edge of textures [px].
+    most_triangles
+        As many at most; by default the limit ``mesh_triangles``.
 
     Raises
     ------
+    Damaged
+        Where it is not what the format says.
     UserError
-        With what is wrong with its structure.
+        Where a file cannot be read, or there are too many triangles.
     """
-    try:
-        file = GltfFile.model_validate(tree)
-    except ValidationError as error:
-        found = error.errors(include_url=False, include_input=False)
-        raise UserError(
-            [
-                Fault(where, f"its JSON is no glTF at {'.'.join(map(str, each['loc']))}: {each['msg']}")
-                for each in found[:_SHOWN]
-            ]
-        ) from error
-    if compressed := sorted(set(file.extensionsRequired) & set(_COMPRESSED)):
-        remedy = "Export the model again without compression."
-        raise UserError(Fault(where, f"needs {', '.join(compressed)}", "a model that is not packed", remedy))
-    try:
-        buffers = _buffers(file, binary, references)
-        _check_views(file, [len(buffer) for buffer in buffers], where)
-        _check_pictures(file, buffers, references)
-        return _triangles(file)
-    except UserError as error:
-        references.faults.extend(error.faults)
-        return 0
-    except (ValueError, LookupError) as error:
-        reason = "it names an entry that is not there" if isinstance(error, LookupError) else str(error)
-        raise _unreadable(where, reason) from error
+    buffers = Buffers(content, references)
+    required = set(map(str, buffers.header.get("extensionsRequired", [])))
+    if unknown := sorted(required - UNDERSTOOD):
+        raise Damaged("; ".join(f"it needs {name}: {remedy_for(name)}" for name in unknown))
+    return replace(_Reader(buffers, most_px, most_triangles).model(), notes=tuple(notes_on(buffers)))
 
 
-def _buffers(file: GltfFile, binary: bytes | None, references: References) -> list[bytes]:
-    buffers = []
-    for i, buffer in enumerate(file.buffers):
-        content = binary if buffer.uri is None else references.bytes_of(buffer.uri, quoted=True)
-        if content is None or (buffer.uri is None and i > 0):
-            raise ValueError(f"buffer {i} has no data")
-        if len(content) < buffer.byteLength:
-            raise ValueError(f"buffer {i} breaks off after {len(content)} of {buffer.byteLength} bytes")
-        buffers.append(content)
-    return buffers
+class _Reader:
+    def __init__(self, buffers: Buffers, most_px: int, most_triangles: int | None) -> None:
+        self._buffers, self._most_triangles = buffers, most_triangles
+        self._skins = Skins(buffers, most_px)
+        self._lights: list[PunctualLight] = []
+        self._placed: set[object] = set()
+        self._triangle_count = 0
+        self._default_skin = len(buffers.listed("materials"))
+        self._quantised = "KHR_mesh_quantization" in buffers.header.get("extensionsRequired", [])
 
-
-def _check_views(file: GltfFile, sizes: Sequence[int], where: str) -> None:
-    """Views lie in their buffers and accessors in their views; all together they fit into memory."""
-    for i, view in enumerate(file.bufferViews):
-        if view.byteOffset + view.byteLength > sizes[view.buffer]:
-            raise ValueError(f"bufferView {i} is not inside its buffer")
-    for i, accessor in enumerate(file.accessors):
-        if accessor.sparse is not None or accessor.bufferView is None:
-            raise ValueError(f"accessor {i} is sparse, or has no data, which is not read")
-        view = file.bufferViews[accessor.bufferView]
-        stride = view.byteStride or accessor.item_bytes
-        end = accessor.byteOffset + stride * (accessor.count - 1) + accessor.item_bytes
-        if accessor.count and end > view.byteLength:
-            raise ValueError(f"accessor {i} claims {accessor.count} items, more than its data holds")
-    taken = sum(view.byteLength for view in file.bufferViews)
-    taken = max(taken, sum(accessor.count * accessor.item_bytes for accessor in file.accessors))
-    if taken > limits().bytes_of("mesh_mb"):
-        raise UserError(too_large(where, "what its accessors claim", taken, "mesh_mb"))
-
-
-def _check_pictures(file: GltfFile, buffers: Sequence[bytes], references: References) -> None:
-    """Pictures are whole, and materials name pictures that are there."""
-    for material in file.materials:
-        for index in material.textures:
-            if (source := file.textures[index].source) is not None:
-                file.images[source]
-    for i, image in enumerate(file.images):
-        if image.uri is not None:
-            references.picture(references.bytes_of(image.uri, quoted=True), f"picture {i}")
-        elif image.bufferView is not None:
-            view = file.bufferViews[image.bufferView]
-            start = view.byteOffset
-            references.picture(buffers[view.buffer][start : start + view.byteLength], f"picture {i}")
+    def model(self) -> Model:
+        scenes = self._buffers.listed("scenes")
+        if scenes:
+            roots = self._buffers.entry("scenes", self._buffers.header.get("scene", 0)).get("nodes", [])
         else:
-            raise ValueError(f"image {i} has no data")
+            children = {child for node in self._buffers.listed("nodes") for child in node.get("children", [])}
+            roots = [index for index in range(len(self._buffers.listed("nodes"))) if index not in children]
+        surfaces = [found for root in roots for found in self._walk(root, np.eye(4), (), {})]
+        return Model(tuple(surfaces), self._skins.all(), tuple(self._lights), up="y")
+
+    def _walk(
+        self, index: object, above: NDArray[np.float64], path: tuple[str, ...], extras: Mapping[str, Any]
+    ) -> Iterator[Surface]:
+        """All surfaces of a node and of those below it."""
+        if len(path) > _DEEPEST:
+            raise Damaged(f"its nodes lie more than {_DEEPEST} deep in one another")
+        node = self._buffers.entry("nodes", index)
+        if index in self._placed:  # a small file of such nodes would be a world without end
+            raise Damaged(f"node {index} stands in the scene more than once")
+        self._placed.add(index)
+        own = node.get("extras")
+        extras = {**extras, **own} if isinstance(own, dict) else extras
+        path = (*path, str(node.get("name", f"node {index}")))
+        world = above @ _local(node)
+        if not np.isfinite(world).all():
+            raise Damaged(f"node {'/'.join(path)} has a transform that is not finite")
+        if (light := node.get("extensions", {}).get("KHR_lights_punctual")) is not None:
+            self._lights.append(self._light(light, world))
+        if "mesh" in node:
+            mesh = self._buffers.entry("meshes", node["mesh"])
+            named = mesh.get("name")
+            for primitive in mesh.get("primitives", []):
+                surface = self._surface(primitive, world, (*path, str(named)) if named else path, extras)
+                if surface is not None:
+                    yield surface
+        for child in node.get("children", []):
+            yield from self._walk(child, world, path, extras)
+
+    def _surface(
+        self, primitive: Json, world: NDArray[np.float64], path: tuple[str, ...], extras: Mapping[str, Any]
+    ) -> Surface | None:
+        """A primitive in the world; None for points and lines."""
+        mode, attributes = primitive.get("mode", _TRIANGLES), primitive.get("attributes", {})
+        if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:
+            return None
+        draco = "KHR_draco_mesh_compression"
+        if draco in primitive.get("extensions", {}) and not self._buffers.has_data(attributes["POSITION"]):
+            raise Damaged(f"it is compressed by {draco}: {remedy_for(draco)}")
+        self._count(primitive.get("indices", attributes["POSITION"]), mode)
+        read = self._buffers.accessor
+        vertices = _wide(read(attributes["POSITION"]), 3, path)
+        indices = read(primitive["indices"])[:, 0] if "indices" in primitive else np.arange(len(vertices))
+        triangles = _triangles(indices.astype(np.int64), mode)
+        if len(triangles) and int(triangles.max()) >= len(vertices):
+            raise Damaged(f"{'/'.join(path)} names vertex {int(triangles.max())} of {len(vertices)}")
+        if np.linalg.det(world[:3, :3]) < 0:
+            triangles = triangles[:, ::-1]  # mirrored
+        material = primitive.get("material")
+        return _of_used_vertices(
+            Surface(
+                path=path,
+                vertices=vertices @ world[:3, :3].T + world[:3, 3],
+                triangles=triangles,
+                skin=self._default_skin if material is None else int(material),
+                normals=_turned(read(attributes["NORMAL"]), world) if "NORMAL" in attributes else None,
+                uv=self._uv(attributes, material, len(vertices)),
+                colours=_wide(_unit(read(attributes["COLOR_0"])), 3, path)
+                if "COLOR_0" in attributes
+                else None,
+                extras=extras,
+            )
+        )
+
+    def _count(self, accessor: object, mode: int) -> None:
+        """Add up triangles before they are decoded, those of a mesh as often as nodes place it."""
+        corners = self._buffers.count(accessor)
+        self._triangle_count += corners // 3 if mode == _TRIANGLES else max(corners - 2, 0)
+        refuse_triangles(self._buffers.references.where, self._triangle_count, self._most_triangles)
+
+    def _uv(self, attributes: Json, material: object, count: int) -> NDArray[np.float64] | None:
+        which, moved = self._skins.uv_set(material)
+        if (name := f"TEXCOORD_{which}") not in attributes:
+            return None
+        read = self._buffers.accessor(attributes[name])
+        # Whole numbers of a quantised mesh are what they are: the transform of the texture scales them.
+        uv = (read.astype(np.float64) if self._quantised else _unit(read))[:, :2]
+        if len(uv) != count:
+            raise Damaged(f"{name} has {len(uv)} entries for {count} vertices")
+        uv = uv @ moved[:2, :2].T + moved[:2, 2]
+        return np.column_stack([uv[:, 0], 1 - uv[:, 1]])  # glTF counts v downwards
+
+    def _light(self, named: Json, world: NDArray[np.float64]) -> PunctualLight:
+        lights = self._buffers.header.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
+        index = named.get("light")
+        if not isinstance(index, int) or not 0 <= index < len(lights):
+            raise Damaged(f"light {index!r} does not exist")
+        light = lights[index]
+        kind = light.get("type")
+        if kind not in ("point", "spot", "directional"):
+            raise Damaged(f"light {index} is of the unknown type {kind!r}")
+        direction = -world[:3, 2]  # lights shine along -z
+        return PunctualLight(
+            kind=kind,
+            position=world[:3, 3],
+            direction=direction / max(float(np.linalg.norm(direction)), 1e-12),
+            colour=np.asarray(light.get("color", (1, 1, 1)), np.float64),
+            intensity=float(light.get("intensity", 1.0)),
+            outer_rad=float(light.get("spot", {}).get("outerConeAngle", math.pi / 4)),
+        )
 
 
-def _triangles(file: GltfFile) -> int:
-    """Triangles of the scene, those of a mesh as often as nodes place it."""
-    per_mesh = [sum(_primitive(file, part) for part in mesh.primitives) for mesh in file.meshes]
-    if not file.scenes:
-        return 0
-    placed, level = 0, list(file.scenes[file.scene].nodes)
-    seen: set[int] = set()
-    for _ in range(_DEEPEST):
-        if not level:
-            return placed
-        if len(set(level)) < len(level) or not seen.isdisjoint(level):
-            raise ValueError("a node stands in the scene more than once")
-        seen.update(level)
-        nodes = [file.nodes[i] for i in level]
-        placed += sum(per_mesh[node.mesh] for node in nodes if node.mesh is not None)
-        level = [child for node in nodes for child in node.children]
-    raise ValueError(f"its nodes lie more than {_DEEPEST} deep")
+def _local(node: Json) -> NDArray[np.float64]:
+    """(4, 4) transform of a node into its parent."""
+    try:
+        if "matrix" in node:
+            return np.asarray(node["matrix"], np.float64).reshape(4, 4).T
+        matrix = np.eye(4)
+        if "rotation" in node:
+            matrix[:3, :3] = Rotation.from_quat(np.asarray(node["rotation"], np.float64)).as_matrix()
+        matrix[:3, :3] *= np.asarray(node.get("scale", (1, 1, 1)), np.float64)
+        matrix[:3, 3] = np.asarray(node.get("translation", (0, 0, 0)), np.float64)
+    except (ValueError, TypeError) as error:
+        raise Damaged(f"node {node.get('name')!r} has a transform that cannot be read: {error}") from error
+    return matrix
 
 
-def _primitive(file: GltfFile, part: GltfPrimitive) -> int:
-    """Triangles of a part of a mesh, whose accessors fit each other."""
-    accessors = {name: file.accessors[index] for name, index in part.attributes.items()}
-    if part.material is not None:
-        file.materials[part.material]
-    if "POSITION" not in accessors:
-        raise ValueError("a mesh has no positions")
-    positions = accessors["POSITION"]
-    if positions.type != "VEC3":
-        raise ValueError(f"positions are {positions.type}, not VEC3")
-    if any(accessor.count != positions.count for accessor in accessors.values()):
-        raise ValueError("a mesh has attributes of different lengths")
-    count = positions.count
-    if part.indices is not None:
-        indices = file.accessors[part.indices]
-        if indices.type != "SCALAR" or indices.componentType not in (5121, 5123, 5125):
-            raise ValueError("indices are no whole numbers")
-        count = indices.count
-    if part.mode == _FAN:
-        raise ValueError("a mesh is a fan of triangles, which is not read: export triangles")
-    if part.mode == _STRIP:
-        return max(0, count - 2)
-    if part.mode == TRIANGLES and count % 3:
-        raise ValueError(f"a mesh of triangles has {count} corners")
-    return count // 3 if part.mode == TRIANGLES else 0
+def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
+    """(T, 3) triangles of a list, a strip or a fan."""
+    if mode == _TRIANGLES:
+        return indices[: len(indices) // 3 * 3].reshape(-1, 3)
+    if len(indices) < 3:
+        return np.zeros((0, 3), np.int64)
+    if mode == _FAN:
+        return np.column_stack([np.full(len(indices) - 2, indices[0]), indices[1:-1], indices[2:]])
+    triangles = np.column_stack([indices[:-2], indices[1:-1], indices[2:]])
+    triangles[1::2] = triangles[1::2, ::-1]  # every other one runs the other way
+    return triangles
 
 
-def _unreadable(where: str, reason: str) -> UserError:
-    return UserError(
-        Fault(where, f"cannot be read: {reason}", "a whole glTF file", "Export the model again.")
+def _of_used_vertices(surface: Surface) -> Surface:
+    """A surface without vertices of others: many parts of a mesh may share one list of them."""
+    if len(surface.vertices) <= surface.triangles.size:
+        return surface
+    used, place = np.unique(surface.triangles, return_inverse=True)
+    rows = {
+        name: values[used]
+        for name in ("vertices", "normals", "uv", "colours")
+        if (values := getattr(surface, name)) is not None and len(values) == len(surface.vertices)
+    }
+    return replace(surface, triangles=place.reshape(-1, 3), **rows)
+
+
+def _turned(normals: NDArray[Any], world: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Normals in the world: turned by the inverse transpose, so that they stay upright on scaled surfaces."""
+    turned = normals.astype(np.float64) @ np.linalg.pinv(world[:3, :3])
+    return np.asarray(turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-12))
+
+
+def _unit(values: NDArray[Any]) -> NDArray[np.float64]:
+    """Integers that stand for 0..1, whether or not they are said to; floats as they are."""
+    return (
+        values / float(np.iinfo(values.dtype).max) if values.dtype.kind in "iu" else values.astype(np.float64)
     )
+
+
+def _wide(values: NDArray[Any], width: int, path: tuple[str, ...]) -> NDArray[np.float64]:
+    if values.shape[1] < width:
+        raise Damaged(f"{'/'.join(path)} has vertices of {values.shape[1]} numbers, not {width}")
+    return values[:, :width].astype(np.float64)

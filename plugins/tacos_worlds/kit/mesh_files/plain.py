@@ -25,7 +25,7 @@ _PLY_SIZES = {
 }
 
 
-def check_obj(content: bytes, references: References, where: str) -> int:
+def check_obj(content: bytes, references: References) -> int:
     """Triangles of an OBJ file, at least; its library of materials is read.
 
     Raises
@@ -33,6 +33,7 @@ def check_obj(content: bytes, references: References, where: str) -> int:
     UserError
         When it is not text in UTF-8, or breaks off in a line.
     """
+    where = references.where
     try:
         content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -62,7 +63,7 @@ def _read_libraries(names: Sequence[str], references: References) -> None:
     references.use_library(names[0], library)
 
 
-def check_ply(content: bytes, where: str) -> int:
+def check_ply(content: bytes, references: References) -> int:
     """Triangles of a PLY file, at least.
 
     Raises
@@ -89,6 +90,6 @@ def check_ply(content: bytes, where: str) -> int:
             raise ValueError(f"its header promises {least} bytes at least, and it breaks off")
     except (ValueError, LookupError) as error:
         raise UserError(
-            Fault(where, f"cannot be read: {error}", "a whole PLY file", "Export the model again.")
+            Fault(references.where, f"cannot be read: {error}", "a whole PLY file", "Export the model again.")
         ) from error
     return counts["face"]

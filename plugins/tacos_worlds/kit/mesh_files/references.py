@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
+from PIL.Image import Image
 from trimesh.resolvers import Resolver
 
 from tacos_files.images import checked_header, decode_picture
@@ -83,8 +84,8 @@ class References(Resolver):
         self._read[name] = content
         return content
 
-    def picture(self, content: bytes, name: str) -> None:
-        """Check that a picture is whole and decodes; the fault of one that does not is kept and raised."""
+    def picture(self, content: bytes, name: str) -> Image:
+        """A picture, which is whole and decodes; the fault of one that does not is kept and raised."""
         try:
             self._decoded_bytes += checked_header(content, self.where, name).decoded_bytes
             if self._decoded_bytes > _TEXTURES_MB * MB:
@@ -92,7 +93,7 @@ class References(Resolver):
                 raise UserError(
                     Fault(self.where, what, f"at most {_TEXTURES_MB}", "Make the pictures smaller.")
                 )
-            decode_picture(content, self.where, name)
+            return decode_picture(content, self.where, name)
         except UserError as error:
             self.faults.extend(error.faults)
             raise

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tacos_worlds.imported.formats.gltf_buffers import Buffers
+from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers
 
 _CARRIED_OUT = {
     "EXT_texture_webp",

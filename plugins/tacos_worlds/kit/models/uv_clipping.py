@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.imported.model import Surface
+from tacos_worlds.kit.models.model import Surface
 
 _LEAST_SHARE = 1e-9
 """Of a triangle's area; less is rounding [1]."""

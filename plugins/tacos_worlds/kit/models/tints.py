@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.imported.atlas import painted
-from tacos_worlds.imported.model import Skin
-from tacos_worlds.imported.patch import Patch
+from tacos_worlds.kit.models.atlas import painted
+from tacos_worlds.kit.models.model import Skin
+from tacos_worlds.kit.models.patch import Patch
 
 _SAME = 1 / 512
 _STEP = 1 / 16

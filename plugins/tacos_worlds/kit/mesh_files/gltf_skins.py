@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework import UserError
 from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
-from tacos_worlds.imported.formats.gltf_buffers import Buffers, Damaged, Json
-from tacos_worlds.imported.formats.pictures import picture
-from tacos_worlds.imported.model import Skin
+from tacos_worlds.kit.mesh_files.damage import Damaged
+from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
+from tacos_worlds.kit.mesh_files.pictures import picture
+from tacos_worlds.kit.models.model import Skin
 
 _REPEATED, _CLAMPED, _MIRRORED, _NEAREST = 10497, 33071, 33648, 9728
 _SHARP_PX = 1024
@@ -115,8 +117,11 @@ class Skins:
             names = ", ".join(texture.get("extensions", {})) or "nothing"
             raise Damaged(f"a texture has its image only as {names}: export textures as PNG or JPEG")
         if index not in self._pictures:
-            data = self._buffers.image(index)
-            self._pictures[index] = picture(data, f"images[{index}]", self._most_px)
+            try:
+                loaded = self._buffers.references.picture(self._buffers.image(index), f"picture {index}")
+            except UserError:  # kept among the faults of the references: all are told at once
+                return None
+            self._pictures[index] = picture(loaded, self._most_px)
         return self._pictures[index]
 
 

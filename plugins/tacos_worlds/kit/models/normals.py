@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.imported.patch import Patch, welded
+from tacos_worlds.kit.models.patch import Patch, welded
 
 CREASE_DEG = 35.0
 """Triangles that meet at a larger angle make an edge [deg]."""

@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.imported.mask_outlines import outlines
-from tacos_worlds.imported.model import Model, Skin, Surface
-from tacos_worlds.imported.uv_clipping import cut
+from tacos_worlds.kit.models.mask_outlines import outlines
+from tacos_worlds.kit.models.model import Model, Skin, Surface
+from tacos_worlds.kit.models.uv_clipping import cut
 
-_MOST_TRIANGLES = 100_000
-"""Of all surfaces with holes together: masks are read more coarsely rather than giving more [1]."""
+_LEAST_OPACITY = 0.5
+"""Clearer surfaces are left out: a pane of glass, drawn as a wall, would shut the light out [1]."""
 _MOST_TILES = 20_000
 """A mask repeated more often on one surface is finer than can be seen: it is there as a whole or not [1]."""
 _FINEST_PX, _COARSEST_PX = 512, 4
@@ -26,10 +26,27 @@ _FAR = 1e6
 _ROUNDING = 1e-6
 
 
-def cut_out(model: Model) -> Model:
-    """The model with the holes of its masks, and with textures that end at their edges held there."""
+def without_clear(model: Model) -> Model:
+    """The model without the surfaces that one sees through, of which it is told."""
+    skins = model.skins
+    clear = sorted({skins[s.skin].name for s in model.surfaces if skins[s.skin].opacity < _LEAST_OPACITY})
+    if not clear:
+        return model
+    kept = tuple(s for s in model.surfaces if skins[s.skin].opacity >= _LEAST_OPACITY)
+    note = f"{', '.join(clear[:5])}: clear surfaces are left out: light, image and depth pass them"
+    return replace(model, surfaces=kept, notes=(*model.notes, note))
+
+
+def cut_out(model: Model, most_triangles: int = 100_000) -> Model:
+    """The model with the holes of its masks, and with textures that end at their edges held there.
+
+    Parameters
+    ----------
+    most_triangles
+        Of all surfaces with holes together: masks are read more coarsely rather than giving more [1].
+    """
     with_holes = sum(model.skins[s.skin].mask is not None and s.uv is not None for s in model.surfaces)
-    most = _MOST_TRIANGLES // max(with_holes, 1)
+    most = most_triangles // max(with_holes, 1)
     return replace(model, surfaces=tuple(_cut(s, model.skins[s.skin], most) for s in model.surfaces))
 
 

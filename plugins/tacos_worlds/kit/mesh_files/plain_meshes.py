@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -11,38 +13,55 @@ import trimesh
 from numpy.typing import NDArray
 
 from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
-from tacos_worlds.imported.model import Model, Skin, Surface
-from tacos_worlds.kit.mesh_files import read_mesh_file
+from tacos_worlds.kit.mesh_files.damage import refuse_triangles
 from tacos_worlds.kit.mesh_files.mtl import MtlMaterial
+from tacos_worlds.kit.mesh_files.pictures import picture
+from tacos_worlds.kit.mesh_files.plain import check_obj, check_ply
+from tacos_worlds.kit.mesh_files.references import References
+from tacos_worlds.kit.models.model import Model, Skin, Surface
 
 
-def read_plain_mesh(file: Path, most_px: int) -> Model:
+def read_plain_mesh(
+    content: bytes, references: References, most_px: int, most_triangles: int | None
+) -> Model:
     """Surfaces and skins of an OBJ (with its MTL) or a PLY file.
 
     Parameters
     ----------
     most_px
         Longest edge of textures [px].
+    most_triangles
+        As many at most; by default the limit ``mesh_triangles``.
 
     Raises
     ------
     UserError
         Where it cannot be read, or names files that are not there.
     """
-    is_obj = file.suffix.lower() == ".obj"
-    options: dict[str, Any] = {"split_objects": True, "group_material": True} if is_obj else {}
-    read = read_mesh_file(file, process=False, **options)
+    kind = Path(references.file_name).suffix.lower().removeprefix(".")
+    check = check_obj if kind == "obj" else check_ply
+    count = check(content, references)
+    references.refuse_faults()
+    refuse_triangles(references.where, count, most_triangles)
+    options: dict[str, Any] = {"split_objects": True, "group_material": True} if kind == "obj" else {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", DeprecationWarning)
+        scene = trimesh.load_scene(
+            BytesIO(content), file_type=kind, resolver=references, process=False, **options
+        )
     surfaces: list[Surface] = []
     skins: list[Skin] = []
-    for name, mesh in read.scene.geometry.items():
+    for name, mesh in scene.geometry.items():
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            more = read.materials.get(_material_name(mesh), MtlMaterial())
+            more = references.materials.get(_material_name(mesh), MtlMaterial())
             surface = _surface(str(mesh.metadata.get("name", name)), mesh, len(skins))
             if surface.uv is not None:
                 surface = replace(surface, uv=surface.uv * more.scale + more.offset)
             surfaces.append(surface)
             skins.append(_skin(mesh, most_px, more))
-    return Model(tuple(surfaces), tuple(skins), notes=read.notes)
+    refuse_triangles(references.where, sum(len(each.triangles) for each in surfaces), most_triangles)
+    return Model(tuple(surfaces), tuple(skins), notes=tuple(references.notes))
 
 
 def _material_name(mesh: trimesh.Trimesh) -> str:
@@ -90,9 +109,7 @@ def _skin(mesh: trimesh.Trimesh, most_px: int, more: MtlMaterial) -> Skin:
     factor = np.ones(4) if material.baseColorFactor is None else np.asarray(material.baseColorFactor) / 255
     image = mask = None
     if material.baseColorTexture is not None:
-        loaded = material.baseColorTexture.convert("RGBA")
-        loaded.thumbnail((most_px, most_px))
-        pixels = np.ascontiguousarray(np.asarray(loaded)[::-1])
+        pixels = picture(material.baseColorTexture, most_px)
         image = pixels[..., :3]
         mask = pixels[..., 3] if more.masked else None
     emission = np.zeros(3) if material.emissiveFactor is None else np.asarray(material.emissiveFactor, float)

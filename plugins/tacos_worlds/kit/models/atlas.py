@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera import srgb_from_linear
-from tacos_worlds.imported.patch import Patch
+from tacos_worlds.kit.models.patch import Patch
 
 _CELL_PX = 4
 _CORNERS_PX = {0: ((0.5, 0.5), (2.5, 0.5), (0.5, 2.5)), 1: ((3.5, 3.5), (1.5, 3.5), (3.5, 1.5))}

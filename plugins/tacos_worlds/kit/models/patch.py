@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.imported.model import Surface
+from tacos_worlds.kit.models.model import Surface
 
 _LEAST_AREA_M2 = 1e-12
 

@@ -10,18 +10,16 @@ Khronos Group, glTF 2.0 specification, sections 3.6 (binary data storage) and 4 
 
 from __future__ import annotations
 
-import base64
-import binascii
-import json
 import struct
-from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_worlds.imported.formats.file_bytes import file_bytes, neighbour
+from tacos_framework import UserError
+from tacos_framework.files import limits, parse_json, too_large
+from tacos_worlds.kit.mesh_files.damage import Damaged
+from tacos_worlds.kit.mesh_files.references import References
 
 Json = dict[str, Any]
 
@@ -30,17 +28,15 @@ _DTYPES = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125:
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
-class Damaged(ValueError):
-    """A file is not what its format says; the message says where."""
-
-
 class Buffers:
     """The header of a glTF file, and its numbers.
 
     Parameters
     ----------
-    file
-        A ``.glb`` or ``.gltf`` file.
+    content
+        Bytes of a ``.glb`` or ``.gltf`` file.
+    references
+        Where files it names are read through.
 
     Attributes
     ----------
@@ -51,18 +47,18 @@ class Buffers:
     ------
     Damaged
         Where the container is not glTF 2.0.
+    UserError
+        Where its JSON is too large, or none.
     """
 
-    def __init__(self, file: Path) -> None:
-        self.file = file
-        text, self._embedded = _container(file_bytes(file))
-        try:
-            header = json.loads(text)
-        except (UnicodeDecodeError, json.JSONDecodeError) as error:
-            raise Damaged(f"its JSON cannot be read: {error}") from error
-        if not isinstance(header, dict) or not str(header.get("asset", {}).get("version", "")).startswith(
-            "2"
-        ):
+    def __init__(self, content: bytes, references: References) -> None:
+        self.references, self._size = references, len(content)
+        text, self._embedded = _container(content)
+        if len(text) > limits().bytes_of("json_mb"):
+            raise UserError(too_large(references.where, "its JSON", len(text), "json_mb"))
+        header = parse_json(text.decode("utf-8"), references.where, "glTF", "Export the model again.")
+        asset = header.get("asset") if isinstance(header, dict) else None
+        if not isinstance(asset, dict) or not str(asset.get("version", "")).startswith("2"):
             raise Damaged("it is not glTF 2.0: asset.version is missing or another")
         self.header: Json = header
         self._buffers: dict[int, memoryview] = {}
@@ -91,7 +87,7 @@ class Buffers:
     def image(self, index: object) -> bytes:
         """The encoded bytes of an image."""
         entry = self.entry("images", index)
-        return self._at(str(entry["uri"])) if "uri" in entry else bytes(self.view(entry.get("bufferView")))
+        return self._at(entry) if "uri" in entry else bytes(self.view(entry.get("bufferView")))
 
     def has_data(self, index: object) -> bool:
         """Whether an accessor has bytes of its own."""
@@ -109,7 +105,7 @@ class Buffers:
         if "bufferView" in entry:
             values = self._strided(entry, where, count, dtype, width)
         else:
-            values = np.zeros((_held(count, self.file), width), dtype)
+            values = np.zeros((_held(count, self._size), width), dtype)
         if isinstance(sparse := entry.get("sparse"), dict):
             values = self._replaced(values, sparse, where, dtype, width)
         if entry.get("normalized") and dtype.kind in "iu":
@@ -151,7 +147,7 @@ class Buffers:
         assert isinstance(index, int)
         if index not in self._buffers:
             if "uri" in entry:
-                data = self._at(str(entry["uri"]))
+                data = self._at(entry)
             elif self._embedded is None or index:
                 raise Damaged(f"buffers[{index}] has no data")
             else:
@@ -162,13 +158,8 @@ class Buffers:
             self._buffers[index] = memoryview(data)[:length]
         return self._buffers[index]
 
-    def _at(self, uri: str) -> bytes:
-        if not uri.startswith("data:"):
-            return neighbour(self.file, unquote(uri))
-        try:
-            return base64.b64decode(uri.partition(",")[2], validate=True)
-        except binascii.Error as error:
-            raise Damaged(f"a data URI cannot be decoded: {error}") from error
+    def _at(self, entry: Json) -> bytes:
+        return self.references.bytes_of(str(entry["uri"]), quoted=True)
 
 
 def _container(data: bytes) -> tuple[bytes, bytes | None]:
@@ -207,9 +198,8 @@ def _natural(value: object, where: str) -> int:
     return value
 
 
-def _held(count: int, file: Path) -> int:
+def _held(count: int, size_bytes: int) -> int:
     """A count of zeros that no bytes stand behind, kept to what a file of its size might mean."""
-    most = max(file.stat().st_size, 1 << 20)
-    if count > most:
+    if count > max(size_bytes, 1 << 20):
         raise Damaged(f"an accessor without data claims {count} items")
     return count

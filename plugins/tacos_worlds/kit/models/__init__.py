@@ -1,0 +1,8 @@
+"""What files of triangles hold, on its way to the parts of a world.
+
+``model``     surfaces, looks and lamps of a file, in its own axes
+``cutouts``   surfaces cut to where they hide what is behind, with ``mask_outlines`` and ``uv_clipping``
+``patch``     surfaces in metres with z up
+``tints``     colours of vertices, with ``atlas``
+``normals``   normals of surfaces that come without
+"""
