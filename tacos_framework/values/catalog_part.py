@@ -10,11 +10,19 @@ Value = float | int | str | None
 """A value of a part; None where no source states it."""
 
 Grade = Literal[
-    "data sheet", "camera maker", "measurement", "transcription", "reseller", "derived", "hobby list"
+    "data sheet",
+    "camera maker",
+    "driver code",
+    "measurement",
+    "transcription",
+    "reseller",
+    "derived",
+    "hobby list",
 ]
 """How far a value can be trusted, the best first: stated by the maker of the part; by the maker of a camera
-with it (EMVA 1288, a manual); measured by somebody who says how; one of these as copied by a third party;
-stated by a shop; computed from other values; said by a list or program not checked against the maker."""
+with it (EMVA 1288, a manual); written to the part by code that runs it, in one of its modes; measured by
+somebody who says how; one of these as copied by a third party; stated by a shop; computed from other values;
+said by a list or program not checked against the maker."""
 
 
 @dataclass(frozen=True)

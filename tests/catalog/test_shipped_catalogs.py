@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tacos_framework.catalog import camera_names, catalog_names, find_catalog, load_cameras
+from tacos_framework.catalog import CatalogPart, camera_names, catalog_names, find_catalog, load_cameras
 from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 from tacos_plugins.sensors.calibration import load_calibration
+
+SENSORS = [part for name in ("image_sensors", "image_sensors_more") for part in find_catalog(name).rows]
 
 
 def test_the_catalog_is_the_paper_s() -> None:
@@ -77,9 +79,25 @@ def test_the_camera_columns_are_of_one_camera() -> None:
 
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
+needs_shared = pytest.mark.skipif(
+    not SHARED.is_dir(), reason="the folder of public data is not beside the checkout"
+)
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of public data is not beside the checkout")
+@needs_shared
+def test_line_times_and_gains_are_those_of_the_collected_sources() -> None:
+    with (SHARED / "catalogs" / "robotics_sensors.csv").open(newline="") as file:
+        stated = {row["name"]: row for row in csv.DictReader(file)}
+    assert len(stated) == 55
+    same = {"row_time_us": "row_time_us", "max_fps": "max_fps_full", "gain_max_db": "gain_max_db"}
+    for name, row in stated.items():
+        part = next(part for part in SENSORS if part.name == name)
+        for column, given in same.items():
+            value = float(row[given]) if row[given] else None
+            assert part[column] == value, (name, column)
+
+
+@needs_shared
 @pytest.mark.parametrize(
     ("column", "value_name", "scale"),
     [
@@ -126,6 +144,31 @@ def test_only_a_dated_price_is_given() -> None:
     assert "February 2025" in priced[0].provenance["price_eur"]
 
 
+def test_no_sensor_stands_in_two_catalogs() -> None:
+    names = [part.name for part in SENSORS]
+    assert len(names) == len(set(names)) == 108
+
+
+def test_words_of_sensors_are_those_that_rigs_take() -> None:
+    filters = {"none", "Bayer", "quad Bayer", "RGGB", "BGGR", "GRBG", "GBRG", None}
+    for part in SENSORS:
+        assert part["shutter"] in ("global", "rolling", None), part.name
+        assert part["colour"] in ("mono", "colour", None), part.name
+        assert part["cfa"] in filters, part.name
+        assert part["cfa"] != "none" or part["colour"] == "mono", part.name
+
+
+@pytest.mark.parametrize(
+    "part", [part for part in SENSORS if part["frame_lines"]], ids=lambda part: part.name
+)
+def test_frames_of_drivers_take_as_long_as_their_rows(part: CatalogPart) -> None:
+    """Line time, lines with blanking and frame rate are three statements of one driver, or it has said so."""
+    computed = 1e6 / (part.number("row_time_us") * part.number("frame_lines"))
+    assert part["frame_lines"] >= part["height_px"]
+    agrees = part.number("max_fps") == pytest.approx(computed, rel=0.01)
+    assert agrees or any("default" in doubt for doubt in part.doubts)
+
+
 def test_noise_values_name_their_own_source() -> None:
     catalog = find_catalog("image_sensors")
     for part in catalog.rows:
@@ -141,11 +184,11 @@ def test_rows_the_original_catalog_has_wrong_are_doubted() -> None:
 
 def test_further_sensors_keep_their_unknowns() -> None:
     catalog = find_catalog("image_sensors_more")
-    assert len(catalog.rows) == 17
-    assert catalog.part("OV9282")["pixel_um"] is None
+    assert len(catalog.rows) == 65
     choice = CatalogChoice("sensor", catalog, "discrete")
-    assert [part.name for part in choice.left_out] == ["OV9282", "OV9782"]
-    with pytest.raises(ValueError, match=r"MT9M031 and MT9M034 are equal in .* use scheme discrete"):
+    assert {"OV2311", "IMX585", "VD56G3"} < {part.name for part in choice.left_out}
+    assert len(choice.rows) + len(choice.left_out) == 65
+    with pytest.raises(ValueError, match=r"AR0144 and OV9281 are equal in .* use scheme discrete"):
         CatalogChoice("sensor", catalog, "quantized")
 
 

@@ -63,7 +63,7 @@ def test_stated_figures_are_kept_and_origins_tell_them_apart() -> None:
     origins = model.origins(known)
     assert origins["full_well_e"] == "catalog"
     assert origins["read_noise_e"] == "settings"
-    assert origins["quantum_efficiency"].startswith("assumed from 13 sensors")
+    assert origins["quantum_efficiency"].startswith("assumed from 18 sensors")
     assert set(NEEDED) < set(origins)
 
 

@@ -10,7 +10,7 @@ draw, so that a sensor is the same wherever it is used.
 References
 ----------
 Full well, read noise, quantum efficiency: least squares over all parts of the catalogs ``image_sensors`` and
-``image_sensors_more`` that know them (23, 23 and 13 sensors), which a test repeats. Dark current: published
+``image_sensors_more`` that know them (29, 28 and 18 sensors), which a test repeats. Dark current: published
 figures of CMV4000, IMX900 and OV5647 (125, 1.47 and 16 e-/s), without a dependence on the pitch. Read noise
 after the gain: its share of the dark variance at the lowest ISO from 100 on of 223 still cameras (profiles
 published with darktable), as the recipe `noise_over_gain` fits it.
@@ -57,9 +57,9 @@ class FigurePrior:
 
 PRIORS: Mapping[str, FigurePrior] = MappingProxyType(
     {
-        "quantum_efficiency": FigurePrior(0.718, 0.050, 0.384, 13, is_share=True),
-        "full_well_e": FigurePrior(7.991, 1.175, 0.440, 23),
-        "read_noise_e": FigurePrior(0.743, 0.360, 0.518, 23),
+        "quantum_efficiency": FigurePrior(1.413, -0.375, 0.505, 18, is_share=True),
+        "full_well_e": FigurePrior(8.078, 1.127, 0.411, 29),
+        "read_noise_e": FigurePrior(0.807, 0.293, 0.560, 28),
         "dark_current_e_s": FigurePrior(2.66, 0.0, 2.2, 3),
         "read_noise_share_after_gain": FigurePrior(3.57, 0.0, 2.2, 223, is_share=True),
     }
@@ -83,7 +83,7 @@ def assumed(figure: str, *, sensor: str, pixel_um: float, draw: int) -> float:
     Examples
     --------
     >>> round(assumed("full_well_e", sensor="IMX172", pixel_um=1.55, draw=0))
-    4944
+    5281
     >>> assumed("full_well_e", sensor="A", pixel_um=3, draw=1) == assumed(
     ...     "full_well_e", sensor="B", pixel_um=3, draw=1
     ... )
