@@ -128,6 +128,7 @@ from .study.record import ScoredEpisode as ScoredEpisode
 from .study.record import StudiedCamera as StudiedCamera
 from .study.record import StudyRecord as StudyRecord
 from .study.record import Values as Values
+from .values import BrownConrady as BrownConrady
 from .values import Camera as Camera
 from .values import Candidate as Candidate
 from .values import Capture as Capture
@@ -139,11 +140,13 @@ from .values import Exposure as Exposure
 from .values import FrameBatch as FrameBatch
 from .values import ImageContext as ImageContext
 from .values import ImageGeometry as ImageGeometry
+from .values import Lens as Lens
 from .values import Light as Light
 from .values import Material as Material
 from .values import MeshPart as MeshPart
 from .values import Mover as Mover
 from .values import Object as Object
+from .values import Projection as Projection
 from .values import Rig as Rig
 from .values import Trajectory as Trajectory
 from .values import View as View

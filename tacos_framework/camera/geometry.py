@@ -1,4 +1,4 @@
-"""Pinhole geometry: from the agent's pose to pixels and back.
+"""Geometry of cameras: from the agent's pose to pixels and back.
 
 Frames: agent x forward, y left, z up; camera x right, y down, z forward (OpenCV). A pose
 ``a_from_b`` takes homogeneous points of frame b to frame a. Pixel (0, 0) has its centre at (0.0, 0.0).
@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tacos_framework.camera.projection import Projecting, pixels_of_rays, rays_of_pixels
 from tacos_framework.values import Camera
 
 AGENT_FROM_LEVEL_CAMERA: NDArray[np.float64] = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -104,7 +105,7 @@ def invert_pose(pose: NDArray[np.float64]) -> NDArray[np.float64]:
 def project(
     points_m: ArrayLike, camera: Camera, world_from_camera: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where points of the world fall in the image of a pinhole camera.
+    """Where points of the world fall in the image of a camera.
 
     Parameters
     ----------
@@ -116,10 +117,10 @@ def project(
     Returns
     -------
     pixels_px
-        (..., 2) float64 pixel coordinates (x, y), not clipped to the image; NaN for points that are not
-        in front of the camera [px].
+        (..., 2) float64 pixel coordinates (x, y), not clipped to the image; NaN for points that the lens does
+        not image, as those behind a rectilinear camera [px].
     depth_m
-        (...) float64 distance along the optical axis, negative behind the camera [m].
+        (...) float64 depth as `View.depth_m` has it; negative behind a rectilinear camera [m].
 
     Examples
     --------
@@ -132,21 +133,24 @@ def project(
     points = np.asarray(points_m, dtype=np.float64)
     camera_from_world = invert_pose(world_from_camera)
     seen = points @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]
-    depth = seen[..., 2]
-    in_front = np.where(depth > 0, depth, np.nan)
-    pixels = seen[..., :2] / in_front[..., None] * camera.focal_length_px + camera.centre_px
-    return pixels, depth
+    return pixels_of_rays(seen, camera), depth_of(seen, camera)
+
+
+def depth_of(points_m: NDArray[np.float64], camera: Projecting) -> NDArray[np.float64]:
+    """(...) depth as `View.depth_m` has it, of (..., 3) points in the camera frame [m]."""
+    return points_m[..., 2] if camera.lens.is_rectilinear else np.linalg.norm(points_m, axis=-1)
 
 
 def pixel_rays(camera: Camera) -> NDArray[np.float64]:
-    """The directions that pixel centres look into, in the camera frame, scaled to z = 1.
+    """What pixel centres see at a depth of 1, in the camera frame.
 
-    A point at depth Z along the ray of a pixel is ``Z * ray`` [m].
+    A point at depth Z of a pixel (`View.depth_m`) is ``Z * ray`` [m]: rays of rectilinear cameras are scaled
+    to z = 1, those of others have unit length.
 
     Returns
     -------
     NDArray
-        (H, W, 3) float64 [1].
+        (H, W, 3) float64; NaN outside of the image circle [1].
 
     Examples
     --------
@@ -154,8 +158,45 @@ def pixel_rays(camera: Camera) -> NDArray[np.float64]:
     >>> pixel_rays(camera).tolist()
     [[[-1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]]
     """
+    if not camera.lens.is_pinhole:
+        x, y = np.meshgrid(np.arange(camera.width_px), np.arange(camera.height_px))
+        rays = rays_of_pixels(np.stack([x, y], axis=-1), camera)
+        return rays / rays[..., 2:] if camera.lens.is_rectilinear else rays
     cx, cy = camera.centre_px
     rays = np.ones((camera.height_px, camera.width_px, 3))
     rays[..., 0] = (np.arange(camera.width_px) - cx) / camera.focal_length_px
     rays[..., 1] = ((np.arange(camera.height_px) - cy) / camera.focal_length_px)[:, None]
     return rays
+
+
+def along_axis_m(depth_m: NDArray[np.floating], camera: Camera) -> NDArray[np.float64]:
+    """The distance along the optical axis of what has a depth (`View.depth_m`); negative behind the camera.
+
+    Parameters
+    ----------
+    depth_m
+        (..., H, W) depth, infinite where nothing is [m].
+
+    Returns
+    -------
+    NDArray
+        (..., H, W); infinite where nothing is [m].
+    """
+    return _times(depth_m, pixel_rays(camera)[..., 2])
+
+
+def distance_m(depth_m: NDArray[np.floating], camera: Camera) -> NDArray[np.float64]:
+    """The distance from the optical centre of what has a depth, likewise [m].
+
+    Examples
+    --------
+    >>> camera = Camera("c", width_px=3, height_px=1, pixel_um=10, focal_length_mm=0.01)
+    >>> distance_m(np.ones((1, 3)), camera).round(3).tolist()
+    [[1.414, 1.0, 1.414]]
+    """
+    return _times(depth_m, np.linalg.norm(pixel_rays(camera), axis=-1))
+
+
+def _times(depth_m: NDArray[np.floating], scale: NDArray[np.float64]) -> NDArray[np.float64]:
+    with np.errstate(invalid="ignore"):
+        return np.where(np.isfinite(depth_m), np.asarray(depth_m, np.float64) * scale, np.inf)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.geometry import invert_pose, world_from_camera
+from tacos_framework.camera.geometry import depth_of, invert_pose, world_from_camera
+from tacos_framework.camera.projection import pixels_of_rays, rays_of_pixels
 from tacos_framework.values import Episode, ImageGeometry, View
 
 Places = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -41,7 +42,7 @@ def reprojected(
     Returns
     -------
     x_px, y_px
-        Places in the other's image [px].
+        Places in the other's image; where a fisheye images nothing, the same places [px].
     scale
         Depth of each point in the other camera over its depth in this one [1].
 
@@ -56,6 +57,8 @@ def reprojected(
     >>> x.item(), y.item(), scale.item()
     (4.0, 2.0, 0.5)
     """
+    if not geometry.lens.is_pinhole:
+        return _reprojected_by_rays(x_px, y_px, inverse_depth, geometry, other_from_camera)
     cx, cy = geometry.centre_px
     f = geometry.focal_length_px
     x, y, near = np.broadcast_arrays((x_px - cx) / f, (y_px - cy) / f, inverse_depth)
@@ -63,6 +66,25 @@ def reprojected(
     seen = np.tensordot(other_from_camera[:3], points, axes=1)
     depth_ratio = np.maximum(seen[2], 1e-6)  # what comes to lie behind the camera leaves the image
     return seen[0] / depth_ratio * f + cx, seen[1] / depth_ratio * f + cy, depth_ratio
+
+
+def _reprojected_by_rays(
+    x_px: NDArray[np.floating],
+    y_px: NDArray[np.floating],
+    inverse_depth: NDArray[np.floating],
+    geometry: ImageGeometry,
+    other_from_camera: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """`reprojected` through any lens."""
+    x, y, near = np.broadcast_arrays(x_px, y_px, inverse_depth)
+    places = np.stack([x, y], axis=-1).astype(np.float64)
+    rays = rays_of_pixels(places, geometry)
+    points = rays / depth_of(rays, geometry)[..., None]  # over their depth
+    seen = points @ other_from_camera[:3, :3].T + near[..., None] * other_from_camera[:3, 3]
+    there = pixels_of_rays(seen, geometry)
+    there = np.where(np.isnan(there), places, there)
+    scale = np.maximum(np.nan_to_num(depth_of(seen, geometry), nan=1.0), 1e-6)
+    return there[..., 0], there[..., 1], scale
 
 
 def image_velocity(view: View, episode: Episode) -> NDArray[np.float32]:

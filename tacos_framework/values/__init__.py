@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from tacos_framework.values.brown_conrady import BrownConrady
 from tacos_framework.values.camera import Camera, Electrons, Exposure, Rig
 from tacos_framework.values.candidate import Candidate
 from tacos_framework.values.catalog_part import CatalogPart
 from tacos_framework.values.episode import Crossing, Episode, Mover, Trajectory
 from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.values.images import Capture, FrameBatch, View
+from tacos_framework.values.lens import Lens, Projection
 from tacos_framework.values.world import Light, Material, MeshPart, Object, World
 
 __all__ = [
+    "BrownConrady",
     "Camera",
     "Candidate",
     "Capture",
@@ -23,11 +26,13 @@ __all__ = [
     "FrameBatch",
     "ImageContext",
     "ImageGeometry",
+    "Lens",
     "Light",
     "Material",
     "MeshPart",
     "Mover",
     "Object",
+    "Projection",
     "Rig",
     "Trajectory",
     "View",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework.values.arrays import read_only
 from tacos_framework.values.camera_table import cameras_as_html
+from tacos_framework.values.lens import PINHOLE, Lens
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Electrons:
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """One pinhole camera on the agent.
+    """One camera on the agent: a pinhole, unless its lens says otherwise.
 
     The camera frame is OpenCV's: x right, y down, z forward. Pixel (0, 0) has its centre at (0.0, 0.0),
     so the image spans -0.5 .. width - 0.5. The agent frame is x forward, y left, z up.
@@ -53,7 +54,7 @@ class Camera:
     pixel_um
         Pitch of the photosites as manufactured [um].
     focal_length_mm
-        Focal length [mm].
+        Focal length on the optical axis [mm].
     agent_from_camera
         (4, 4) float64 rigid transform [m].
     binning
@@ -66,6 +67,8 @@ class Camera:
         (x, y) [px]; the image centre when None.
     electrons
         What is known of its photosites in electrons.
+    lens
+        Its projection; `tacos_framework.camera.rays_of_pixels` takes pixels to directions.
     """
 
     name: str
@@ -78,6 +81,7 @@ class Camera:
     principal_point_px: tuple[float, float] | None = None
     electrons: Electrons = Electrons()
     sensor_binning: int = 1
+    lens: Lens = PINHOLE
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
@@ -105,20 +109,20 @@ class Camera:
 
     @property
     def intrinsics(self) -> NDArray[np.float64]:
-        """(3, 3) matrix K [px], as `cv2.projectPoints` takes it."""
+        """(3, 3) matrix K [px], as `projectPoints` of OpenCV and of its `fisheye` take it."""
         cx, cy = self.centre_px
         f = self.focal_length_px
         return np.array([[f, 0, cx], [0, f, cy], [0, 0, 1]], dtype=np.float64)
 
     @property
     def hfov_deg(self) -> float:
-        """Horizontal field of view from edge to edge [deg]."""
-        return math.degrees(2 * math.atan(self.width_px / (2 * self.focal_length_px)))
+        """Horizontal field of view from edge to edge, within the image circle [deg]."""
+        return self.lens.field_of_view_deg(self.width_px / self.focal_length_px)
 
     @property
     def vfov_deg(self) -> float:
-        """Vertical field of view from edge to edge [deg]."""
-        return math.degrees(2 * math.atan(self.height_px / (2 * self.focal_length_px)))
+        """Vertical field of view, likewise [deg]."""
+        return self.lens.field_of_view_deg(self.height_px / self.focal_length_px)
 
     def _repr_html_(self) -> str:
         """In a notebook: its figures with their units."""

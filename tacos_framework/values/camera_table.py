@@ -28,6 +28,8 @@ def _quantities(camera: Camera) -> Iterator[tuple[str, str]]:
         yield "binning [1]", f"{camera.binning:g}"
     yield "focal length [mm]", f"{camera.focal_length_mm:.4g}"
     yield "focal length [px]", f"{camera.focal_length_px:.5g}"
+    if not camera.lens.is_pinhole:
+        yield "projection", camera.lens.projection
     yield "field of view [deg]", f"{camera.hfov_deg:.1f} x {camera.vfov_deg:.1f}"
     yield "position on the agent, x y z [m]", _vector(camera.agent_from_camera[:3, 3])
     yield "looks along, x y z [1]", _vector(camera.agent_from_camera[:3, 2])

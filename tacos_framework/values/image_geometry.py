@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.values.camera import Camera
+from tacos_framework.values.lens import PINHOLE, Lens
 
 Velocity = NDArray[np.floating]
 """(2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x right, y down [px/s]."""
@@ -42,6 +43,8 @@ class ImageGeometry:
         Name of the camera, which tells the fixed patterns of a rig's sensors apart.
     binning
         Linear factor of photosites averaged into one pixel of the image [1].
+    lens
+        Its projection.
 
     Examples
     --------
@@ -63,6 +66,7 @@ class ImageGeometry:
     full_height_px: int = 0
     camera: str = ""
     binning: float = 1.0
+    lens: Lens = PINHOLE
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
@@ -93,6 +97,7 @@ class ImageGeometry:
             pixel_um=camera.pixel_um * camera.binning,
             camera=camera.name,
             binning=camera.binning,
+            lens=camera.lens,
         )
 
     def crop(self, *, x: int, y: int, width_px: int, height_px: int) -> ImageGeometry:
@@ -108,6 +113,7 @@ class ImageGeometry:
             full_height_px=self.full_height_px,
             camera=self.camera,
             binning=self.binning,
+            lens=self.lens,
         )
 
     @property
@@ -156,7 +162,7 @@ class ImageContext:
         Pedestal and full scale of samples in digital numbers; light (stages scene, optics, exposure) has no
         pedestal whatever stands here [DN].
     depth_m
-        (H, W) or (N, H, W) distance along the optical axis, infinite where nothing is [m].
+        (H, W) or (N, H, W) depth as `View.depth_m` has it, infinite where nothing is [m].
     velocity_px_s
         (2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x to the right, y downwards, or what
         works it out when it is asked for [px/s].

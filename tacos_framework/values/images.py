@@ -25,8 +25,9 @@ class View:
         (N, H, W, 3) float32 luminance that reaches each pixel, averaged over the pixel and the exposure,
         per linear sRGB channel, scaled so that an achromatic surface has equal channels [cd/m2].
     depth_m
-        (N, H, W) float32 distance along the optical axis at the pixel centre, in the middle of the
-        exposure [m]; infinite where nothing is.
+        (N, H, W) float32 depth at the pixel centre, in the middle of the exposure [m]: the distance along the
+        optical axis of a rectilinear camera, along the ray of any other, as to the side of a fisheye the axis
+        measures nothing. Infinite where nothing is. A point lies at depth times `camera.pixel_rays`.
     object_id
         (N, H, W) int32 index into `World.objects` at the pixel centre; 0 for the background.
     """

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from opencv_undistortion import undistorted
 
-from tacos_plugins.effects.lens_models import BrownConrady, Fisheye
+from tacos_framework.values import BrownConrady, Lens
+from tacos_plugins.effects.lens_distortion import _undistorted
 
 PINHOLE = np.eye(3)
 STILL = np.zeros(3)
@@ -84,16 +85,21 @@ def test_beyond_the_fold_of_a_strong_barrel_the_last_circle_stands_in():
     assert y[1] < 0
 
 
-@pytest.mark.parametrize("lens", [Fisheye(0.05, -0.02, 0.003), Fisheye(0.2, 0.05, 0.02)])
-def test_the_fisheye_is_opencvs(lens):
+@pytest.mark.parametrize("lens", [BrownConrady(k1=-0.3), BrownConrady(k1=0.1, k2=-0.05)])
+def test_it_turns_back_at_its_fold(lens):
+    before, fold, after = lens.radial(lens.fold * np.array([0.999, 1.0, 1.001]))
+    assert fold > max(before, after)
+
+
+@pytest.mark.parametrize("coefficients", [(0.05, -0.02, 0.003), (0.2, 0.05, 0.02)])
+def test_the_effects_fisheye_is_opencvs(coefficients):
     x, y = grid(2.0)
     points = np.stack([x, y, np.ones_like(x)], axis=1)[:, None]
-    expected, _ = cv2.fisheye.projectPoints(points, STILL, STILL, PINHOLE, np.array([*lens, 0.0]))
-    there = lens.distorted(x, y)
-    np.testing.assert_allclose(np.stack(there, axis=1), expected[:, 0], atol=1e-9)
-    np.testing.assert_allclose(np.stack(lens.undistorted(*there)), np.stack([x, y]), atol=1e-13)
+    there, _ = cv2.fisheye.projectPoints(points, STILL, STILL, PINHOLE, np.array([*coefficients, 0.0]))
+    back = _undistorted(Lens("kannala-brandt", coefficients), *there[:, 0].T)
+    np.testing.assert_allclose(np.stack(back), np.stack([x, y]), atol=1e-12)
 
 
 def test_a_flat_image_ends_before_the_fisheyes_horizon():
-    x, _ = Fisheye().undistorted(np.array([1.8]), np.array([0.0]))
+    x, _ = _undistorted(Lens("kannala-brandt"), np.array([1.8]), np.array([0.0]))
     assert x == pytest.approx(np.tan(np.radians(89)))

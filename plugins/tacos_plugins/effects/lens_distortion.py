@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar, Literal
@@ -11,9 +12,11 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from tacos_framework import (
+    BrownConrady,
     Captures,
     ImageContext,
     ImageGeometry,
+    Lens,
     LookAlike,
     ObservedCapture,
     Settings,
@@ -24,8 +27,10 @@ from tacos_framework import (
 from tacos_framework.camera import Places
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.board_calibration import calibrated
-from tacos_plugins.effects.lens_models import BrownConrady, Fisheye
 from tacos_plugins.effects.shown_by import BOARDS
+
+_WIDEST_RAD = math.radians(89)
+"""A flat image ends before 90 degrees off the axis."""
 
 
 class LensDistortion:
@@ -101,13 +106,13 @@ class LensDistortion:
 
     @property
     def _off(self) -> bool:
-        return self.config.model == "brown" and not any(self._lens)
+        return self._lens == BrownConrady()
 
     @property
-    def _lens(self) -> BrownConrady | Fisheye:
+    def _lens(self) -> BrownConrady | Lens:
         c = self.config
         if c.model == "fisheye":
-            return Fisheye(c.k1, c.k2, c.k3)
+            return Lens("kannala-brandt", (c.k1, c.k2, c.k3))
         return BrownConrady(c.k1, c.k2, c.k3, c.p1, c.p2)
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
@@ -130,18 +135,28 @@ def _images_all(lens: BrownConrady, capture: ObservedCapture) -> bool:
 
 
 @lru_cache(maxsize=2)  # of a design's frames all look alike
-def _source(lens: BrownConrady | Fisheye, geometry: ImageGeometry) -> Places:
+def _source(lens: BrownConrady | Lens, geometry: ImageGeometry) -> Places:
     cx, cy = geometry.centre_px
     return _source_at(lens, geometry.x_px + cx, geometry.y_px + cy, geometry)
 
 
 def _source_at(
-    lens: BrownConrady | Fisheye,
+    lens: BrownConrady | Lens,
     x_px: NDArray[np.float64],
     y_px: NDArray[np.float64],
     geometry: ImageGeometry,
 ) -> Places:
     f = geometry.focal_length_px
     cx, cy = geometry.centre_px
-    x, y = lens.undistorted((x_px - cx) / f, (y_px - cy) / f)
+    x, y = _undistorted(lens, (x_px - cx) / f, (y_px - cy) / f)
     return x * f + cx, y * f + cy
+
+
+def _undistorted(lens: BrownConrady | Lens, x: NDArray[np.float64], y: NDArray[np.float64]) -> Places:
+    """Which tangents a lens images at places in focal lengths; those of a fisheye up to `_WIDEST_RAD`."""
+    if isinstance(lens, BrownConrady):
+        return lens.undistorted(x, y)
+    radius = np.hypot(x, y)
+    angle = np.minimum(np.nan_to_num(lens.angle(radius), nan=lens.widest_rad), _WIDEST_RAD)
+    scale = np.where(radius > 1e-12, np.tan(angle) / np.maximum(radius, 1e-12), 1.0)
+    return x * scale, y * scale

@@ -1,11 +1,10 @@
-"""Lens distortion, as OpenCV writes it, and its inverse.
+"""Distortion of flat images, as OpenCV writes it, and its inverse.
 
 Coordinates are the tangents of the angles from the optical axis, (pixel - principal point) / focal length.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,9 +12,6 @@ from numpy.typing import NDArray
 
 _TABLE = 2048
 _NEWTON_ROUNDS = 3
-_WIDEST_RAD = math.radians(89)
-"""A flat image ends before 90 degrees off the axis."""
-
 Points = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
@@ -49,6 +45,11 @@ class BrownConrady(NamedTuple):
             y * radial + self.p1 * (r2 + 2 * y**2) + 2 * self.p2 * x * y,
         )
 
+    def radial(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where the lens images a radius of the undistorted image, but for tangential terms."""
+        r2 = radius**2
+        return radius * (1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3)))
+
     def undistorted(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> Points:
         """Which point of the undistorted image the lens images at (x, y).
 
@@ -74,6 +75,19 @@ class BrownConrady(NamedTuple):
             u, v = self._newton(u, v, target_x, target_y)
         return u, v
 
+    @property
+    def fold(self) -> float:
+        """The undistorted radius beyond which the image folds back over itself; infinite where it never does.
+
+        Examples
+        --------
+        >>> round(BrownConrady(k1=-1 / 3).fold, 6), BrownConrady(k1=0.1).fold
+        (1.0, inf)
+        """
+        squares = np.roots([7 * self.k3, 5 * self.k2, 3 * self.k1, 1.0])
+        turns = squares.real[(np.abs(squares.imag) < 1e-9) & (squares.real > 0)]
+        return float(np.sqrt(turns.min())) if turns.size else np.inf
+
     def reaches(self, radius: float) -> bool:
         """Whether anything is imaged as far out as that, before the image folds over.
 
@@ -86,11 +100,10 @@ class BrownConrady(NamedTuple):
 
     def _table(self, needed: float) -> Points:
         """Undistorted radii, rising from 0, and where they are imaged: to `needed`, or to the fold."""
-        radial = self._replace(p1=0.0, p2=0.0)
         reach = needed
         while True:
             table = np.linspace(0.0, reach, _TABLE)
-            imaged, _ = radial.distorted(table, np.zeros(_TABLE))
+            imaged = self.radial(table)
             falls = np.flatnonzero(np.diff(imaged) <= 0)
             if falls.size:
                 last = int(falls[0]) + 1
@@ -117,47 +130,3 @@ class BrownConrady(NamedTuple):
         area = x_u * y_v - x_v**2
         area = np.where(area < 1e-3, np.inf, area)  # at a fold there is no way on
         return u + (y_v * left_x - x_v * left_y) / area, v + (x_u * left_y - x_v * left_x) / area
-
-
-class Fisheye(NamedTuple):
-    """Coefficients of OpenCV's fisheye model, over powers of the angle; all 0 is an equidistant lens [1].
-
-    References
-    ----------
-    Kannala and Brandt 2006, "A generic camera model and calibration method", IEEE Trans. PAMI 28(8);
-    OpenCV, namespace fisheye (with k4 = 0).
-    """
-
-    k1: float = 0.0
-    k2: float = 0.0
-    k3: float = 0.0
-
-    def _imaged(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
-        square = angle**2
-        return angle * (1 + square * (self.k1 + square * (self.k2 + square * self.k3)))
-
-    def distorted(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> Points:
-        """Where the lens images points of the undistorted image.
-
-        Examples
-        --------
-        >>> x, y = Fisheye().distorted(np.array(1.0), np.array(0.0))
-        >>> round(x.item(), 4)  # 45 degrees
-        0.7854
-        """
-        radius = np.hypot(x, y)
-        scale = np.where(radius > 1e-12, self._imaged(np.arctan(radius)) / np.maximum(radius, 1e-12), 1.0)
-        return x * scale, y * scale
-
-    def undistorted(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> Points:
-        """Which point of the undistorted image the lens images at (x, y); at most 89 degrees off the axis."""
-        radius = np.hypot(x, y)
-        angles = np.linspace(0.0, _WIDEST_RAD, _TABLE)
-        imaged = np.maximum.accumulate(self._imaged(angles))
-        angle = np.interp(radius, imaged, angles)
-        for _ in range(_NEWTON_ROUNDS):
-            slope = 1 + angle**2 * (3 * self.k1 + angle**2 * (5 * self.k2 + angle**2 * 7 * self.k3))
-            step = (radius - self._imaged(angle)) / np.maximum(slope, 1e-3)
-            angle = np.clip(angle + step, 0.0, _WIDEST_RAD)
-        scale = np.where(radius > 1e-12, np.tan(angle) / np.maximum(radius, 1e-12), 1.0)
-        return x * scale, y * scale
