@@ -5,7 +5,7 @@
 ==================  ==========================================================================================
 ``conventions``     one statement of the conventions, and the functions that carry them out
 ``camera``          cameras of a rig as files of OpenCV, ROS and Kalibr, and their noise in the units of EMVA
-``dataset``         frames as COCO, KITTI, EuRoC, TUM, 16-bit PNG and EXR
+``dataset``         frames as COCO, KITTI, EuRoC, TUM, YOLO, BOP, NeRF, COLMAP, 16-bit PNG and EXR
 ``commands``        ``tacos export camera`` and ``tacos export dataset``
 ==================  ==========================================================================================
 """

@@ -10,7 +10,7 @@ from pathlib import Path
 from tacos_framework import DONE, Command, Fault, UserError
 from tacos_view.commands import add_sets, read_sets, said_meanwhile
 
-FORMATS = ("coco", "kitti", "euroc", "tum", "png16", "exr")
+FORMATS = ("coco", "kitti", "euroc", "tum", "yolo", "bop", "nerf", "colmap", "png16", "exr")
 
 
 def commands() -> list[Command]:

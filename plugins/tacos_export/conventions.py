@@ -3,7 +3,8 @@
 Axes
     A camera looks along z, x is right and y down in the image (OpenCV, ROS optical frames, KITTI, TUM). The
     body is the agent: x forward, y left, z up (ROS base frames). The world is right-handed with z up. All
-    lengths are in metres.
+    lengths are in metres. Other programs differ: the camera of NeRF has y up and looks along -z (OpenGL),
+    COLMAP and BOP have ``camera_from_world``, and BOP millimetres.
 Poses
     ``a_from_b`` takes homogeneous points of frame b to frame a; a camera's pose is ``world_from_camera``,
     in the middle of the exposure. Quaternions are unit length with w >= 0; files say in which order.
@@ -11,7 +12,7 @@ Pixels
     Row 0 is the top row, pixel (0, 0) has its *centre* at (0, 0), and an image spans -0.5 .. width - 0.5, as
     in OpenCV. So the principal point of a centred lens is ((width - 1) / 2, (height - 1) / 2). Boxes of COCO
     are (left, top, width, height) with edges of pixels, those of KITTI (left, top, right, bottom) with the
-    first and last pixel.
+    first and last pixel. COLMAP and NeRF count principal points from the image's corner: half a pixel more.
 Depth
     The distance along the optical axis (z), not along the ray; where nothing is, or beyond what 16 bits
     hold, 0 in integer files and infinity in EXR. ``point = depth * K^-1 (x, y, 1)``.
@@ -115,6 +116,18 @@ def stamp_s(time_s: float) -> str:
     """
     microseconds = EPOCH_S * 10**6 + round(time_s * 1e6)
     return f"{microseconds // 10**6}.{microseconds % 10**6:06d}"
+
+
+def centre_from_corner_px(camera: Camera) -> tuple[float, float]:
+    """The principal point where (0, 0) is the corner of the image, as COLMAP and NeRF count [px].
+
+    Examples
+    --------
+    >>> centre_from_corner_px(Camera("c", 640, 480, pixel_um=2.0, focal_length_mm=4.0))
+    (320.0, 240.0)
+    """
+    x, y = camera.centre_px
+    return x + 0.5, y + 0.5
 
 
 def in_file_world(pose: NDArray[np.float64], world: World) -> NDArray[np.float64]:

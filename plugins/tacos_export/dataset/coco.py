@@ -9,18 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_export.conventions import depth_codes
-from tacos_export.dataset.frame import Dataset, box_of, photograph, visible_objects, write_image
-from tacos_framework import FrameBatch, World
+from tacos_export.dataset.frame import (
+    Dataset,
+    box_of,
+    labelled_classes,
+    photograph,
+    visible_objects,
+    write_image,
+)
+from tacos_export.dataset.polygons import polygons
+from tacos_framework import FrameBatch
 
 DEPTH_CODES_PER_M = 1000.0
 """Depth files are in millimetres."""
 
 
 class CocoWriter:
-    """``images/``, ``depth/`` (16-bit millimetres) and ``annotations.json`` with boxes and masks.
+    """``images/``, ``depth/`` (16-bit millimetres), ``annotations.json`` and ``polygons.json``.
 
-    Masks are run lengths, uncompressed, which `pycocotools.mask.frPyObjects` reads. Images of all cameras
-    stand in one list; ``camera`` and ``frame`` of an image tell them apart.
+    Both have the same boxes and masks: as run lengths, uncompressed, which `pycocotools.mask.frPyObjects`
+    reads, and as polygons, for programs that know no others. Images of all cameras stand in one list;
+    ``camera`` and ``frame`` of an image tell them apart.
 
     References
     ----------
@@ -33,12 +42,13 @@ class CocoWriter:
         self._dataset = dataset
         self._images: list[dict[str, Any]] = []
         self._annotations: list[dict[str, Any]] = []
+        self._polygons: list[list[list[float]]] = []
         self._categories: dict[str, int] = {}
 
     def add(self, index: int, frame: FrameBatch) -> None:
         """Write images and depth; keep the annotations."""
         world = frame.episode.world
-        self._categories = self._categories or categories(world)
+        self._categories = self._categories or {n: i for i, n in enumerate(labelled_classes(world), start=1)}
         for i, view in enumerate(frame.capture.views):
             name = f"{view.camera.name}_{index:06d}.png"
             write_image(self._dataset.out / "images" / name, photograph(frame, i, self._dataset.encoding))
@@ -68,19 +78,18 @@ class CocoWriter:
                         "segmentation": {"size": list(mask.shape), "counts": run_lengths(mask)},
                     }
                 )
+                self._polygons.append(polygons(mask))
 
     def close(self) -> None:
         """Write the annotations."""
+        outlined = [
+            {**each, "segmentation": rings}
+            for each, rings in zip(self._annotations, self._polygons, strict=True)
+        ]
         listed = [{"id": number, "name": name} for name, number in self._categories.items()]
-        data = {"images": self._images, "annotations": self._annotations, "categories": listed}
-        path = self._dataset.out / "annotations.json"
-        path.write_text(json.dumps(data) + "\n", encoding="utf-8")
-
-
-def categories(world: World) -> dict[str, int]:
-    """Numbers of the classes, from 1; the background has none."""
-    background = world.objects[0].class_name
-    return {name: i for i, name in enumerate((n for n in world.class_names if n != background), start=1)}
+        for name, masked in (("annotations", self._annotations), ("polygons", outlined)):
+            data = {"images": self._images, "annotations": masked, "categories": listed}
+            (self._dataset.out / f"{name}.json").write_text(json.dumps(data) + "\n", encoding="utf-8")
 
 
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_export.conventions import in_file_world, quaternion_xyzw, stamp_ns
-from tacos_export.dataset.frame import Dataset, photograph, write_image
-from tacos_export.dataset.tum import walk_folder, write_lines
-from tacos_framework import Camera, Fault, FrameBatch, Trajectory, UserError, to_yaml
+from tacos_export.dataset.frame import Dataset, photograph, refuse_k3, write_image, write_lines
+from tacos_export.dataset.tum import walk_folder
+from tacos_framework import Camera, FrameBatch, Trajectory, to_yaml
 
 _TRUTH = (
     "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
@@ -35,10 +35,7 @@ class EurocWriter:
 
     def __init__(self, dataset: Dataset) -> None:
         self._dataset = dataset
-        unsaid = [n for n, lens in dataset.lenses.items() if lens.lens == "brown" and lens.distortion[4]]
-        if unsaid:
-            what = f"the lens of {', '.join(unsaid)} has k3, which radtan has not"
-            raise UserError(Fault("--format euroc", what, "k1, k2, p1, p2", "Choose another format."))
+        refuse_k3(dataset, "euroc")
         self._truth: dict[str, list[str]] = {}
         self._images: dict[str, list[list[str]]] = {}
 

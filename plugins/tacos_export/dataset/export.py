@@ -21,6 +21,10 @@ FORMATS = {
     "kitti": "tacos_export.dataset.kitti:KittiWriter",
     "euroc": "tacos_export.dataset.euroc:EurocWriter",
     "tum": "tacos_export.dataset.tum:TumWriter",
+    "yolo": "tacos_export.dataset.yolo:YoloWriter",
+    "bop": "tacos_export.dataset.bop:BopWriter",
+    "nerf": "tacos_export.dataset.nerf:NerfWriter",
+    "colmap": "tacos_export.dataset.colmap:ColmapWriter",
     "png16": "tacos_export.dataset.raster:Png16Writer",
     "exr": "tacos_export.dataset.raster:ExrWriter",
 }

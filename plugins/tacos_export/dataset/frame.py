@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal, Protocol
@@ -88,12 +89,37 @@ def write_image(path: Path, image: NDArray[np.unsignedinteger]) -> None:
         raise UserError(Fault(str(path), "the image could not be written", "a disk with room"))
 
 
+def write_lines(path: Path, lines: Iterable[str]) -> None:
+    """Write lines of text."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+
+
+def refuse_k3(dataset: Dataset, format: str) -> None:
+    """`UserError` where a lens has a k3, for which a format has no place."""
+    if unsaid := [n for n, lens in dataset.lenses.items() if lens.lens == "brown" and lens.distortion[4]]:
+        what = f"the lens of {', '.join(unsaid)} has k3, which its lens model has not"
+        raise UserError(Fault(f"--format {format}", what, "k1, k2, p1, p2", "Choose another format."))
+
+
+def distortion_faults(dataset: Dataset, format: str) -> list[Fault]:
+    """A fault where images are distorted, of which a format knows nothing."""
+    distorted = [name for name, lens in dataset.lenses.items() if any(lens.distortion)]
+    what = f"images of {', '.join(distorted)} are distorted"
+    return [Fault(f"--format {format}", what, "rectified images")] if distorted else []
+
+
 def visible_objects(view: View, world: World) -> list[tuple[int, NDArray[np.bool_]]]:
     """The labelled objects a frame shows, each with its (H, W) mask; the background is none."""
     ids = view.object_id[0]
     background = world.objects[0].class_name
     shown = [int(each) for each in np.unique(ids) if world.objects[each].class_name != background]
     return [(each, ids == each) for each in shown]
+
+
+def labelled_classes(world: World) -> list[str]:
+    """Names of the classes, without the background."""
+    return [name for name in world.class_names if name != world.objects[0].class_name]
 
 
 def box_of(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:

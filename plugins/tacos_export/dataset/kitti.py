@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import ClassVar
 
 import numpy as np
@@ -10,7 +9,15 @@ from numpy.typing import NDArray
 
 from tacos_export.camera.description import second_from_first
 from tacos_export.conventions import depth_codes
-from tacos_export.dataset.frame import Dataset, box_of, photograph, visible_objects, write_image
+from tacos_export.dataset.frame import (
+    Dataset,
+    box_of,
+    distortion_faults,
+    photograph,
+    visible_objects,
+    write_image,
+    write_lines,
+)
 from tacos_framework import Camera, Fault, FrameBatch, UserError
 from tacos_framework.camera import invert_pose
 
@@ -39,14 +46,9 @@ class KittiWriter:
     def __init__(self, dataset: Dataset) -> None:
         self._dataset = dataset
         cameras = dataset.rig.cameras
-        distorted = [name for name, lens in dataset.lenses.items() if any(lens.distortion)]
-        faults = []
+        faults = distortion_faults(dataset, "kitti")
         if len(cameras) > 2:
             faults.append(Fault("--format kitti", f"the rig has {len(cameras)} cameras", "one or two"))
-        if distorted:
-            faults.append(
-                Fault("--format kitti", f"images of {', '.join(distorted)} are distorted", "rectified images")
-            )
         if len(cameras) == 2 and not _rectified(*cameras):
             faults.append(
                 Fault("--format kitti", "the cameras are no rectified pair", "parallel, side by side, alike")
@@ -74,8 +76,8 @@ class KittiWriter:
             box = " ".join(f"{edge:.2f}" for edge in box_of(mask))
             kind = world.objects[thing].class_name.replace(" ", "_")
             labels.append(f"{kind} -1 -1 -10 {box} {_UNKNOWN_3D}")
-        self._write_lines(f"label_2/{stem}.txt", labels)
-        self._write_lines(f"calib/{stem}.txt", self._calibration())
+        write_lines(out / f"label_2/{stem}.txt", labels)
+        write_lines(out / f"calib/{stem}.txt", self._calibration())
         pose = left.world_from_camera[0]
         if self._world_from_first is None:
             self._world_from_first = pose
@@ -84,7 +86,7 @@ class KittiWriter:
 
     def close(self) -> None:
         """Write the poses."""
-        self._write_lines("poses.txt", self._poses)
+        write_lines(self._dataset.out / "poses.txt", self._poses)
 
     def _calibration(self) -> list[str]:
         cameras = self._dataset.rig.cameras
@@ -97,11 +99,6 @@ class KittiWriter:
             f"Tr_velo_to_cam: {identity}",
             f"Tr_imu_to_velo: {identity}",
         ]
-
-    def _write_lines(self, name: str, lines: Iterable[str]) -> None:
-        path = self._dataset.out / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
 
 
 def projection(left: Camera, camera: Camera) -> NDArray[np.float64]:

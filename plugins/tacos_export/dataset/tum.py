@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import ClassVar
 
 from tacos_export.conventions import depth_codes, in_file_world, quaternion_xyzw, stamp_s
-from tacos_export.dataset.frame import Dataset, photograph, write_image
+from tacos_export.dataset.frame import Dataset, photograph, write_image, write_lines
 from tacos_framework import FrameBatch
 
 DEPTH_CODES_PER_M = 5000.0
@@ -56,9 +55,3 @@ class TumWriter:
 def walk_folder(frame: FrameBatch) -> str:
     """The folder of a frame's walk: between walks the agent jumps, which no sequence does."""
     return f"walk_{frame.episode.walk[0]:03d}"
-
-
-def write_lines(path: Path, lines: list[str]) -> None:
-    """Write lines of text."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
