@@ -27,6 +27,7 @@ SUBJECTS = {
         "quantities",
         "cli",
         "environment",
+        "data_frames",
     ),
     "Contracts": ("contracts", "hookspecs", "graph", "randomness", "cache", "linear_algebra"),
     "Values": ("values",),
@@ -96,7 +97,7 @@ def names_for_users() -> Iterator[str]:
     """Where the names of `tacos` are defined, as type checkers see them."""
     module = ast.parse((ROOT / "plugins" / "tacos" / "__init__.py").read_text("utf-8"))
     for statement in ast.walk(module):
-        if isinstance(statement, ast.ImportFrom) and (statement.module or "").startswith("tacos_"):
+        if isinstance(statement, ast.ImportFrom) and (statement.module or "").startswith("tacos"):
             names = (alias.name for alias in statement.names)
             yield from (f"{statement.module}.{name}" for name in names if not name.startswith("__"))
 

@@ -67,6 +67,8 @@ from .contracts.observed import ObservedCapture as ObservedCapture
 from .contracts.observed import lit as lit
 from .contracts.observed import of_kind as of_kind
 from .contracts.observed import structured as structured
+from .data_frames import Row as Row
+from .data_frames import Tables as Tables
 from .environment import DEVICE_VARIABLE as DEVICE_VARIABLE
 from .environment import EnvironmentFinding as EnvironmentFinding
 from .environment import Gpu as Gpu

@@ -1,7 +1,8 @@
 """What most users need from Python, under one name: ``import tacos``.
 
-``run`` and ``load_recipe`` do what ``tacos-run`` does, ``read_result`` reads what came out, and ``render``
-gives frames in one line. Everything else, for those who write plugins, is in `tacos_framework`.
+``design`` and ``diagnose`` run a study or a diagnosis in one call and give its results as data frames.
+``run`` and ``load_recipe`` do what ``tacos-run`` does, ``read_result`` and ``read_diagnosis`` read what came
+out, and ``render`` gives frames in one line. What plugins need besides is in `tacos_framework`.
 
 Examples
 --------
@@ -16,6 +17,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tacos.one_call import design as design
+    from tacos.one_call import diagnose as diagnose
     from tacos_decision import read_result as read_result
     from tacos_framework import Fault as Fault
     from tacos_framework import Plugins as Plugins
@@ -24,12 +27,15 @@ if TYPE_CHECKING:
     from tacos_framework import __version__ as __version__
     from tacos_framework import load_recipe as load_recipe
     from tacos_framework import run as run
+    from tacos_gap.report.result_tables import read_diagnosis as read_diagnosis
     from tacos_view import render as render
     from tacos_view.notebook import load_ipython_extension as load_ipython_extension
 
 _HOMES = {
     "tacos_framework": "Fault Plugins Recipe UserError __version__ load_recipe run",
+    "tacos.one_call": "design diagnose",
     "tacos_decision": "read_result",
+    "tacos_gap.report.result_tables": "read_diagnosis",
     "tacos_view": "render",
     "tacos_view.notebook": "load_ipython_extension",
 }

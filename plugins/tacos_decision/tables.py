@@ -1,36 +1,36 @@
-"""The results folder of a study from Python: tables as plain lists, or as data frames of pandas."""
+"""The results folder of a study from Python: tables as data frames of pandas, or as plain rows."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tacos_framework import Fault, UserError, did_you_mean
+from tacos_framework import Fault, Row, Tables, UserError
 
 if TYPE_CHECKING:
     import pandas
 
-Row = dict[str, Any]
-"""A line of a table: words and numbers by the name of their column."""
-
-TABLES = ("comparisons", "ranking", "importance", "curves", "front")
-
 
 @dataclass(frozen=True)
 class StudyResult:
-    """What came out of a study.
+    """What came out of a study, as tables.
+
+    Each method gives a data frame of pandas (the extra ``frames``); `rows` gives the same as plain values.
 
     Parameters
     ----------
     data
         All of ``result.json``; ``docs/reference/results.md`` lists its keys.
+    searched
+        The lines of ``generations.jsonl`` and of ``products.jsonl``.
     """
 
     data: Mapping[str, Any]
+    searched: Sequence[Mapping[str, Any]] = ()
 
     @property
     def decision(self) -> Mapping[str, Any] | None:
@@ -42,54 +42,61 @@ class StudyResult:
         """Why no winner is named, in a sentence."""
         return self.data.get("decision_absent")
 
-    @property
-    def comparisons(self) -> list[Row]:
+    def candidates(self) -> pandas.DataFrame:
+        """A line for each camera that was scored in the search, the designed one's and each product's."""
+        return self.frame("candidates")
+
+    def episodes(self) -> pandas.DataFrame:
+        """A line for each candidate and scene, with its scores there."""
+        return self.frame("episodes")
+
+    def test(self) -> pandas.DataFrame:
+        """A line for the designed camera and each product: fitness and scores on unseen scenes."""
+        return self.frame("test")
+
+    def comparisons(self) -> pandas.DataFrame:
         """A line for each product: ``against``, ``verdict``, ``difference``, ``low``, ``high``."""
-        return [_with_ends(row, "interval") for row in self.data.get("comparisons", ())]
+        return self.frame("comparisons")
 
-    @property
-    def ranking(self) -> list[Row]:
+    def ranking(self) -> pandas.DataFrame:
         """A line for each part, best first: its fitness, interval, variables and P(better than a product)."""
-        rows = []
-        for entry in self.data.get("ranking", ()):
-            row = _with_ends(entry, "ci")
-            camera, better = row.pop("camera"), row.pop("p_better")
-            row["unknown"] = ", ".join(row["unknown"])
-            rows.append(
-                {
-                    **row,
-                    **{f"p_better.{name}": p for name, p in better.items()},
-                    **{name: _shown(value) for name, value in camera.items()},
-                }
-            )
-        return rows
+        return self.frame("ranking")
 
-    @property
-    def importance(self) -> list[Row]:
+    def importance(self) -> pandas.DataFrame:
         """A line for each variable: ``variable``, ``unit``, ``first_order``, ``total``."""
-        return [
-            {key: value for key, value in entry.items() if key != "curve"}
-            for entry in self.data.get("importance", ())
-        ]
+        return self.frame("importance")
 
-    @property
-    def curves(self) -> list[Row]:
+    def curves(self) -> pandas.DataFrame:
         """A line for each point of each variable's curve: ``variable``, ``value``, ``mean``, ..."""
-        return [
-            {"variable": entry["variable"], **point}
-            for entry in self.data.get("importance", ())
-            for point in entry["curve"]
-        ]
+        return self.frame("curves")
 
-    @property
-    def front(self) -> list[Row]:
+    def front(self) -> pandas.DataFrame:
         """A line for each camera of the front, with the value of each objective."""
-        rows = []
-        for entry in self.data.get("front", {}).get("points", ()):
-            row = _with_ends(entry, "ci")
-            camera, values = row.pop("camera"), row.pop("values")
-            rows.append({**row, **values, **{name: _shown(value) for name, value in camera.items()}})
-        return rows
+        return self.frame("front")
+
+    def rows(self, table: str) -> list[Row]:
+        """A table, named as its method, as plain values.
+
+        Raises
+        ------
+        UserError
+            When there is no such table.
+        """
+        return TABLES.rows(self, table)
+
+    def frame(self, table: str) -> pandas.DataFrame:
+        """A table, named as its method, as a data frame.
+
+        Raises
+        ------
+        UserError
+            When there is no such table, or pandas is not installed (the extra ``frames``).
+        """
+        return TABLES.frame(self, table)
+
+    def __repr__(self) -> str:
+        said = self.decision["sentence"] if self.decision else self.decision_absent or "no decision"
+        return f"<result of {self.data.get('name', 'a study')!r}: {said}>"
 
     def _repr_html_(self) -> str:
         """In a notebook: the verdict, and every camera with its fitness on the test scenes, best first."""
@@ -104,34 +111,6 @@ class StudyResult:
         )
         return f"<p>{escape(said)}</p><table><tr><th>camera</th><th>fitness</th></tr>{rows}</table>"
 
-    def frame(self, table: str) -> pandas.DataFrame:
-        """A table as a data frame.
-
-        Parameters
-        ----------
-        table
-            ``comparisons``, ``ranking``, ``importance``, ``curves`` or ``front``.
-
-        Raises
-        ------
-        UserError
-            When there is no such table, or pandas is not installed (the extra ``frames``).
-        """
-        if table not in TABLES:
-            remedy = did_you_mean(table, TABLES)
-            raise UserError(Fault("table", f"there is no table {table!r}", ", ".join(TABLES), remedy))
-        try:
-            import pandas
-        except ImportError as error:
-            fault = Fault(
-                "pandas",
-                "pandas is not installed, which data frames need",
-                "the extra frames",
-                "Install it: pip install tacos-framework[frames]; or take the table as a list.",
-            )
-            raise UserError(fault) from error
-        return pandas.DataFrame(getattr(self, table))
-
 
 def read_result(folder: str | Path) -> StudyResult:
     """The result of a study, from its results folder.
@@ -142,12 +121,82 @@ def read_result(folder: str | Path) -> StudyResult:
         When there is no readable ``result.json`` of a study.
     """
     from tacos_framework.store import read_result as read  # with numpy, which listing plugins does without
+    from tacos_framework.store import read_run_lines
 
     data = read(Path(folder))
     if not isinstance(data.get("cameras"), dict):
         fault = Fault(str(folder), "it is not the result of a study", "a result.json with cameras", "")
         raise UserError(fault)
-    return StudyResult(data)
+    lines = [read_run_lines(Path(folder) / name) for name in ("generations.jsonl", "products.jsonl")]
+    return StudyResult(data, [*lines[0], *lines[1]])
+
+
+def _candidates(result: StudyResult) -> Iterator[Row]:
+    for line, candidate in _scored(result):
+        yield {
+            **_whose(line),
+            "key": candidate["key"],
+            "fitness": candidate["fitness"],
+            "failed": candidate["failed"],
+            "images": candidate["images"],
+            **{name: _shown(value) for name, value in candidate["camera"].items()},
+            **candidate["derived"],
+            **candidate["scores"],
+        }
+
+
+def _episodes(result: StudyResult) -> Iterator[Row]:
+    for line, candidate in _scored(result):
+        for episode, scores in candidate["episodes"].items():
+            yield {**_whose(line), "key": candidate["key"], "episode": episode, **scores}
+
+
+def _scored(result: StudyResult) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+    """Each line of the search with each of its candidates."""
+    return ((line, candidate) for line in result.searched for candidate in line["candidates"])
+
+
+def _whose(line: Mapping[str, Any]) -> Row:
+    return {"product": line.get("product"), "generation": line["generation"]}
+
+
+def _test(result: StudyResult) -> Iterator[Row]:
+    cameras = result.data.get("cameras", {})
+    for name, scores in result.data.get("test", {}).items():
+        yield {"camera": name, "title": cameras.get(name, {}).get("title", name), **scores}
+
+
+def _comparisons(result: StudyResult) -> Iterator[Row]:
+    return (_with_ends(row, "interval") for row in result.data.get("comparisons", ()))
+
+
+def _ranking(result: StudyResult) -> Iterator[Row]:
+    for entry in result.data.get("ranking", ()):
+        row = _with_ends(entry, "ci")
+        camera, better = row.pop("camera"), row.pop("p_better")
+        row["unknown"] = ", ".join(row["unknown"])
+        yield {
+            **row,
+            **{f"p_better.{name}": p for name, p in better.items()},
+            **{name: _shown(value) for name, value in camera.items()},
+        }
+
+
+def _importance(result: StudyResult) -> Iterator[Row]:
+    for entry in result.data.get("importance", ()):
+        yield {key: value for key, value in entry.items() if key != "curve"}
+
+
+def _curves(result: StudyResult) -> Iterator[Row]:
+    for entry in result.data.get("importance", ()):
+        yield from ({"variable": entry["variable"], **point} for point in entry["curve"])
+
+
+def _front(result: StudyResult) -> Iterator[Row]:
+    for entry in result.data.get("front", {}).get("points", ()):
+        row = _with_ends(entry, "ci")
+        camera, values = row.pop("camera"), row.pop("values")
+        yield {**row, **values, **{name: _shown(value) for name, value in camera.items()}}
 
 
 def _with_ends(row: Mapping[str, Any], key: str) -> Row:
@@ -158,3 +207,17 @@ def _with_ends(row: Mapping[str, Any], key: str) -> Row:
 
 def _shown(value: Any) -> Any:
     return value["name"] if isinstance(value, Mapping) and "name" in value else value
+
+
+TABLES = Tables[StudyResult](
+    {
+        "candidates": _candidates,
+        "episodes": _episodes,
+        "test": _test,
+        "comparisons": _comparisons,
+        "ranking": _ranking,
+        "importance": _importance,
+        "curves": _curves,
+        "front": _front,
+    }
+)

@@ -8,13 +8,17 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from yaml.representer import RepresenterError
+
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.packaged_resources import package_offering, shipped_recipes
 from tacos_framework.recipe.parsing import recipe_from
 from tacos_framework.recipe.procedure import ProcedureRecipe, is_procedure, procedure_from
 from tacos_framework.recipe.recipe import Recipe
 from tacos_framework.recipe.run_folder import RUN_RECIPE
+from tacos_framework.settings.yaml_document import Document
 from tacos_framework.settings.yaml_reader import read_yaml_draft
+from tacos_framework.settings.yaml_writer import to_yaml
 
 
 def find_recipe(name: str | Path) -> Path:
@@ -56,7 +60,7 @@ def _folder_fault(folder: Path) -> Fault:
 
 
 def read_any_recipe(
-    name: str | Path,
+    name: str | Path | Mapping[str, Any],
     sets: Mapping[str, Any] | None = None,
     effects: Sequence[Mapping[str, Any]] = (),
     places: Mapping[tuple[str | int, ...], str] = MappingProxyType({}),
@@ -66,7 +70,7 @@ def read_any_recipe(
     Parameters
     ----------
     name
-        Path of the file, or name of a shipped recipe.
+        Path of the file, name of a shipped recipe, or what such a file would hold.
     sets
         Dotted keys and the values to put there (``--set``).
     effects
@@ -84,22 +88,44 @@ def read_any_recipe(
     UserError
         When there is no such file, or it cannot be read as YAML at all.
     """
-    document = read_yaml_draft(find_recipe(name))
+    document = _as_document(name) if isinstance(name, Mapping) else read_yaml_draft(find_recipe(name))
     read = procedure_from if is_procedure(document) else recipe_from
     return read(document, sets or {}, effects, places)
 
 
+def _as_document(written: Mapping[str, Any]) -> Document:
+    """What Python has in place of a file, as if it had been one.
+
+    Raises
+    ------
+    UserError
+        When it holds what no YAML file can.
+    """
+    try:
+        text = to_yaml(dict(written))
+    except RepresenterError as error:
+        found = error.args[-1]
+        fault = Fault(
+            "recipe",
+            f"holds {found!r}, a {type(found).__name__}",
+            "text, numbers, true, false, null, lists and dicts",
+            "Turn it into one of these, for example by float() or .tolist().",
+        )
+        raise UserError(fault) from error
+    return read_yaml_draft(text, "recipe")
+
+
 def load_recipe(
-    name: str | Path,
+    name: str | Path | Mapping[str, Any],
     sets: Mapping[str, Any] | None = None,
     effects: Sequence[Mapping[str, Any]] = (),
 ) -> Recipe | ProcedureRecipe:
-    """Read a recipe by path or by the name of a shipped one.
+    """Read a recipe by path, by the name of a shipped one, or from what its file would hold.
 
     Parameters
     ----------
     name
-        Path, or name such as ``"headset_quick"``.
+        Path, name such as ``"headset_quick"``, or a mapping with the keys of a recipe.
     sets
         Dotted keys and the values to put there, e.g. ``{"optimizer.generations": 2}``.
 

@@ -55,17 +55,28 @@ def test_a_study_decides_and_its_result_can_be_read(tmp_path):
     assert "degenerate" not in result
     read = read_result(tmp_path / "out")
     assert read.decision == decision
-    assert read.ranking[0]["part"] == result["ranking"][0]["part"]
-    assert {"low", "high", "p_better.flea3", "focal_length_mm"} <= set(read.ranking[0])
-    assert [row["variable"] for row in read.importance] == [r["variable"] for r in result["importance"]]
-    assert read.comparisons[0]["against"] == "flea3"
-    assert {"variable", "value", "mean", "low", "high"} == set(read.curves[0])
-    assert read.front == []
+    ranking = read.rows("ranking")
+    assert ranking[0]["part"] == result["ranking"][0]["part"]
+    assert {"low", "high", "p_better.flea3", "focal_length_mm"} <= set(ranking[0])
+    assert [r["variable"] for r in read.rows("importance")] == [r["variable"] for r in result["importance"]]
+    assert read.rows("comparisons")[0]["against"] == "flea3"
+    assert {"variable", "value", "mean", "low", "high"} == set(read.rows("curves")[0])
+    assert read.rows("front") == []
+    assert {row["camera"]: row["fitness"] for row in read.rows("test")} == {
+        name: scores["fitness"] for name, scores in result["test"].items()
+    }
+    searched = read.rows("candidates")
+    assert {row["product"] for row in searched} == {None, "flea3"}
+    assert max(row["fitness"] for row in searched if row["product"] is None) > 0
+    scenes = read.rows("episodes")
+    assert {row["key"] for row in scenes} == {row["key"] for row in searched if row["failed"] is None}
+    assert all("width.closeness" in row for row in scenes)
+    assert repr(read).startswith("<result of 'toy': On 8 unseen scenes")
     with pytest.raises(UserError, match="no table 'rankin'"):
         read.frame("rankin")
 
 
-@pytest.mark.parametrize("table", TABLES)
+@pytest.mark.parametrize("table", TABLES.rows_of)
 def test_tables_are_data_frames_where_pandas_is_installed(table):
     pandas = pytest.importorskip("pandas")
     ranked = {
@@ -76,7 +87,7 @@ def test_tables_are_data_frames_where_pandas_is_installed(table):
         "p_better": {"b": 1.0},
         "unknown": [],
     }
-    frame = StudyResult({"ranking": [ranked]}).frame(table)
+    frame = getattr(StudyResult({"ranking": [ranked]}), table)()
     assert isinstance(frame, pandas.DataFrame)
     assert len(frame) == (table == "ranking")
 
